@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Array types and small helpers shared by the binding files.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+#include <string>
+
+#include "material/von_mises.hpp"
+
+namespace nb = nanobind;
+
+namespace presswork::bindings {
+
+using Doubles = nb::ndarray<const double, nb::numpy, nb::c_contig, nb::device::cpu>;
+using MutableDoubles = nb::ndarray<double, nb::numpy, nb::c_contig, nb::device::cpu>;
+using Ints = nb::ndarray<const int, nb::numpy, nb::c_contig, nb::device::cpu>;
+using Bytes = nb::ndarray<const std::uint8_t, nb::numpy, nb::c_contig, nb::device::cpu>;
+using NewDoubles = nb::ndarray<nb::numpy, double>;
+
+inline void require(bool holds, const char* message) {
+  if (!holds) throw std::invalid_argument(message);
+}
+
+// A new array that Python owns.
+inline NewDoubles new_array(const std::vector<std::size_t>& shape, double** data) {
+  std::size_t size = 1;
+  for (auto n : shape) size *= n;
+  *data = new double[size]();
+  nb::capsule owner(*data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+  return NewDoubles(*data, shape.size(), shape.data(), owner);
+}
+
+}  // namespace presswork::bindings

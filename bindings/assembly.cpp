@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arrays.hpp"
+#include "assembly/assembler.hpp"
+
+namespace presswork::bindings {
+
+namespace {
+
+std::vector<const double*> pointers(const std::vector<Doubles>& arrays) {
+  std::vector<const double*> result;
+  for (const auto& a : arrays) result.push_back(a.data());
+  return result;
+}
+
+}  // namespace
+
+void bind_assembly(nb::module_& m) {
+  nb::class_<Assembler>(m, "Assembler", "Sparsity pattern and scatter of element arrays, two freedoms a node.")
+      .def(
+          "__init__",
+          [](Assembler* self, int n_nodes, const std::vector<Ints>& connectivity, bool symmetric) {
+            std::vector<BlockConnectivity> blocks;
+            for (const auto& c : connectivity)
+              blocks.push_back({static_cast<int>(c.shape(0)), static_cast<int>(c.shape(1)), c.data()});
+            new (self) Assembler(n_nodes, blocks, symmetric);
+          },
+          nb::arg("n_nodes"), nb::arg("connectivity"), nb::arg("symmetric"))
+      .def_prop_ro("indptr",
+                   [](const Assembler& a) {
+                     return nb::ndarray<nb::numpy, const int>(a.indptr().data(), {a.indptr().size()}, nb::find(a));
+                   })
+      .def_prop_ro("indices",
+                   [](const Assembler& a) {
+                     return nb::ndarray<nb::numpy, const int>(a.indices().data(), {a.indices().size()}, nb::find(a));
+                   })
+      .def(
+          "assemble_matrix",
+          [](const Assembler& a, const std::vector<Doubles>& stiffness, Bytes turned, Doubles frames,
+             MutableDoubles data) {
+            require(turned.size() == std::size_t(a.n_nodes()) && frames.size() == 4 * turned.size(),
+                    "turned (n_nodes) and frames (n_nodes, 2, 2)");
+            require(data.size() == a.indices().size(), "data must have the length of indices");
+            const auto sources = pointers(stiffness);
+            nb::gil_scoped_release release;
+            a.assemble_matrix(sources, turned.data(), frames.data(), data.data());
+          },
+          nb::arg("stiffness"), nb::arg("turned"), nb::arg("frames"), nb::arg("data"),
+          "Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.")
+      .def(
+          "add_blocks",
+          [](const Assembler& a, Ints pairs, Doubles blocks, Bytes turned, Doubles frames, MutableDoubles data) {
+            require(blocks.size() == 2 * pairs.size(), "pairs (n, 2) and blocks (n, 2, 2)");
+            a.add_blocks(static_cast<int>(pairs.shape(0)), pairs.data(), blocks.data(), turned.data(), frames.data(),
+                         data.data());
+          },
+          nb::arg("pairs"), nb::arg("blocks"), nb::arg("turned"), nb::arg("frames"), nb::arg("data"),
+          "Add 2x2 blocks at node pairs.")
+      .def(
+          "assemble_vector",
+          [](const Assembler& a, const std::vector<Doubles>& element_force) {
+            double* force;
+            auto result = new_array({static_cast<std::size_t>(a.n_nodes()), 2}, &force);
+            a.assemble_vector(pointers(element_force), force);
+            return result;
+          },
+          nb::arg("element_force"), "Nodal force (n_nodes, 2) of packed element forces.")
+      .def(
+          "constrain",
+          [](const Assembler& a, Bytes mask, Doubles value, double scale, MutableDoubles data, MutableDoubles rhs) {
+            const std::size_t n = 2 * static_cast<std::size_t>(a.n_nodes());
+            require(mask.size() == n && value.size() == n && rhs.size() == n, "mask, value, rhs: length 2 n_nodes");
+            nb::gil_scoped_release release;
+            a.constrain(mask.data(), value.data(), scale, data.data(), rhs.data());
+          },
+          nb::arg("mask"), nb::arg("value"), nb::arg("scale"), nb::arg("data"), nb::arg("rhs"),
+          "Prescribe the masked freedoms in the matrix and the right-hand side.");
+}
+
+}  // namespace presswork::bindings

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arrays.hpp"
+#include "contact/profile.hpp"
+
+namespace presswork::bindings {
+
+void bind_contact(nb::module_& m) {
+  m.def(
+      "touch_profile",
+      [](Doubles segments, Doubles points) {
+        require(segments.ndim() == 2 && segments.shape(1) == 7, "segments must have shape (n_segments, 7)");
+        require(points.ndim() == 2 && points.shape(1) == 2, "points must have shape (n, 2)");
+        const std::size_t n = points.shape(0);
+        double *gap, *normal, *second_gap, *second_normal;
+        auto gaps = new_array({n}, &gap);
+        auto normals = new_array({n, 2}, &normal);
+        auto second_gaps = new_array({n}, &second_gap);
+        auto second_normals = new_array({n, 2}, &second_normal);
+        const int n_segments = static_cast<int>(segments.shape(0));
+#pragma omp parallel for schedule(static)
+        for (std::size_t i = 0; i < n; ++i) {
+          const Touch t = touch_profile(n_segments, segments.data(), points.data()[2 * i], points.data()[2 * i + 1]);
+          gap[i] = t.gap, second_gap[i] = t.second_gap;
+          for (int k = 0; k < 2; ++k) normal[2 * i + k] = t.normal[k], second_normal[2 * i + k] = t.second_normal[k];
+        }
+        return nb::make_tuple(gaps, normals, second_gaps, second_normals);
+      },
+      nb::arg("segments"), nb::arg("points"),
+      "Gap (n) and normal (n, 2) of points to a tool profile, and those of the second face where a point lies in an "
+      "inner "
+      "corner (infinite elsewhere).");
+}
+
+}  // namespace presswork::bindings

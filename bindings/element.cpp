@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arrays.hpp"
+#include "element/evaluate_block.hpp"
+
+namespace presswork::bindings {
+
+namespace {
+
+ElementType element_named(const std::string& name) {
+  auto element = find_element(name);
+  if (!element) throw std::invalid_argument("unknown element " + name);
+  return *element;
+}
+
+}  // namespace
+
+void bind_element(nb::module_& m) {
+  nb::enum_<TangentKind>(m, "TangentKind", "Which tangent an element builds.")
+      .value("none", TangentKind::none)
+      .value("consistent", TangentKind::consistent)
+      .value("thesis", TangentKind::thesis);
+  nb::class_<PointSettings>(m, "PointSettings", "Kinematics and tangent of an integration point.")
+      .def(
+          "__init__",
+          [](PointSettings* self, StrainMeasure measure, TangentKind tangent, bool green_lagrange_matrix, bool k_e,
+             bool k_u, bool k_v) { new (self) PointSettings{measure, tangent, green_lagrange_matrix, k_e, k_u, k_v}; },
+          nb::kw_only(), nb::arg("measure") = StrainMeasure::log, nb::arg("tangent") = TangentKind::consistent,
+          nb::arg("green_lagrange_matrix") = false, nb::arg("k_e") = true, nb::arg("k_u") = true,
+          nb::arg("k_v") = false);
+
+  m.def(
+      "element_sizes",
+      [](const std::string& name) {
+        const auto e = element_named(name);
+        return nb::make_tuple(e.nodes, e.points);
+      },
+      nb::arg("element"), "Number of nodes and of integration points of an element.");
+
+  m.def(
+      "evaluate_block",
+      [](const std::string& name, Ints connectivity, Doubles points, Doubles increment, const VonMises& law,
+         const PointSettings& settings, bool axisymmetric, double depth, double hourglass_fraction, Doubles stress_n,
+         Doubles eqps_n, Doubles hourglass_n, MutableDoubles stress, MutableDoubles eqps, MutableDoubles hourglass,
+         MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric) {
+        const auto element = element_named(name);
+        const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width;
+        const std::size_t freedoms = 2 * element.nodes, q = n * element.points;
+        require(connectivity.ndim() == 2 && connectivity.shape(1) == std::size_t(element.nodes),
+                "connectivity must have shape (n_cells, nodes)");
+        require(points.size() == increment.size() && points.shape(1) == 2,
+                "points and increment must have shape (n, 2)");
+        require(stress_n.size() == 4 * q && stress.size() == 4 * q, "stress must have shape (n_cells, points, 4)");
+        require(eqps_n.size() == q && eqps.size() == q && volume.size() == q, "eqps, volume: shape (n_cells, points)");
+        require(hourglass_n.size() == 2 * n && hourglass.size() == 2 * n, "hourglass must have shape (n_cells, 2)");
+        require(force.size() == packs * freedoms * pack_width, "force must have shape (n_packs, freedoms, pack_width)");
+        require(!stiffness || stiffness->size() == packs * freedoms * freedoms * pack_width,
+                "stiffness must have shape (n_packs, freedoms, freedoms, pack_width)");
+        BlockView block{static_cast<int>(n),
+                        connectivity.data(),
+                        points.data(),
+                        increment.data(),
+                        axisymmetric,
+                        depth,
+                        stress_n.data(),
+                        eqps_n.data(),
+                        hourglass_n.data(),
+                        hourglass_fraction,
+                        stress.data(),
+                        eqps.data(),
+                        hourglass.data(),
+                        volume.data(),
+                        force.data(),
+                        nullptr,
+                        symmetric};
+        PointSettings used = settings;
+        if (stiffness)
+          block.stiffness = stiffness->data();
+        else
+          used.tangent = TangentKind::none;
+        nb::gil_scoped_release release;
+        return n == 0 ? -1 : evaluate_block(element, block, used, law);
+      },
+      nb::arg("element"), nb::arg("connectivity"), nb::arg("points"), nb::arg("increment"), nb::arg("law"),
+      nb::arg("settings"), nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth"), nb::arg("hourglass_fraction"),
+      nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"), nb::arg("stress"), nb::arg("eqps"),
+      nb::arg("hourglass"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(),
+      nb::arg("symmetric") = false,
+      "Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. "
+      "Returns "
+      "the index of a cell turned inside out, or -1.");
+}
+
+}  // namespace presswork::bindings

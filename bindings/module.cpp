@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The compiled module presswork._core. It sees arrays, never files or cases.
+#include <omp.h>
+
+#include "arrays.hpp"
+#include "tensor/pack.hpp"
+
+namespace presswork::bindings {
+void bind_kinematics(nb::module_& m);
+void bind_material(nb::module_& m);
+void bind_element(nb::module_& m);
+void bind_contact(nb::module_& m);
+void bind_assembly(nb::module_& m);
+}  // namespace presswork::bindings
+
+NB_MODULE(_core, m) {
+  using namespace presswork::bindings;
+  m.doc() = "Compiled kernels: elements, materials, contact and assembly.";
+  m.attr("pack_width") = presswork::pack_width;
+  m.def("set_threads", [](int n) { omp_set_num_threads(n); }, nb::arg("n"), "Set the number of threads of every loop.");
+  m.def("max_threads", [] { return omp_get_max_threads(); }, "Number of threads that loops use.");
+  bind_kinematics(m);
+  bind_material(m);
+  bind_element(m);
+  bind_contact(m);
+  bind_assembly(m);
+}

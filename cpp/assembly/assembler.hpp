@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sparsity pattern and scatter, two freedoms a node.
+//
+// Element arrays are gathered, not scattered: every 2x2 node pair of the global matrix knows which element entries add
+// up to it, in a fixed order, so that rows can be filled by any number of threads with the same bits. Symmetric
+// patterns store the upper triangle only.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace presswork {
+
+struct BlockConnectivity {
+  int n_cells;
+  int nodes;
+  const int* connectivity;  // (n_cells, nodes)
+};
+
+class Assembler {
+ public:
+  Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric);
+
+  int n_nodes() const { return n_nodes_; }
+  bool symmetric() const { return symmetric_; }
+  const std::vector<int>& indptr() const { return indptr_; }
+  const std::vector<int>& indices() const { return indices_; }
+
+  // Fill data (nnz) from the element stiffnesses of each block. turned[i] marks nodes whose freedoms are taken in their
+  // own frame: frames (n_nodes, 2, 2), rows are the local axes.
+  void assemble_matrix(const std::vector<const double*>& stiffness, const std::uint8_t* turned, const double* frames,
+                       double* data) const;
+
+  // Add 2x2 blocks (n, 2, 2) at node pairs (n, 2) that the pattern holds; below the diagonal is left out if symmetric.
+  void add_blocks(int n, const int* pairs, const double* blocks, const std::uint8_t* turned, const double* frames,
+                  double* data) const;
+
+  // force (n_nodes, 2) from the element forces of each block.
+  void assemble_vector(const std::vector<const double*>& element_force, double* force) const;
+
+  // Prescribe the freedoms of mask: rhs loses the columns times value, rows and columns become `scale` on the diagonal,
+  // rhs there scale * value.
+  void constrain(const std::uint8_t* mask, const double* value, double scale, double* data, double* rhs) const;
+
+ private:
+  struct PairSources {  // per node pair, the element entries that add up to it
+    int freedoms = 0;
+    std::vector<std::int64_t> start;   // (n_pairs + 1)
+    std::vector<std::int32_t> source;  // packed (cell, a, b) as an index of its first entry, in units of lanes
+  };
+  struct NodeSources {
+    std::vector<std::int64_t> start;
+    std::vector<std::int32_t> source;
+  };
+
+  void build_pairs(const std::vector<BlockConnectivity>& blocks);
+  void build_csr();
+  void build_sources(const BlockConnectivity& block);
+  std::int64_t find_pair(int row, int column) const;
+  void store_pair(std::int64_t pair, int row, int column, const double k[4], double* data, bool add) const;
+
+  int n_nodes_;
+  bool symmetric_;
+  std::vector<std::int64_t> pair_start_;  // (n_nodes + 1)
+  std::vector<int> pair_column_;
+  std::vector<int> indptr_, indices_;
+  std::vector<PairSources> pair_sources_;
+  std::vector<NodeSources> node_sources_;
+};
+
+}  // namespace presswork

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "element/evaluate_block.hpp"
+
+#include <algorithm>
+#include <climits>
+
+namespace presswork {
+
+namespace {
+
+template <Cell cell, int n_points, Treatment treatment = Treatment::standard>
+constexpr ElementType element(std::string_view name) {
+  using Kernel = Solid2d<cell, n_points, treatment>;
+  return {name, Kernel::nodes, n_points, &Kernel::evaluate};
+}
+
+const ElementType elements[] = {
+    element<Cell::tri3, 1>("tri3"),
+    element<Cell::tri6, 6>("tri6_6pt"),
+    element<Cell::tri6, 7>("tri6_7pt"),
+    element<Cell::quad4, 4>("quad4"),
+    element<Cell::quad4, 4, Treatment::fbar>("quad4_fbar"),
+    element<Cell::quad4, 1, Treatment::one_point>("quad4_1pt"),
+    element<Cell::quad8, 9>("quad8"),
+    element<Cell::quad8, 4>("quad8_2x2"),
+    element<Cell::quad9, 9>("quad9"),
+    element<Cell::quad9, 4>("quad9_2x2"),
+};
+
+}  // namespace
+
+std::optional<ElementType> find_element(std::string_view name) {
+  for (const auto& e : elements)
+    if (e.name == name) return e;
+  return std::nullopt;
+}
+
+int evaluate_block(const ElementType& element, const BlockView& block, const PointSettings& settings,
+                   const VonMises& law) {
+  const int n_packs = (block.n_cells + pack_width - 1) / pack_width;
+  int failed = INT_MAX;
+#pragma omp parallel for schedule(static) reduction(min : failed)
+  for (int pack = 0; pack < n_packs; ++pack) {
+    const int cell = element.evaluate_pack(block, settings, law, pack);
+    if (cell >= 0) failed = std::min(failed, cell);
+  }
+  return failed == INT_MAX ? -1 : failed;
+}
+
+}  // namespace presswork

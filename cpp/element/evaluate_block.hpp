@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The list of elements, and the threaded loop over a block of cells.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "element/solid2d.hpp"
+
+namespace presswork {
+
+struct ElementType {
+  std::string_view name;
+  int nodes;
+  int points;
+  int (*evaluate_pack)(const BlockView&, const PointSettings&, const VonMises&, int pack);
+};
+
+// The element of that name, or nothing.
+std::optional<ElementType> find_element(std::string_view name);
+
+// Evaluate every pack of a block. Returns the lowest index of a cell turned inside out, or -1. The result does not
+// depend on the number of threads: each pack writes its own slots.
+int evaluate_block(const ElementType& element, const BlockView& block, const PointSettings& settings,
+                   const VonMises& law);
+
+}  // namespace presswork

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// Isotropic elasticity with von Mises plasticity and isotropic hardening: six stress integrators.
+//
+// Given the stress at the start of the increment and the strain increment in a frame that does not turn, return the
+// stress and the equivalent plastic strain at its end, and d(stress)/d(strain increment). Order xx, yy, zz, xy, shear
+// strain engineering. S is the deviatoric stress, R_y = sqrt(2/3) flow stress its length on the yield surface.
+//
+//   backward_euler         S_f = S_t (1 - 3G dp/q_t), q_t - 3G dp = flow(p + dp)       Simo & Taylor 1985; the default
+//   radial_return          S_t scaled to flow(p + dp), dp by the slope at the start     Wilkins 1964
+//   direct                 S_c + dS of the rate equation at S_c, no correction          thesis 9
+//   tangent_radial_return  the direct result scaled to flow(p + dp)                     Marcal 1969
+//   secant                 the rate equation at (S_t + S_c)/2, then scaled              Rice & Tracey 1973
+//   substepping            tangent_radial_return over equal parts of the increment      the thesis's own
+//
+// S_c is the stress where the elastic path meets the yield surface, S_t the elastic trial stress. With hardening,
+// secant is scaled to the hardened surface; without it Rice & Tracey's point lies there by itself. Tangents: closed
+// form for backward_euler, dual numbers for the rest, so that each is the exact derivative of what was computed;
+// "continuum" is the rate equation's matrix (Yamada 1968) at the final stress, for all of them.
+#pragma once
+
+#include "material/hardening.hpp"
+
+namespace presswork {
+
+enum class Integrator : int {
+  backward_euler = 0,
+  radial_return = 1,
+  direct = 2,
+  tangent_radial_return = 3,
+  secant = 4,
+  substepping = 5
+};
+
+enum class Modulus : int { consistent = 0, continuum = 1 };
+
+struct VonMises {
+  double young = 0.0;  // [MPa]
+  double poisson = 0.0;
+  Hardening hardening;
+  Integrator integrator = Integrator::backward_euler;
+  int substeps = 10;
+  Modulus modulus = Modulus::consistent;
+
+  double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
+  double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
+};
+
+template <class T>
+struct PointState {
+  T stress[4];
+  T eqps;  // equivalent plastic strain
+};
+
+namespace von_mises {
+
+template <class T>
+T mean_of(const T s[4]) {
+  return (s[0] + s[1] + s[2]) * T(1.0 / 3);
+}
+// double contraction of two symmetric tensors given as tensor components
+template <class T>
+T contract(const T a[4], const T b[4]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + T(2.0) * a[3] * b[3];
+}
+template <class T>
+T effective_of(const T s[4]) {
+  return square_root(T(1.5) * contract(s, s));
+}
+template <class T>
+void deviator_of(const T a[4], T s[4]) {
+  T m = mean_of(a);
+  s[0] = a[0] - m;
+  s[1] = a[1] - m;
+  s[2] = a[2] - m;
+  s[3] = a[3];
+}
+
+// dp of q_trial - 3G dp = flow(p + dp), by Newton inside a bracket; zero where mask is off.
+template <class T, class M>
+T solve_plastic_increment(const VonMises& law, T eqps, T q_trial, T over, M plastic, T& slope) {
+  const double g3 = 3.0 * law.shear_modulus();
+  T flow;
+  law.hardening.evaluate(eqps, flow, slope);
+  T dp = select(plastic, over / (T(g3) + slope), T(0.0));
+  if (law.hardening.law == HardeningLaw::linear) return dp;
+  T low(0.0), high = select(plastic, over * T(1.0 / g3), T(0.0));
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    law.hardening.evaluate(eqps + dp, flow, slope);
+    T residual = q_trial - T(g3) * dp - flow;
+    T size = larger(residual, -residual);
+    auto open = both(plastic, size > T(1e-13) * q_trial);
+    if (!any(open)) break;
+    low = select(residual > T(0.0), dp, low);
+    high = select(residual > T(0.0), high, dp);
+    T next = dp + residual / (T(g3) + slope);
+    auto inside = both(next > low, next < high);
+    next = select(inside, next, T(0.5) * (low + high));
+    dp = select(open, next, dp);
+  }
+  return dp;
+}
+
+template <class T>
+void elastic_plastic_matrix(const VonMises& law, const T n[4], T theta, T theta_bar, T matrix[4][4]) {
+  // K 1 x 1 + 2G theta I_dev - 2G theta_bar N x N, N of unit length
+  const double G = law.shear_modulus(), K = law.bulk_modulus();
+  T g2 = T(2.0 * G) * theta;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) matrix[i][j] = -T(2.0 * G) * theta_bar * n[i] * n[j];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) matrix[i][j] += T(K) - g2 * T(1.0 / 3);
+    matrix[i][i] += g2;
+  }
+  matrix[3][3] += T(0.5) * g2;
+}
+
+// The default: backward Euler and, if tangent is given, its consistent matrix (or the continuum one).
+template <class T>
+void update_backward_euler(const VonMises& law, const T strain[4], PointState<T>& point, T (*tangent)[4]) {
+  const double G = law.shear_modulus(), K = law.bulk_modulus();
+  // 1. elastic predictor
+  T volume = strain[0] + strain[1] + strain[2];
+  T mean = mean_of(point.stress) + T(K) * volume;
+  T s[4];
+  deviator_of(point.stress, s);
+  for (int i = 0; i < 3; ++i) s[i] += T(2.0 * G) * (strain[i] - volume * T(1.0 / 3));
+  s[3] += T(G) * strain[3];
+  T q = effective_of(s);
+  // 2. admissible?
+  T flow, slope;
+  law.hardening.evaluate(point.eqps, flow, slope);
+  auto plastic = q > flow;
+  // 3. return
+  T scale(1.0), dp(0.0);
+  T safe_q = larger(q, T(1e-300));
+  if (any(plastic)) {
+    dp = solve_plastic_increment(law, point.eqps, q, q - flow, plastic, slope);
+    scale = T(1.0) - T(3.0 * G) * dp / safe_q;
+  }
+  for (int i = 0; i < 3; ++i) point.stress[i] = scale * s[i] + mean;
+  point.stress[3] = scale * s[3];
+  point.eqps += dp;
+  // 4. tangent
+  if (!tangent) return;
+  T n[4];
+  const double unit = 1.2247448713915890491;  // sqrt(3/2)
+  for (int i = 0; i < 4; ++i) n[i] = T(unit) * s[i] / safe_q;
+  T theta = law.modulus == Modulus::consistent ? scale : T(1.0);
+  T theta_bar = T(1.0) / (T(1.0) + slope * T(1.0 / (3.0 * G))) - (T(1.0) - theta);
+  theta_bar = select(plastic, theta_bar, T(0.0));
+  elastic_plastic_matrix(law, n, theta, theta_bar, tangent);
+}
+
+// The rate equation over the strain deviator de (tensor components), its direction taken at S_dir; adds to s and eqps.
+template <class T>
+void step_rate_equation(const VonMises& law, const T direction[4], const T de[4], T s[4], T& eqps) {
+  const double G = law.shear_modulus();
+  T flow, slope;
+  law.hardening.evaluate(eqps, flow, slope);
+  T length = square_root(contract(direction, direction));
+  T along = larger(contract(direction, de) / length, T(0.0));
+  T dp = T(0.81649658092772603273) * along * T(3.0 * G) / (T(3.0 * G) + slope);  // sqrt(2/3)
+  T pull = T(2.0 * G * 1.2247448713915890491) * dp / length;
+  for (int i = 0; i < 4; ++i) s[i] += T(2.0 * G) * de[i] - pull * direction[i];
+  eqps += dp;
+}
+
+template <class T>
+void scale_to_surface(const VonMises& law, T eqps, T s[4]) {
+  T flow, slope;
+  law.hardening.evaluate(eqps, flow, slope);
+  T ratio = flow / effective_of(s);
+  for (int i = 0; i < 4; ++i) s[i] *= ratio;
+}
+
+// The five integrators that are there to be compared.
+template <class T>
+void update_by_rate(const VonMises& law, const T strain[4], PointState<T>& point) {
+  const double G = law.shear_modulus(), K = law.bulk_modulus();
+  T volume = strain[0] + strain[1] + strain[2];
+  T mean = mean_of(point.stress) + T(K) * volume;
+  T s[4], de[4], trial[4], contact[4];
+  deviator_of(point.stress, s);
+  for (int i = 0; i < 3; ++i) de[i] = strain[i] - volume * T(1.0 / 3);
+  de[3] = T(0.5) * strain[3];
+  for (int i = 0; i < 4; ++i) trial[i] = s[i] + T(2.0 * G) * de[i];
+  T flow, slope;
+  law.hardening.evaluate(point.eqps, flow, slope);
+  T q = effective_of(trial);
+  auto plastic = value_of(q) > value_of(flow);
+
+  // 1. the part of the increment that is elastic: |s + f 2G de| = R_y; all of it where the trial stress is admissible
+  T a = T(4.0 * G * G) * contract(de, de), b = T(2.0 * G) * contract(s, de);
+  T c = contract(s, s) - T(2.0 / 3) * flow * flow;
+  T root = square_root(larger(b * b - a * c, T(0.0)));
+  T fraction = (root - b) / larger(a, T(1e-300));
+  fraction = smaller(larger(fraction, T(0.0)), T(1.0));
+  fraction = select(plastic, fraction, T(1.0));
+  T rest[4];
+  for (int i = 0; i < 4; ++i) {
+    contact[i] = s[i] + fraction * T(2.0 * G) * de[i];
+    rest[i] = (T(1.0) - fraction) * de[i];
+  }
+
+  // 2. the plastic part
+  T result[4], eqps = point.eqps;
+  for (int i = 0; i < 4; ++i) result[i] = contact[i];
+  switch (law.integrator) {
+    case Integrator::radial_return: {
+      eqps += (q - flow) / (T(3.0 * G) + slope);
+      for (int i = 0; i < 4; ++i) result[i] = trial[i];
+      scale_to_surface(law, eqps, result);
+      break;
+    }
+    case Integrator::secant: {
+      T middle[4];
+      for (int i = 0; i < 4; ++i) middle[i] = T(0.5) * (trial[i] + contact[i]);
+      step_rate_equation(law, middle, rest, result, eqps);
+      scale_to_surface(law, eqps, result);
+      break;
+    }
+    case Integrator::substepping: {
+      T part[4];
+      for (int i = 0; i < 4; ++i) part[i] = rest[i] * T(1.0 / law.substeps);
+      for (int k = 0; k < law.substeps; ++k) {
+        T direction[4] = {result[0], result[1], result[2], result[3]};
+        step_rate_equation(law, direction, part, result, eqps);
+        scale_to_surface(law, eqps, result);
+      }
+      break;
+    }
+    default:
+      step_rate_equation(law, contact, rest, result, eqps);
+      if (law.integrator == Integrator::tangent_radial_return) scale_to_surface(law, eqps, result);
+  }
+
+  // 3. elastic points keep the trial stress
+  for (int i = 0; i < 4; ++i) {
+    T final_deviator = select(plastic, result[i], trial[i]);
+    point.stress[i] = i < 3 ? final_deviator + mean : final_deviator;
+  }
+  point.eqps = select(plastic, eqps, point.eqps);
+}
+
+}  // namespace von_mises
+
+// Advance one material point. tangent (4x4) may be null.
+template <class T>
+void update_von_mises(const VonMises& law, const T strain[4], PointState<T>& point, T (*tangent)[4]) {
+  if (law.integrator == Integrator::backward_euler) {
+    von_mises::update_backward_euler(law, strain, point, tangent);
+    return;
+  }
+  if (!tangent) {
+    von_mises::update_by_rate(law, strain, point);
+    return;
+  }
+  if (law.modulus == Modulus::continuum) {
+    const T eqps_n = point.eqps;
+    von_mises::update_by_rate(law, strain, point);
+    T s[4], flow, slope;
+    von_mises::deviator_of(point.stress, s);
+    law.hardening.evaluate(point.eqps, flow, slope);
+    T length = larger(square_root(von_mises::contract(s, s)), T(1e-300));
+    for (auto& x : s) x = x / length;
+    T theta_bar = T(1.0) / (T(1.0) + slope * T(1.0 / (3.0 * law.shear_modulus())));
+    theta_bar = select(point.eqps > eqps_n, theta_bar, T(0.0));
+    von_mises::elastic_plastic_matrix(law, s, T(1.0), theta_bar, tangent);
+    return;
+  }
+  using D = Dual<T, 4>;
+  PointState<D> dual;
+  D dual_strain[4];
+  for (int i = 0; i < 4; ++i) {
+    dual_strain[i] = D::variable(strain[i], i);
+    dual.stress[i] = D(point.stress[i]);
+  }
+  dual.eqps = D(point.eqps);
+  von_mises::update_by_rate(law, dual_strain, dual);
+  for (int i = 0; i < 4; ++i) {
+    point.stress[i] = dual.stress[i].value;
+    for (int j = 0; j < 4; ++j) tangent[i][j] = dual.stress[i].slope[j];
+  }
+  point.eqps = dual.eqps.value;
+}
+
+}  // namespace presswork

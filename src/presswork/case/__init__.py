@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The case: schema, units, reading of case files, and the way from a case to the Model."""
+
+from presswork.case.builder import build_model
+from presswork.case.describe import describe
+from presswork.case.errors import CaseError, Problem
+from presswork.case.hardening import HockettSherby, Linear, Ludwik, Swift, Table, Voce
+from presswork.case.schema import (
+    Boundary,
+    Case,
+    Displacement,
+    Force,
+    Material,
+    MeshFile,
+    Pressure,
+    ProfilePoint,
+    Rectangle,
+    Stage,
+    Tool,
+    ToolMotion,
+    Workpiece,
+    Zone,
+    json_schema,
+)
+from presswork.case.settings import Output, Solver, Terms
+
+__all__ = [
+    "Boundary",
+    "Case",
+    "CaseError",
+    "Displacement",
+    "Force",
+    "HockettSherby",
+    "Linear",
+    "Ludwik",
+    "Material",
+    "MeshFile",
+    "Output",
+    "Pressure",
+    "Problem",
+    "ProfilePoint",
+    "Rectangle",
+    "Solver",
+    "Stage",
+    "Swift",
+    "Table",
+    "Terms",
+    "Tool",
+    "ToolMotion",
+    "Voce",
+    "Workpiece",
+    "Zone",
+    "build_model",
+    "describe",
+    "json_schema",
+]

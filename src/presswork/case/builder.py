@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a case to the Model: names resolved, the workpiece meshed, tools directed, everything checked.
+
+A boundary entry is a symmetry plane when it says so, or when it fixes one component only on an outermost straight side
+of the workpiece normal to that component. In plane strain a tool that reaches one is twice what is modelled.
+"""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import numpy as np
+
+from presswork import model
+from presswork.case import schema
+from presswork.case.errors import CaseError, Problem
+from presswork.case.hardening import build_hardening
+from presswork.case.references import check_references, check_sets
+from presswork.case.settings import build_output, build_solver
+from presswork.case.tools import build_tool
+from presswork.case.units import LENGTH, unit_factor
+from presswork.mesh import MeshError, grade_line, mesh_rectangle, read_mesh
+
+logger = logging.getLogger(__name__)
+
+_AXES = ("x", "y")
+
+
+def build_model(case: schema.Case) -> model.Model:
+    """Build the Model of a case; raises CaseError with every problem of the first kind that is found.
+
+    The kinds are, in this order: names that do not exist and values that do not go together; the mesh; sets, supports
+    and tools that do not fit the workpiece.
+    """
+    _stop_at(check_references(case), case)
+    mesh = _build_mesh(case)
+    problems = check_sets(case, mesh)
+    _stop_at(problems, case)
+    planes, problems = _find_symmetry_planes(case, mesh)
+    if case.analysis == "axisymmetric":
+        problems += _check_axis(case, mesh)
+    tools = [build_tool(name, tool, mesh, planes) for name, tool in case.tools.items()]
+    _stop_at(problems + [tool for tool in tools if isinstance(tool, Problem)], case)
+    return model.Model(
+        title=case.title,
+        analysis=case.analysis,
+        depth=case.depth,
+        mesh=mesh,
+        materials=tuple(
+            model.Material(name, material.young, material.poisson, build_hardening(material.hardening))
+            for name, material in case.materials.items()
+        ),
+        tools=tuple(tool for tool in tools if isinstance(tool, model.Tool)),
+        supports=tuple(
+            model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix)) for entry in case.boundary.values()
+        ),
+        stages=tuple(_build_stage(stage) for stage in case.stages),
+        solver=build_solver(case.solver),
+        output=build_output(case.output),
+        case_text=case.text,
+    )
+
+
+def _stop_at(problems: list[Problem], case: schema.Case) -> None:
+    if problems:
+        raise CaseError(problems, case.source)
+
+
+def _build_mesh(case: schema.Case) -> model.Mesh:
+    """Mesh the workpiece, or read its mesh."""
+    workpiece = case.workpiece
+    material = list(case.materials).index(workpiece.material)
+    if isinstance(workpiece.mesh, schema.Rectangle):
+        x_lines, y_lines = _grid_lines(workpiece.mesh)
+        return mesh_rectangle(
+            x_lines, y_lines, element=workpiece.element, pattern=workpiece.mesh.pattern, material=material
+        )
+    folder = case.source.parent if case.source is not None else Path()
+    scale = unit_factor(workpiece.mesh.unit, LENGTH)
+    try:
+        mesh, notes = read_mesh(folder / workpiece.mesh.path, element=workpiece.element, scale=scale, material=material)
+    except MeshError as error:
+        problem = Problem("workpiece.mesh.path", error.fault, error.remedy, workpiece.mesh.path)
+        raise CaseError([problem], case.source) from error
+    for note in notes:
+        logger.warning("workpiece.mesh.path = %s: %s", workpiece.mesh.path, note)
+    return mesh
+
+
+def _grid_lines(rectangle: schema.Rectangle) -> tuple[model.FloatArray, model.FloatArray]:
+    """Return the grid lines [mm] of a rectangle along x and y."""
+    lines = []
+    for axis, zones in enumerate((rectangle.zones_x, rectangle.zones_y)):
+        if zones is not None:
+            sizes = [(zone.length, zone.cells, zone.ratio) for zone in zones]
+        else:
+            assert rectangle.size is not None
+            assert rectangle.cells is not None
+            sizes = [(rectangle.size[axis], rectangle.cells[axis], rectangle.grading[axis])]
+        lines.append(grade_line(rectangle.origin[axis], sizes))
+    return lines[0], lines[1]
+
+
+def _find_symmetry_planes(
+    case: schema.Case, mesh: model.Mesh
+) -> tuple[tuple[model.FloatArray, model.FloatArray], list[Problem]]:
+    """Return the positions [mm] of the symmetry planes normal to x and y that count for tools, and problems."""
+    planes: tuple[list[float], list[float]] = ([], [])
+    problems = []
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    tolerance = 1e-6 * float(np.linalg.norm(high - low))
+    for name, entry in case.boundary.items():
+        fixed = sorted(set(entry.fix))
+        axis = _AXES.index(fixed[0])
+        coordinate = mesh.points[mesh.node_sets[entry.set], axis]
+        outermost = min(coordinate.min() - low[axis], high[axis] - coordinate.max()) < tolerance
+        if len(fixed) == 1 and np.ptp(coordinate) < tolerance and outermost:
+            if entry.symmetry is not False:
+                planes[axis].append(float(coordinate.mean()))
+        elif entry.symmetry:
+            problems.append(
+                Problem(
+                    f"boundary.{name}.symmetry",
+                    f"the set `{entry.set}` with fix = {fixed} is no symmetry plane of the workpiece",
+                    "fix one component, on an outermost straight side normal to it, or leave symmetry out",
+                    True,
+                )
+            )
+    if case.analysis == "axisymmetric":
+        planes = ([], [])
+    return (np.array(planes[0]), np.array(planes[1])), problems
+
+
+def _check_axis(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of a workpiece about the axis x = 0."""
+    x = mesh.points[:, 0]
+    tolerance = 1e-6 * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    if x.min() < -tolerance:
+        return [
+            Problem(
+                "workpiece.mesh",
+                f"the workpiece reaches to x = {x.min():.6g} mm, but x is the radius in an axisymmetric analysis",
+                "model the half at x >= 0, with the axis at x = 0",
+            )
+        ]
+    fixed = [mesh.node_sets[entry.set] for entry in case.boundary.values() if "x" in entry.fix]
+    on_axis = np.flatnonzero(x < tolerance)
+    loose = np.setdiff1d(on_axis, np.concatenate(fixed)) if fixed else on_axis
+    if len(loose) == 0:
+        return []
+    return [
+        Problem(
+            "boundary",
+            f"{len(loose)} nodes on the axis of rotation (x = 0) are free to leave it",
+            'add [boundary.axis] with set = "left" and fix = ["x"]',
+        )
+    ]
+
+
+def _build_stage(stage: schema.Stage) -> model.Stage:
+    """Turn a case's stage into the Model's."""
+    return model.Stage(
+        name=stage.name,
+        duration=stage.duration,
+        tool_motion={name: motion.displacement() for name, motion in stage.tools.items()},
+        prescribed=tuple(
+            model.PrescribedDisplacement(entry.set, 0 if entry.component == "x" else 1, entry.value)
+            for entry in stage.displacement
+        ),
+        forces=tuple(model.PointForce(entry.set, entry.value) for entry in stage.force),
+        pressures=tuple(model.Pressure(entry.set, entry.value) for entry in stage.pressure),
+    )

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model in words, for `presswork check`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+
+import numpy as np
+
+from presswork import model
+
+_ELEMENTS: dict[str, str] = {
+    "tri3": "3-node triangles, constant strain",
+    "tri6_6pt": "6-node triangles, 6-point rule",
+    "tri6_7pt": "6-node triangles, 7-point rule",
+    "quad4": "4-node quadrilaterals, full integration",
+    "quad4_fbar": "4-node quadrilaterals, F-bar",
+    "quad4_1pt": "4-node quadrilaterals, one point with hourglass control",
+    "quad8": "8-node quadrilaterals, 3 x 3 points",
+    "quad8_2x2": "8-node quadrilaterals, 2 x 2 points",
+    "quad9": "9-node quadrilaterals, 3 x 3 points",
+    "quad9_2x2": "9-node quadrilaterals, 2 x 2 points",
+}
+_POINTS: dict[str, int] = {
+    "tri3": 1, "tri6_6pt": 6, "tri6_7pt": 7, "quad4": 4, "quad4_fbar": 4, "quad4_1pt": 1,
+    "quad8": 9, "quad8_2x2": 4, "quad9": 9, "quad9_2x2": 4,
+}  # fmt: skip
+_BYTES_PER_POINT = 4 * 8 * 16
+"""Four copies of about 16 numbers at a quadrature point: converged, trial, and work arrays."""
+_FACTOR_BYTES_PER_FREEDOM = 2500.0
+"""Of a sparse direct factorisation in 2D at 100,000 freedoms; grows with the logarithm of their number."""
+
+
+def describe(problem: model.Model) -> str:
+    """Describe a Model in words, a line per fact, with an estimate of the memory that computing it takes."""
+    lines = [problem.title, *_describe_body(problem)]
+    lines += [f"material {material.name}: {_describe_material(material)}" for material in problem.materials]
+    lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.tools]
+    lines += [_describe_support(support, problem.mesh) for support in problem.supports]
+    for number, stage in enumerate(problem.stages, 1):
+        lines += [
+            f'stage {number} "{stage.name}", {stage.duration:g} s:',
+            *(f"  {line}" for line in _describe_stage(stage)),
+        ]
+    lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
+    lines += [f"output: {_describe_settings(problem.output, model.OutputSettings())}"]
+    lines += [f"memory: about {_estimate_memory(problem) / 1e6:.0f} MB for state, matrix and its factors (an estimate)"]
+    return "\n".join(lines)
+
+
+def _describe_body(problem: model.Model) -> Iterator[str]:
+    mesh = problem.mesh
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    depth = f", depth {problem.depth:g} mm" if problem.analysis == "plane_strain" else " (x is the radius, y the axis)"
+    yield f"analysis: {problem.analysis.replace('_', ' ')}{depth}"
+    yield f"workpiece: x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm"
+    for block in mesh.blocks:
+        material = problem.materials[block.material].name
+        yield f"elements: {len(block.connectivity)} {block.element} ({_ELEMENTS[block.element]}) of {material}"
+    n_points = len(mesh.points)
+    yield f"nodes: {n_points}, freedoms: {2 * n_points} before supports, boundary edges: {len(mesh.boundary_edges)}"
+    yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
+    yield f"edge sets: {', '.join(f'{name} ({len(edges)})' for name, edges in sorted(mesh.edge_sets.items()))}"
+
+
+def _describe_material(material: model.Material) -> str:
+    return (
+        f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}, von Mises, "
+        f"{_describe_hardening(material.hardening)}"
+    )
+
+
+def _describe_hardening(hardening: model.Hardening) -> str:
+    p = [float(value) for value in hardening.parameters]
+    match hardening.law:
+        case "linear":
+            return f"linear hardening: {p[0]:g} + {p[1]:g} e MPa"
+        case "swift":
+            return f"Swift hardening: {p[0]:g} ({p[1]:g} + e)^{p[2]:g} MPa"
+        case "ludwik":
+            return f"Ludwik hardening: {p[0]:g} + {p[1]:g} e^{p[2]:g} MPa"
+        case "voce":
+            return f"Voce hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e) MPa"
+        case "hockett_sherby":
+            return f"Hockett-Sherby hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e^{p[3]:g}) MPa"
+        case "table":
+            return f"hardening table of {len(p) // 2} points: {p[1]:g} MPa at 0 to {p[-1]:g} MPa at {p[-2]:g}"
+
+
+def _describe_tool(tool: model.Tool) -> str:
+    n_arcs = int(np.count_nonzero(tool.segments[:, 6]))
+    counts = [(len(tool.segments) - n_arcs, "line"), (n_arcs, "arc")]
+    shape = " and ".join(f"{count} {word}{'s' if count > 1 else ''}" for count, word in counts if count)
+    mirrors = [axis for axis, mirrored in zip("xy", tool.mirrored_across, strict=True) if mirrored]
+    twice = f", whole tool mirrored across the symmetry plane normal to {' and '.join(mirrors)}" if mirrors else ""
+    start, end = tool.segments[0, :2], tool.segments[-1, 2:4]
+    return f"{shape} from ({start[0]:g}, {start[1]:g}) to ({end[0]:g}, {end[1]:g}), {tool.contact}{twice}"
+
+
+def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
+    fixed = " and ".join(axis for axis, fix in zip("xy", support.fix, strict=True) if fix)
+    return f"support: {fixed} held on {support.node_set} ({len(mesh.node_sets[support.node_set])} nodes)"
+
+
+def _describe_stage(stage: model.Stage) -> Iterator[str]:
+    for name, (x, y) in stage.tool_motion.items():
+        yield f"tool {name} moves by ({x:g}, {y:g}) mm"
+    for entry in stage.prescribed:
+        yield f"{entry.node_set} moves by {entry.value:g} mm along {'xy'[entry.component]}"
+    for force in stage.forces:
+        yield f"force ({force.force[0]:g}, {force.force[1]:g}) N on {force.node_set}"
+    for pressure in stage.pressures:
+        yield f"pressure {pressure.value:g} MPa on {pressure.edge_set}"
+
+
+def _describe_settings(settings: object, default: object) -> str:
+    """Name the settings that differ from their defaults."""
+    differing = [
+        f"{entry.name} = {getattr(settings, entry.name)}"
+        for entry in fields(settings)  # type: ignore[arg-type]
+        if getattr(settings, entry.name) != getattr(default, entry.name)
+    ]
+    return ", ".join(differing) or "defaults"
+
+
+def _estimate_memory(problem: model.Model) -> float:
+    """Estimate the bytes for state, matrix and factors."""
+    n_freedoms = 2 * len(problem.mesh.points)
+    state = matrix = 0.0
+    for block in problem.mesh.blocks:
+        n_cells, n_nodes = block.connectivity.shape
+        state += n_cells * _POINTS[block.element] * _BYTES_PER_POINT
+        matrix += n_cells * (2 * n_nodes) ** 2 * (8 + 0.6 * 12)  # element matrices, and 12 bytes an entry once merged
+    factor = _FACTOR_BYTES_PER_FREEDOM * n_freedoms * np.log(max(n_freedoms, 2)) / np.log(1e5)
+    return state + matrix + float(factor)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is wrong with a case, said in one place: key, value, what was expected, and the remedy."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+_NO_VALUE = object()
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One fault of a case file."""
+
+    key: str
+    """Dotted path, e.g. `workpiece.mesh.pattern`; empty when the whole file is meant."""
+    expected: str
+    """What the key wants, or what is wrong, in one clause."""
+    remedy: str = ""
+    """What to do about it."""
+    value: object = _NO_VALUE
+    """The value given; left out when there is none."""
+
+    def __str__(self) -> str:
+        head = self.key
+        if self.value is not _NO_VALUE:
+            head = f"{head} = {format_value(self.value)}" if head else format_value(self.value)
+        text = f"{head}: {self.expected}" if head else self.expected
+        return f"{text}; {self.remedy}" if self.remedy else text
+
+
+class CaseError(Exception):
+    """A case that cannot be computed; lists every problem found."""
+
+    def __init__(self, problems: Sequence[Problem], source: str | Path | None = None) -> None:
+        self.problems = tuple(problems)
+        self.source = None if source is None else str(source)
+        super().__init__(self._text())
+
+    def _text(self) -> str:
+        where = self.source or "case"
+        if len(self.problems) == 1:
+            return f"{where}: {self.problems[0]}"
+        return "\n".join([f"{where}: {len(self.problems)} problems", *(f"  {problem}" for problem in self.problems)])
+
+
+def format_value(value: object, limit: int = 70) -> str:
+    """Write a value as TOML writes it, cut to `limit` characters."""
+    try:
+        text = json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError):
+        text = str(value)
+    return text if len(text) <= limit else text[: limit - 4] + " ..."
+
+
+def suggest(name: str, choices: Iterable[str], what: str = "choices") -> str:
+    """Name the nearest of the choices, and all of them."""
+    known = sorted(choices)
+    if not known:
+        return f"there are no {what} here"
+    lowered = {choice.lower(): choice for choice in known}
+    near = difflib.get_close_matches(name.lower(), list(lowered), n=1, cutoff=0.5)
+    listed = ", ".join(known)
+    return f"did you mean `{lowered[near[0]]}`? ({what}: {listed})" if near else f"{what}: {listed}"

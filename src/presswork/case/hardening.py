@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hardening laws of a case, and their parameters in the order of model.Hardening.
+
+Formulas, with e the equivalent plastic strain: docs/theory/material.md.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from presswork import model
+from presswork.case.part import Part
+from presswork.case.units import Number, Stress, fault
+
+
+class Linear(Part):
+    """Flow stress = yield_stress + modulus e."""
+
+    law: Literal["linear"] = "linear"
+    yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
+    modulus: Stress = Field(
+        default=0.0, ge=0, description="plastic modulus H' = d(flow stress)/d(plastic strain) [MPa]"
+    )
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening."""
+        return [self.yield_stress, self.modulus]
+
+
+class Swift(Part):
+    """Flow stress = K (e0 + e)^n."""
+
+    law: Literal["swift"] = "swift"
+    K: Stress = Field(gt=0, description="strength coefficient [MPa]")
+    e0: Number = Field(gt=0, description="pre-strain")
+    n: Number = Field(ge=0, le=1, description="hardening exponent")
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening."""
+        return [self.K, self.e0, self.n]
+
+
+class Ludwik(Part):
+    """Flow stress = yield_stress + K e^n."""
+
+    law: Literal["ludwik"] = "ludwik"
+    yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
+    K: Stress = Field(ge=0, description="strength coefficient [MPa]")
+    n: Number = Field(gt=0, le=1, description="hardening exponent")
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening."""
+        return [self.yield_stress, self.K, self.n]
+
+
+class Voce(Part):
+    """Flow stress = saturation_stress - (saturation_stress - yield_stress) exp(-rate e)."""
+
+    law: Literal["voce"] = "voce"
+    yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
+    saturation_stress: Stress = Field(gt=0, description="flow stress at large strain [MPa]")
+    rate: Number = Field(gt=0, description="rate of saturation per unit of plastic strain")
+
+    @model_validator(mode="after")
+    def _check_saturation(self) -> Self:
+        _check_saturation(self.yield_stress, self.saturation_stress)
+        return self
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening."""
+        return [self.yield_stress, self.saturation_stress, self.rate]
+
+
+class HockettSherby(Part):
+    """Flow stress = saturation_stress - (saturation_stress - yield_stress) exp(-rate e^exponent)."""
+
+    law: Literal["hockett_sherby"] = "hockett_sherby"
+    yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
+    saturation_stress: Stress = Field(gt=0, description="flow stress at large strain [MPa]")
+    rate: Number = Field(gt=0, description="rate of saturation")
+    exponent: Number = Field(gt=0, description="exponent of the plastic strain")
+
+    @model_validator(mode="after")
+    def _check_saturation(self) -> Self:
+        _check_saturation(self.yield_stress, self.saturation_stress)
+        return self
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening."""
+        return [self.yield_stress, self.saturation_stress, self.rate, self.exponent]
+
+
+class Table(Part):
+    """Flow stress linear between measured points, constant beyond the last."""
+
+    law: Literal["table"] = "table"
+    points: tuple[tuple[Number, Stress], ...] = Field(
+        description="[plastic strain, stress in MPa] rows; strain starts at 0 and increases, stress does not decrease"
+    )
+
+    @model_validator(mode="after")
+    def _check_rows(self) -> Self:
+        if not self.points:
+            raise fault("expected at least one row", "give [[0, yield stress], ...]", key="points")
+        if self.points[0][0] != 0.0:
+            raise fault(
+                f"the first plastic strain is {self.points[0][0]:g}, not 0",
+                "start with [0, yield stress]; plastic strain is total strain less stress over Young's modulus",
+                key="points",
+            )
+        if self.points[0][1] <= 0.0:
+            raise fault(
+                f"the first stress is {self.points[0][1]:g} MPa, not > 0", "give the yield stress", key="points"
+            )
+        for row, ((strain_n, stress_n), (strain, stress)) in enumerate(
+            zip(self.points, self.points[1:], strict=False), 1
+        ):
+            if strain <= strain_n:
+                raise fault(
+                    f"strain does not increase in row {row} ({strain:g} after {strain_n:g})",
+                    "sort the rows by strain and leave out doubles",
+                    key="points",
+                )
+            if stress < stress_n:
+                raise fault(
+                    f"stress decreases in row {row} ({stress:g} after {stress_n:g} MPa)",
+                    "leave out the rows beyond the highest stress: softening is not modelled",
+                    key="points",
+                )
+        return self
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening."""
+        return [value for row in self.points for value in row]
+
+
+Hardening = Annotated[
+    Linear | Swift | Ludwik | Voce | HockettSherby | Table,
+    Field(discriminator="law"),
+]
+
+
+def _check_saturation(yield_stress: float, saturation_stress: float) -> None:
+    if saturation_stress < yield_stress:
+        raise fault(
+            f"the saturation stress lies below the yield stress of {yield_stress:g} MPa",
+            f"give a value of at least {yield_stress:g} MPa",
+            key="saturation_stress",
+        )
+
+
+def build_hardening(hardening: Hardening) -> model.Hardening:
+    """Turn a case's hardening law into the Model's."""
+    return model.Hardening(law=hardening.law, parameters=np.array(hardening.parameters()))

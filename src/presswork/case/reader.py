@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reading of case files: TOML text, `key=value` overrides, and pydantic's errors turned into the engineer's words."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from presswork.case.errors import CaseError, Problem, suggest
+
+JsonSchema = Mapping[str, Any]
+
+
+def read_toml(path: Path) -> tuple[dict[str, Any], str]:
+    """Read a TOML file; return its data and its text."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        near = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.glob("*.toml")], n=1)
+        remedy = f"did you mean `{path.parent / near[0]}`?" if near else "check the path"
+        raise CaseError([Problem("", "no such case file", remedy)], path) from None
+    except UnicodeDecodeError:
+        raise CaseError([Problem("", "not a text file in UTF-8", "save it as UTF-8")], path) from None
+    except OSError as error:
+        raise CaseError([Problem("", f"cannot be read ({error.strerror})", "check the path")], path) from None
+    try:
+        return tomllib.loads(text), text
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError([Problem("", f"not valid TOML: {error}", "mend the syntax there")], path) from None
+
+
+def apply_overrides(data: dict[str, Any], overrides: Sequence[str], source: Path | None = None) -> None:
+    """Write `key=value` overrides into the data of a case, in place; a value is TOML, or else a string."""
+    for override in overrides:
+        key, equals, text = override.partition("=")
+        key = key.strip()
+        if not equals or not key:
+            raise CaseError([Problem("", f"`{override}` is no override", "write --set key=value")], source)
+        try:
+            value = tomllib.loads(f"value = {text}")["value"]
+        except tomllib.TOMLDecodeError:
+            value = text.strip()
+        try:
+            _set_by_path(data, key.split("."), value)
+        except LookupError as error:
+            raise CaseError([Problem(key, str(error.args[0]), "mend the key given to --set", text)], source) from None
+
+
+def _set_by_path(data: dict[str, Any], keys: Sequence[str], value: object) -> None:
+    """Set the value at a path of table keys and list indices; tables that are missing are made."""
+    here: Any = data
+    for depth, key in enumerate(keys):
+        last = depth == len(keys) - 1
+        name: str | int = key
+        if isinstance(here, list):
+            if not key.isdigit() or int(key) >= len(here):
+                where = ".".join(keys[:depth])
+                raise LookupError(
+                    f"`{where}` is a list of {len(here)}: `{key}` is not an index from 0 to {len(here) - 1}"
+                )
+            name = int(key)
+        elif not isinstance(here, dict):
+            raise LookupError(f"`{'.'.join(keys[:depth])}` is a value, not a table")
+        if last:
+            here[name] = value
+        else:
+            here = here.setdefault(name, {}) if isinstance(here, dict) else here[name]
+
+
+def list_problems(error: ValidationError, data: object, schema: JsonSchema) -> list[Problem]:
+    """Turn pydantic's errors into problems: `data` is what was validated, `schema` the JSON schema of it."""
+    entries = [dict(entry) for entry in error.errors(include_url=False)]
+    return [_translate(entry, data, schema) for entry in entries if not _follows_from_an_entry(entry)]
+
+
+def _follows_from_an_entry(entry: Mapping[str, Any]) -> bool:
+    """Say whether a list is only called too short because pydantic left out entries that have their own error."""
+    return bool(entry["type"] == "too_short" and len(entry["input"]) >= entry["ctx"]["min_length"])
+
+
+def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Problem:
+    """Say one pydantic error in the words of a case file."""
+    kind: str = entry["type"]
+    context: dict[str, Any] = entry.get("ctx", {})
+    value = entry["input"]
+    key, node, parent = _walk(entry["loc"], data, schema)
+    if kind == "case":
+        sub_key = context["key"]
+        key = f"{key}.{sub_key}" if key and sub_key else key or sub_key
+        value = value.get(sub_key, value) if isinstance(value, dict) else value
+        return _problem(key, context["expected"], context["remedy"], value)
+    name = key.rsplit(".", 1)[-1]
+    if kind == "extra_forbidden":
+        return _problem(key, "unknown key", suggest(name, parent.get("properties", {}), "keys here"), value)
+    if kind == "missing":
+        meaning = _meaning(node)
+        return Problem(key, "missing key", f"add it: {meaning}" if meaning else "add it")
+    if kind == "union_tag_not_found":
+        tag = context["discriminator"].strip("'")
+        choices = ", ".join(_choices(node))
+        return Problem(f"{key}.{tag}", "missing key", f"add it, one of: {choices}")
+    if kind == "union_tag_invalid":
+        tag = context["discriminator"].strip("'")
+        return Problem(f"{key}.{tag}", "unknown choice", suggest(context["tag"], _choices(node)), context["tag"])
+    if kind == "literal_error":
+        remedy = suggest(value, _choices(node)) if isinstance(value, str) else f"choices: {', '.join(_choices(node))}"
+        return _problem(key, "unknown choice", remedy, value)
+    return _problem(key, _expectation(kind, context, str(entry["msg"])), _meaning(node), value)
+
+
+def _problem(key: str, expected: str, remedy: str, value: object) -> Problem:
+    """Make a problem that shows the value unless it is a whole table, which would only drown the message."""
+    if isinstance(value, dict | BaseModel):
+        return Problem(key, expected, remedy)
+    return Problem(key, expected, remedy, value)
+
+
+def _expectation(kind: str, context: Mapping[str, Any], message: str) -> str:
+    """Say what pydantic's commonest checks want."""
+    if kind in ("model_type", "model_attributes_type", "dict_type", "mapping_type"):
+        return "expected a table"
+    if kind in ("tuple_type", "list_type"):
+        return "expected a list"
+    if kind.startswith("int_"):
+        return "expected a whole number"
+    if kind.startswith("bool_"):
+        return "expected true or false"
+    if kind == "string_type":
+        return "expected a text in quotes"
+    signs = {"greater_than": ("gt", "> "), "greater_than_equal": ("ge", ">= "), "less_than": ("lt", "< ")}
+    signs["less_than_equal"] = ("le", "<= ")
+    if kind in signs:
+        name, sign = signs[kind]
+        return f"expected a value {sign}{context[name]:g}"
+    if kind == "too_short":
+        least = context["min_length"]
+        return f"expected at least {least} {'entry' if least == 1 else 'entries'}"
+    return f"expected otherwise: {message}"
+
+
+def _walk(location: Sequence[str | int], data: object, schema: JsonSchema) -> tuple[str, JsonSchema, JsonSchema]:
+    """Follow an error's location; return the dotted key that the user wrote, the schema there, and the one above."""
+    path: list[str] = []
+    node, parent = _resolve(schema, schema), schema
+    raw = data
+    for step in location:
+        mapping = node.get("discriminator", {}).get("mapping", {})
+        if step in mapping:  # pydantic names the chosen kind of a union, which is no key of the file
+            node = _resolve({"$ref": mapping[step]}, schema)
+            continue
+        parent = node
+        node = _resolve(_child(node, step), schema)
+        if isinstance(raw, list | tuple) and isinstance(step, str):
+            continue  # the short list form of a table, e.g. [x, y] for {to = [x, y]}
+        path.append(str(step))
+        raw = _entry(raw, step)
+    return ".".join(path), node, parent
+
+
+def _entry(raw: object, step: str | int) -> object:
+    if isinstance(raw, Mapping):
+        return raw.get(step)
+    if isinstance(raw, list | tuple) and isinstance(step, int) and step < len(raw):
+        return raw[step]
+    return getattr(raw, str(step), None)
+
+
+def _child(node: JsonSchema, step: str | int) -> JsonSchema:
+    if isinstance(step, int):
+        return dict(node.get("items", {}))
+    properties = node.get("properties", {})
+    if step in properties:
+        return dict(properties[step])
+    more = node.get("additionalProperties", {})
+    return dict(more) if isinstance(more, dict) else {}
+
+
+def _resolve(node: JsonSchema, root: JsonSchema) -> JsonSchema:
+    """Follow references; of `X or nothing` and `table or short form` take the first with keys, keeping descriptions."""
+    description = node.get("description")
+    while "$ref" in node:
+        node = root["$defs"][node["$ref"].rsplit("/", 1)[-1]]
+    if "anyOf" in node:
+        options = [_resolve(option, root) for option in node["anyOf"] if option.get("type") != "null"]
+        with_keys = [option for option in options if "properties" in option or "discriminator" in option]
+        if with_keys or len(options) == 1:
+            node = (with_keys or options)[0]
+    return {**node, "description": description} if description else node
+
+
+def _meaning(node: JsonSchema) -> str:
+    return str(node.get("description", ""))
+
+
+def _choices(node: JsonSchema) -> list[str]:
+    if "discriminator" in node:
+        return list(node["discriminator"]["mapping"])
+    if "const" in node:
+        return [str(node["const"])]
+    if "items" in node and "enum" in node["items"]:
+        return [str(choice) for choice in node["items"]["enum"]]
+    return [str(choice) for choice in node.get("enum", [])]

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of a case across its tables: names that must exist elsewhere, and values that must go together."""
+
+from __future__ import annotations
+
+from presswork import model
+from presswork.case import schema
+from presswork.case.errors import Problem, suggest
+from presswork.case.units import LENGTH, unit_factor
+from presswork.mesh import fitting_patterns
+
+
+def check_references(case: schema.Case) -> list[Problem]:
+    """Return the problems that show without the mesh."""
+    problems = _check_workpiece(case)
+    if case.analysis == "axisymmetric" and case.depth != 1.0:
+        problems.append(
+            Problem(
+                "depth",
+                "an axisymmetric body has no depth: forces are those of the whole ring",
+                "leave it out",
+                case.depth,
+            )
+        )
+    names = [stage.name for stage in case.stages]
+    unloads = False
+    for index, stage in enumerate(case.stages):
+        key = f"stages.{index}"
+        if stage.name in names[:index]:
+            problems.append(Problem(f"{key}.name", "two stages have this name", "give each its own", stage.name))
+        for tool in stage.tools:
+            if tool not in case.tools:
+                remedy = suggest(tool, case.tools, "tools")
+                problems.append(Problem(f"{key}.tools.{tool}", "no such tool", remedy))
+        if not (_moves(stage) or unloads):
+            problems.append(
+                Problem(
+                    key,
+                    f'the stage "{stage.name}" moves nothing at all: no tool, no displacement, no load',
+                    f"add [stages.tools.NAME] with a stroke or move, or [[stages.displacement]]; "
+                    f"tools: {', '.join(case.tools) or 'none'}",
+                )
+            )
+        unloads = bool(stage.force or stage.pressure)
+    return problems
+
+
+def _moves(stage: schema.Stage) -> bool:
+    """Say whether a stage changes anything; a force or pressure of zero counts, as it may unload."""
+    tools = any(motion.displacement() != (0.0, 0.0) for motion in stage.tools.values())
+    return tools or any(entry.value != 0.0 for entry in stage.displacement) or bool(stage.force or stage.pressure)
+
+
+def _check_workpiece(case: schema.Case) -> list[Problem]:
+    problems = []
+    workpiece = case.workpiece
+    if workpiece.material not in case.materials:
+        remedy = suggest(workpiece.material, case.materials, "materials")
+        problems.append(Problem("workpiece.material", "no such material", remedy, workpiece.material))
+    if isinstance(workpiece.mesh, schema.MeshFile):
+        try:
+            unit_factor(workpiece.mesh.unit, LENGTH)
+        except ValueError as error:
+            problems.append(
+                Problem(
+                    "workpiece.mesh.unit",
+                    f"expected a unit of length, but {error}",
+                    "e.g. mm, m, inch",
+                    workpiece.mesh.unit,
+                )
+            )
+    elif workpiece.mesh.pattern is not None:
+        fitting = fitting_patterns(workpiece.element)
+        if workpiece.mesh.pattern not in fitting:
+            shape = "triangles" if workpiece.mesh.pattern != "quad" else "quadrilaterals"
+            problems.append(
+                Problem(
+                    "workpiece.mesh.pattern",
+                    f"this makes {shape}, which do not fit element = {workpiece.element}",
+                    f"choose one of: {', '.join(fitting)}; or another element",
+                    workpiece.mesh.pattern,
+                )
+            )
+    return problems
+
+
+def check_sets(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of set names, once the mesh is known."""
+    uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
+    for index, stage in enumerate(case.stages):
+        key = f"stages.{index}"
+        uses += [(f"{key}.displacement.{row}.set", entry.set, False) for row, entry in enumerate(stage.displacement)]
+        uses += [(f"{key}.force.{row}.set", load.set, False) for row, load in enumerate(stage.force)]
+        uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
+    problems = []
+    for key, name, is_edge_set in uses:
+        what, known = ("edge sets", mesh.edge_sets) if is_edge_set else ("node sets", mesh.node_sets)
+        if name not in known:
+            problems.append(Problem(key, f"no such {what[:-1]}", suggest(name, known, what), name))
+        elif len(known[name]) == 0:
+            problems.append(Problem(key, f"the {what[:-1]} is empty", "choose another", name))
+    return problems

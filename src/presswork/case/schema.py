@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The case: what the user says of a forming problem, from a TOML file or from Python with the same names.
+
+Lengths are mm, stresses MPa, forces N and times s where a plain number stands; a string with a unit is converted.
+Solver and output settings are in settings.py, hardening laws in hardening.py.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+
+from presswork import model
+from presswork.case.errors import CaseError
+from presswork.case.hardening import Hardening
+from presswork.case.part import Part, ShortForm
+from presswork.case.reader import apply_overrides, list_problems, read_toml
+from presswork.case.settings import Output, Solver
+from presswork.case.units import Direction, ForceVector, Length, Number, Point, Stress, Time, fault
+
+Pattern = Literal["quad", "crossed", "left", "right"]
+Axis = Literal["x", "y"]
+Count = Annotated[int, Field(strict=True, ge=1)]
+
+
+class Zone(ShortForm):
+    """A run of cells along one direction; short form [length, cells, ratio]."""
+
+    short_form = ("length", "cells", "ratio")
+
+    length: Length = Field(gt=0, description="length of the zone [mm]")
+    cells: Count = Field(description="number of cells along the zone")
+    ratio: Number = Field(default=1.0, gt=0, description="size of the zone's last cell over its first")
+
+
+class Rectangle(Part):
+    """A rectangle meshed by the program; its sets are left, right, bottom, top, all, boundary and the corners."""
+
+    kind: Literal["rectangle"] = Field(default="rectangle", description="a rectangle meshed by the program")
+    origin: Point = Field(default=(0.0, 0.0), description="lower left corner [x, y] [mm]")
+    size: Point | None = Field(default=None, description="width and height [mm]")
+    cells: tuple[Count, Count] | None = Field(default=None, description="number of cells along x and y")
+    grading: Direction = Field(default=(1.0, 1.0), description="size of the last cell over the first along x and y")
+    zones_x: tuple[Zone, ...] | None = Field(
+        default=None, description="instead of size, cells and grading: zones [length, cells, ratio] from left to right"
+    )
+    zones_y: tuple[Zone, ...] | None = Field(
+        default=None, description="instead of size, cells and grading: zones [length, cells, ratio] from bottom to top"
+    )
+    pattern: Pattern | None = Field(
+        default=None,
+        description="quad, or how each quad is cut into triangles: crossed (by both diagonals), left or right (by the "
+        "diagonal that leans so); without it: crossed for triangles, quad for quadrilaterals",
+    )
+
+    @model_validator(mode="after")
+    def _check_one_way_of_sizing(self) -> Self:
+        zones = [name for name in ("zones_x", "zones_y") if getattr(self, name) is not None]
+        sizes = [name for name in ("size", "cells") if getattr(self, name) is not None]
+        if zones and (len(zones) == 1 or sizes):
+            raise fault(
+                f"{' and '.join(zones + sizes)} do not describe one mesh",
+                "give size and cells, or zones_x and zones_y; one zone is [[length, cells, 1]]",
+                key=(sizes or zones)[0],
+            )
+        for name in () if zones else ("size", "cells"):
+            if name not in sizes:
+                raise fault("missing key", "give size and cells, or zones_x and zones_y", key=name)
+        for name in ("size", "grading"):
+            value = getattr(self, name)
+            if value is not None and min(value) <= 0:
+                raise fault("expected two values > 0", "give [x, y], both positive", key=name)
+        for name in zones:
+            if not getattr(self, name):
+                raise fault("expected at least one zone", "give [[length, cells, 1]]", key=name)
+        return self
+
+
+class MeshFile(Part):
+    """A mesh from a file: gmsh .msh, Abaqus/CalculiX .inp, VTK .vtk and .vtu, I-DEAS .unv."""
+
+    kind: Literal["file"] = Field(default="file", description="a mesh from a file")
+    path: str = Field(description="the mesh file, relative to the case file")
+    unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
+
+
+class Workpiece(Part):
+    """The body that is formed."""
+
+    material: str = Field(description="name of one of the [materials]")
+    element: model.ElementName = Field(description="element formulation")
+    mesh: Rectangle | MeshFile = Field(discriminator="kind", description="the mesh of the workpiece")
+
+
+class Material(Part):
+    """Isotropic elasticity with von Mises plasticity."""
+
+    young: Stress = Field(gt=0, description="Young's modulus [MPa]")
+    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
+    hardening: Hardening = Field(description="flow stress against equivalent plastic strain")
+
+
+class ProfilePoint(ShortForm):
+    """The next point of a tool's profile; short form [x, y]."""
+
+    short_form = ("to",)
+
+    to: Point = Field(description="the point [x, y] [mm]")
+    radius: Length = Field(default=0.0, ge=0, description="fillet that rounds the corner here [mm]")
+    centre: Point | None = Field(
+        default=None, description="the piece that ends here is an arc about this point [x, y] [mm]"
+    )
+    turn: Literal["left", "right"] | None = Field(
+        default=None, description="to which side that arc turns: left is counter-clockwise"
+    )
+
+    @model_validator(mode="after")
+    def _check_arc(self) -> Self:
+        if (self.centre is None) != (self.turn is None):
+            missing = "centre" if self.centre is None else "turn"
+            raise fault("missing key: an arc needs both centre and turn", 'for instance turn = "left"', key=missing)
+        return self
+
+
+class Tool(Part):
+    """A rigid tool, given by its profile."""
+
+    profile: tuple[ProfilePoint, ...] = Field(
+        description="points [x, y], joined by lines; {to = [x, y], radius = 2} rounds a corner, "
+        '{to = [x, y], centre = [x, y], turn = "left"} ends an arc'
+    )
+    contact: model.ContactLaw = Field(description="what the workpiece does on the tool")
+    closed: bool = Field(default=False, description="join the last point to the first")
+    free_side: Literal["auto", "left", "right"] = Field(
+        default="auto",
+        description="the side of the profile, as drawn, on which the tool's metal is not; auto: where the workpiece is",
+    )
+    mirrored: tuple[Axis, ...] | None = Field(
+        default=None,
+        description="plane strain: the whole tool is this one and its mirror image along x | y, so that its force "
+        "counts twice; without it: wherever the profile reaches a symmetry plane",
+    )
+
+    @model_validator(mode="after")
+    def _check_profile(self) -> Self:
+        least = 3 if self.closed else 2
+        if len(self.profile) < least:
+            kind = "a closed" if self.closed else "a"
+            raise fault(
+                f"{kind} profile needs at least {least} points", "for instance [[0, 15], [30, 15]]", key="profile"
+            )
+        if self.profile[0].centre is not None and not self.closed:
+            raise fault("the first point of an open profile ends no arc", "start with [x, y]", key="profile")
+        return self
+
+
+class Boundary(Part):
+    """Displacement components held at zero in every stage."""
+
+    set: str = Field(description="name of a node set")
+    fix: tuple[Axis, ...] = Field(min_length=1, description="components held at zero, out of x and y")
+    symmetry: bool | None = Field(
+        default=None,
+        description="whether this is a symmetry plane; without it: when it fixes one component only, on a straight "
+        "side of the workpiece normal to that component",
+    )
+
+
+class ToolMotion(Part):
+    """The motion of a tool over a stage: `move`, or `stroke` with `direction`."""
+
+    stroke: Length | None = Field(default=None, ge=0, description="distance travelled over the stage [mm]")
+    direction: Direction | None = Field(default=None, description="direction [x, y] of the stroke, of any length")
+    move: Point | None = Field(default=None, description="displacement [x, y] over the stage [mm]")
+
+    @model_validator(mode="after")
+    def _check_one_way_of_moving(self) -> Self:
+        remedy = "give stroke and direction, or move = [x, y]"
+        if self.move is not None and (self.stroke is not None or self.direction is not None):
+            raise fault("move stands beside stroke or direction", remedy, key="move")
+        for name in ("stroke", "direction"):
+            if self.move is None and getattr(self, name) is None:
+                raise fault("missing key", remedy, key=name)
+        if self.direction is not None and math.hypot(*self.direction) == 0.0:
+            raise fault("expected a direction that is not zero", "for instance [0, -1] for downwards", key="direction")
+        return self
+
+    def displacement(self) -> tuple[float, float]:
+        """Return the displacement over the stage [mm]."""
+        if self.move is not None:
+            return self.move
+        assert self.stroke is not None
+        assert self.direction is not None
+        scale = self.stroke / math.hypot(*self.direction)
+        return scale * self.direction[0] + 0.0, scale * self.direction[1] + 0.0
+
+
+class Displacement(Part):
+    """A displacement component that grows linearly over the stage."""
+
+    set: str = Field(description="name of a node set")
+    component: Axis = Field(description="x or y")
+    value: Length = Field(description="displacement over the stage [mm]")
+
+
+class Force(Part):
+    """A total force, shared equally by the nodes of a set, reached linearly at the end of the stage."""
+
+    set: str = Field(description="name of a node set")
+    value: ForceVector = Field(description="force [x, y] [N], on the whole ring in axisymmetry")
+
+
+class Pressure(Part):
+    """A pressure that follows the surface, reached linearly at the end of the stage."""
+
+    set: str = Field(description="name of an edge set")
+    value: Stress = Field(description="pressure [MPa], positive into the body")
+
+
+class Stage(Part):
+    """A part of the process in which every motion and load is linear in time."""
+
+    name: str = Field(description="name of the stage")
+    duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
+    tools: dict[str, ToolMotion] = Field(default={}, description="motion of each moving tool; the others stand still")
+    displacement: tuple[Displacement, ...] = Field(default=(), description="prescribed displacements")
+    force: tuple[Force, ...] = Field(default=(), description="forces")
+    pressure: tuple[Pressure, ...] = Field(default=(), description="pressures")
+
+
+class Case(Part):
+    """A complete forming case. Raises CaseError, with every problem found, when it is not valid."""
+
+    title: str = Field(description="what the case shows, in one line")
+    analysis: model.Analysis = Field(description="axisymmetric (x is the radius, y the axis) or plane_strain")
+    depth: Length = Field(default=1.0, gt=0, description="plane strain: extent normal to the plane [mm]")
+    workpiece: Workpiece = Field(description="the body that is formed")
+    materials: dict[str, Material] = Field(min_length=1, description="materials by name")
+    tools: dict[str, Tool] = Field(default={}, description="rigid tools by name")
+    boundary: dict[str, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
+    stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")
+    solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
+    output: Output = Field(default=Output(), description="what is saved, and when")
+
+    _source: Path | None = PrivateAttr(default=None)
+    _text: str = PrivateAttr(default="")
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        source = info.context.get("source") if isinstance(info.context, dict) else None
+        try:
+            return handler(data)
+        except ValidationError as error:
+            raise CaseError(list_problems(error, data, json_schema()), source) from None
+
+    @classmethod
+    def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
+        """Read and validate a case file.
+
+        path: the TOML file. overrides: `key=value` texts that replace or add values, for instance
+        `workpiece.mesh.cells=[30,30]` or `stages.0.tools.punch.stroke=5`; a value is read as TOML, or else as a string.
+        Raises CaseError with every problem found.
+        """
+        path = Path(path)
+        data, text = read_toml(path)
+        apply_overrides(data, overrides, path)
+        case = cls.model_validate(data, context={"source": path})
+        case._source = path
+        case._text = text + "".join(f"# --set {override}\n" for override in overrides)
+        return case
+
+    @property
+    def source(self) -> Path | None:
+        """The file that the case was read from, if any."""
+        return self._source
+
+    @property
+    def text(self) -> str:
+        """The case file as read, with the overrides as comments at its end; empty for a case built in Python."""
+        return self._text
+
+
+@functools.cache
+def _json_schema() -> dict[str, Any]:
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Case.model_json_schema()}
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema of a case file, by which editors complete and check it."""
+    return dict(_json_schema())

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Solver and output settings of a case; names and defaults are those of model.SolverSettings and OutputSettings."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from presswork import model
+from presswork.case.part import Part
+from presswork.case.units import Number, fault
+
+_TERMS = model.TangentTerms()
+_SOLVER = model.SolverSettings()
+_OUTPUT = model.OutputSettings()
+
+Whole = Annotated[int, Field(strict=True)]
+
+
+class Terms(Part):
+    """Which parts of the thesis's tangent are built; used only with tangent = "thesis"."""
+
+    strain_matrix: Literal["B0", "Bbar"] = Field(
+        default=_TERMS.strain_matrix, description="strain matrix of K_o: linear B0, or Green-Lagrange B0 + B_L"
+    )
+    k_e: bool = Field(default=_TERMS.k_e, description="build K_e")
+    k_u: bool = Field(default=_TERMS.k_u, description="build K_u")
+    k_v: bool = Field(default=_TERMS.k_v, description="build K_v")
+    modulus: Literal["consistent", "continuum"] = Field(
+        default=_TERMS.modulus, description="D of K_o: derivative of the integrator, or of the rate equation"
+    )
+
+
+class Solver(Part):
+    """How the implicit procedure integrates and iterates."""
+
+    newton: Literal["full", "modified"] = Field(
+        default=_SOLVER.newton, description="factorise in each iteration, or once per increment"
+    )
+    tangent: Literal["consistent", "thesis"] = Field(default=_SOLVER.tangent, description="tangent stiffness")
+    terms: Terms = Field(default=Terms(), description='parts of the tangent with tangent = "thesis"')
+    symmetric: bool = Field(default=_SOLVER.symmetric, description="factorise the symmetric part of the tangent")
+    pressure_stiffness: bool = Field(default=_SOLVER.pressure_stiffness, description="follower stiffness of pressures")
+    line_search: bool = Field(default=_SOLVER.line_search, description="shorten corrections that overshoot")
+    force_tolerance: Number = Field(
+        default=_SOLVER.force_tolerance, gt=0, lt=1, description="largest out-of-balance over largest nodal force"
+    )
+    displacement_tolerance: Number = Field(
+        default=_SOLVER.displacement_tolerance, gt=0, lt=1, description="largest correction over largest displacement"
+    )
+    max_iterations: Whole = Field(default=_SOLVER.max_iterations, ge=1, description="iterations before a cut-back")
+    initial_increment: Number = Field(
+        default=_SOLVER.initial_increment, gt=0, le=1, description="first increment, fraction of the stage"
+    )
+    min_increment: Number = Field(
+        default=_SOLVER.min_increment, gt=0, le=1, description="smallest increment, fraction of the stage"
+    )
+    max_increment: Number = Field(
+        default=_SOLVER.max_increment, gt=0, le=1, description="largest increment, fraction of the stage"
+    )
+    target_iterations: Whole = Field(
+        default=_SOLVER.target_iterations, ge=1, description="increments grow while they take fewer iterations"
+    )
+    strain_measure: model.StrainMeasure = Field(default=_SOLVER.strain_measure, description="strain increment")
+    integrator: model.Integrator = Field(default=_SOLVER.integrator, description="integration of the stress")
+    substeps: Whole = Field(default=_SOLVER.substeps, ge=1, description='sub-increments of "substepping"')
+    hourglass_stiffness: Number = Field(
+        default=_SOLVER.hourglass_stiffness, ge=0, description="quad4_1pt: fraction of the current shear modulus"
+    )
+
+    @model_validator(mode="after")
+    def _check_increments(self) -> Self:
+        if self.min_increment > self.max_increment:
+            raise fault(
+                f"min_increment ({self.min_increment:g}) is larger than max_increment ({self.max_increment:g})",
+                "make it smaller",
+                key="min_increment",
+            )
+        if not self.min_increment <= self.initial_increment <= self.max_increment:
+            bounds = f"min_increment ({self.min_increment:g}) and max_increment ({self.max_increment:g})"
+            # a smaller max_increment alone is a plain wish, not a contradiction
+            if "initial_increment" in self.model_fields_set:
+                raise fault(f"initial_increment is not between {bounds}", "choose it between them", "initial_increment")
+        return self
+
+
+class Output(Part):
+    """What is saved, and when."""
+
+    every: Whole = Field(default=_OUTPUT.every, ge=0, description="save every so many increments; 0: see steps")
+    steps: Whole = Field(default=_OUTPUT.steps, ge=1, description="equally spaced saved times of each stage")
+    at: tuple[Annotated[Number, Field(gt=0, le=1)], ...] = Field(
+        default=_OUTPUT.at, description="further saved times, fractions of the last stage"
+    )
+    checkpoint_every: Whole = Field(
+        default=_OUTPUT.checkpoint_every, ge=1, description="increments between checkpoints"
+    )
+
+
+def build_solver(solver: Solver) -> model.SolverSettings:
+    """Turn a case's solver settings into the Model's."""
+    values = solver.model_dump(exclude={"terms"})
+    if "initial_increment" not in solver.model_fields_set:
+        values["initial_increment"] = min(max(_SOLVER.initial_increment, solver.min_increment), solver.max_increment)
+    return model.SolverSettings(**values, terms=model.TangentTerms(**solver.terms.model_dump()))
+
+
+def build_output(output: Output) -> model.OutputSettings:
+    """Turn a case's output settings into the Model's."""
+    values = output.model_dump()
+    values["at"] = tuple(sorted(set(output.at)))
+    return model.OutputSettings(**values)

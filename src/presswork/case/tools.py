@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model's tools from a case's: the profile directed with the workpiece on its left, clear of the workpiece."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.case import schema
+from presswork.case.errors import Problem
+from presswork.case.profile import ProfileError, build_segments, measure_distance, reverse_segments, sample_points
+from presswork.model import FloatArray, Mesh, Tool
+
+TOLERANCE = 1e-6
+"""Of the size of the workpiece: how deep a node may lie in a tool at the start."""
+
+
+def build_tool(
+    name: str, tool: schema.Tool, mesh: Mesh, symmetry_planes: tuple[FloatArray, FloatArray]
+) -> Tool | Problem:
+    """Build a tool, or say why it cannot be.
+
+    symmetry_planes: positions [mm] of the symmetry planes normal to x and to y; both empty in axisymmetry.
+    """
+    try:
+        segments = build_segments(tool.profile, tool.closed)
+    except ProfileError as error:
+        value = tool.profile[error.point].to
+        return Problem(f"tools.{name}.profile.{error.point}", error.fault, error.remedy, list(value))
+    nodes = mesh.points[np.unique(mesh.boundary_edges)]
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    if tool.free_side == "right":
+        segments = reverse_segments(segments)
+    elif tool.free_side == "auto":
+        balance = _weigh_sides(nodes, segments)
+        if abs(balance) < 1e-9 * size:
+            return Problem(
+                f"tools.{name}.free_side",
+                "the workpiece does not say which side of the profile is free",
+                'set free_side = "left" or "right", seen along the profile as drawn',
+                tool.free_side,
+            )
+        if balance < 0.0:
+            segments = reverse_segments(segments)
+    problem = _check_clear(name, nodes, segments, TOLERANCE * size)
+    if problem is not None:
+        return problem
+    mirrored = _find_mirrors(segments, symmetry_planes, TOLERANCE * size)
+    if tool.mirrored is not None:
+        mirrored = ("x" in tool.mirrored, "y" in tool.mirrored)
+    return Tool(name=name, segments=segments, contact=tool.contact, mirrored_across=mirrored)
+
+
+def _weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:
+    """Return the mean signed distance [mm] of the workpiece: positive when it lies left of the profile.
+
+    Nodes nearest to an end of the profile count only when there are no others.
+    """
+    place = measure_distance(nodes, segments)
+    chosen = place.beside & (np.abs(place.distance) > 0.0)
+    return float(np.mean(place.distance[chosen] if chosen.any() else place.distance))
+
+
+def _check_clear(name: str, nodes: FloatArray, segments: FloatArray, tolerance: float) -> Problem | None:
+    """Return a problem when the tool starts inside the workpiece."""
+    place = measure_distance(nodes, segments)
+    inside = place.beside & (place.distance < -tolerance)
+    if not inside.any():
+        return None
+    deepest = int(np.argmin(np.where(inside, place.distance, np.inf)))
+    depth, (x, y) = -float(place.distance[deepest]), nodes[deepest]
+    away_x, away_y = -depth * place.outwards[deepest] + 0.0
+    return Problem(
+        f"tools.{name}.profile",
+        f"the tool starts inside the workpiece: {int(inside.sum())} boundary nodes lie in it, the deepest "
+        f"{depth:.6g} mm at ({x:.6g}, {y:.6g})",
+        f"move the tool by ({away_x:.6g}, {away_y:.6g}) mm, or set free_side if its metal is on the other side",
+    )
+
+
+def _find_mirrors(
+    segments: FloatArray, symmetry_planes: tuple[FloatArray, FloatArray], tolerance: float
+) -> tuple[bool, bool]:
+    """Say for x and y whether the profile reaches a symmetry plane, so that the whole tool is twice as large."""
+    samples = sample_points(segments)
+    low, high = samples.min(axis=0) - tolerance, samples.max(axis=0) + tolerance
+    reached = [
+        bool(((planes >= low[axis]) & (planes <= high[axis])).any()) for axis, planes in enumerate(symmetry_planes)
+    ]
+    return reached[0], reached[1]

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quantities: plain numbers in mm, s, t, N, MPa, or strings with a unit such as "200 kN/mm^2"."""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+_NUMBER_AND_UNIT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A kind of quantity and the unit that a plain number of it has."""
+
+    name: str
+    unit: str
+    example: str
+
+
+LENGTH = Dimension("a length", "mm", "20 mm")
+STRESS = Dimension("a stress", "MPa", "200 kN/mm^2")
+FORCE = Dimension("a force", "N", "5 kN")
+TIME = Dimension("a time", "s", "20 ms")
+PURE_NUMBER = Dimension("a number without a unit", "", "0.3")
+
+
+def fault(expected: str, remedy: str = "", key: str = "") -> PydanticCustomError:
+    """Make the error that a validator of the schema raises; `key` names the sub-key at fault."""
+    # the text goes through a template, which takes braces in it for names
+    return PydanticCustomError("case", "{expected}; {remedy}", {"expected": expected, "remedy": remedy, "key": key})
+
+
+@functools.cache
+def _unit_registry() -> UnitRegistry[Any]:
+    import pint  # slow to import, and most cases are written in plain numbers
+
+    return pint.UnitRegistry()
+
+
+@functools.cache
+def unit_factor(unit: str, dimension: Dimension) -> float:
+    """Return what a number in `unit` is multiplied by to be in the dimension's own unit.
+
+    Raises ValueError, with the reason, for a unit that is unknown or of another dimension.
+    """
+    import pint
+
+    registry = _unit_registry()
+    try:
+        parsed = registry.parse_units(unit)
+    except Exception as error:  # pint raises its own, tokenizer's and Python's errors
+        raise ValueError(f"`{unit}` is no known unit") from error
+    try:
+        return float((1.0 * parsed).to(dimension.unit or "dimensionless").magnitude)
+    except (pint.DimensionalityError, pint.OffsetUnitCalculusError) as error:
+        kind = str(parsed.dimensionality).replace("[", "").replace("]", "")
+        raise ValueError(f"`{unit}` has the dimension {kind}") from error
+
+
+def to_number(value: object, dimension: Dimension) -> float:
+    """Convert a plain number or a string with a unit to a number in mm, s, t, N, MPa."""
+    own = f"in {dimension.unit}" if dimension.unit else "plain"
+    expected = f"expected {dimension.name} ({own}, or with a unit)" if dimension.unit else f"expected {dimension.name}"
+    if dimension.unit:
+        remedy = f'write a plain number in {dimension.unit}, or for instance "{dimension.example}"'
+    else:
+        remedy = f"write for instance {dimension.example}"
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise fault(expected, remedy)
+    if isinstance(value, str):
+        match = _NUMBER_AND_UNIT.match(value)
+        if match is None:
+            raise fault(expected, remedy)
+        try:
+            number = float(match.group(1)) * unit_factor(match.group(2), dimension)
+        except ValueError as error:
+            reason = f"{error}" if match.group(2) else "it has no unit"
+            raise fault(f"{expected}, but {reason}", remedy) from None
+    else:
+        number = float(value)
+    if not math.isfinite(number):
+        raise fault(f"{expected} that is finite", remedy)
+    return number
+
+
+def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:
+    """Convert [x, y], each a number or a string with a unit."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise fault(f"expected [x, y], two values, each {dimension.name}", "write for instance [0, 15]")
+    return to_number(value[0], dimension), to_number(value[1], dimension)
+
+
+def _json_schema(dimension: Dimension) -> dict[str, Any]:
+    if not dimension.unit:
+        return {"type": "number"}
+    return {"anyOf": [{"type": "number"}, {"type": "string", "examples": [dimension.example]}]}
+
+
+def _scalar(dimension: Dimension) -> tuple[BeforeValidator, WithJsonSchema]:
+    return (
+        BeforeValidator(functools.partial(to_number, dimension=dimension)),
+        WithJsonSchema(_json_schema(dimension)),
+    )
+
+
+def _pair(dimension: Dimension) -> tuple[BeforeValidator, WithJsonSchema]:
+    return (
+        BeforeValidator(functools.partial(to_pair, dimension=dimension)),
+        WithJsonSchema({"type": "array", "items": _json_schema(dimension), "minItems": 2, "maxItems": 2}),
+    )
+
+
+Length = Annotated[float, *_scalar(LENGTH)]
+Stress = Annotated[float, *_scalar(STRESS)]
+Time = Annotated[float, *_scalar(TIME)]
+Number = Annotated[float, *_scalar(PURE_NUMBER)]
+Point = Annotated[tuple[float, float], *_pair(LENGTH)]
+ForceVector = Annotated[tuple[float, float], *_pair(FORCE)]
+Direction = Annotated[tuple[float, float], *_pair(PURE_NUMBER)]

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line. Exit status: 0 the whole process was computed; 2 bad input or output folder; 3 the solver gave up;
+130 interrupted."""
+
+from __future__ import annotations
+
+import json
+import signal
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from presswork import Case, CaseError, OutputError, Result, __version__, build_model
+from presswork.case import describe, json_schema
+from presswork.examples import copy_example, list_examples
+from presswork.model import Model
+from presswork.run import Outcome, run_model
+from presswork.run import Progress as RunProgress
+
+BAD_INPUT, GAVE_UP, INTERRUPTED = 2, 3, 130
+
+app = typer.Typer(
+    help="Simulate metal forming: a short case file in, force, flow, strain and contact stress out.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+console = Console(stderr=True, highlight=False)
+
+CaseFile = Annotated[Path, typer.Argument(help="The case file (TOML).", show_default=False)]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the case, e.g. --set workpiece.mesh.cells=[30,30]."),
+]
+
+
+def _load(case_file: Path, settings: list[str] | None) -> Model:
+    try:
+        return build_model(Case.from_toml(case_file, overrides=settings or []))
+    except CaseError as error:
+        raise _refuse(str(error)) from error
+
+
+def _refuse(message: str) -> typer.Exit:
+    console.print(f"error: {message}", style="red", markup=False)
+    return typer.Exit(BAD_INPUT)
+
+
+@app.command()
+def run(
+    case: CaseFile,
+    output: Annotated[Path | None, typer.Option(help="Output folder; default: the case's name beside it.")] = None,
+    set_: Settings = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue from the folder's checkpoint.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
+    threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core. The results do not depend on it.")] = 0,
+    plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
+) -> None:
+    """Compute a case and draw its pictures."""
+    model = _load(case, set_)
+    folder = output or case.with_suffix("")
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        outcome = _compute(model, folder, overwrite, resume, threads, quiet)
+        if plot:
+            _draw(outcome.result, None, quiet=quiet)
+    except OutputError as error:
+        raise _refuse(str(error)) from error
+    if outcome.status != "completed":
+        console.print(f"{outcome.status.replace('_', ' ')}: {outcome.reason}", style="red", markup=False)
+        console.print(f"what was computed is in {folder}; run.log there says how it went", markup=False)
+        raise typer.Exit(GAVE_UP if outcome.status == "gave_up" else INTERRUPTED)
+
+
+def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
+    with Progress(*columns, console=console, disable=quiet, transient=False) as bar:
+        task = bar.add_task(model.title, total=1.0)
+
+        def show(progress: RunProgress) -> None:
+            report = progress.report
+            tools = "  ".join(
+                f"{name} {progress.strokes[name]:.2f} mm {progress.forces[name] / 1e3:.1f} kN"
+                for name in progress.strokes
+                if progress.strokes[name]
+            )
+            text = f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
+            bar.update(task, completed=progress.fraction, description=text)
+
+        outcome = run_model(model, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=show)
+    if not quiet:
+        s = outcome.result.summary
+        console.print(
+            f"{s['increments']} increments, {s['iterations']} iterations, {s['cutbacks']} cut-backs, "
+            f"{s['wall_seconds']['total']:.1f} s; results in {folder}",
+            markup=False,
+        )
+    return outcome
+
+
+def _draw(result: Result, out: Path | None, *, quiet: bool = False, fields: list[str] | None = None) -> None:
+    from presswork.view import plot_all
+
+    try:
+        paths = plot_all(result, out, **({"fields": fields} if fields else {}))
+    except ImportError as error:
+        console.print(f"no pictures: {error}", markup=False)
+        return
+    if not quiet and paths:
+        console.print(f"{len(paths)} pictures in {paths[0].parent}", markup=False)
+
+
+@app.command()
+def check(case: CaseFile, set_: Settings = None) -> None:
+    """Validate a case and say in words what would be computed."""
+    typer.echo(describe(_load(case, set_)))
+
+
+@app.command()
+def plot(
+    folders: Annotated[list[Path], typer.Argument(help="Output folders.", show_default=False)],
+    field: Annotated[list[str] | None, typer.Option(help="Fields to draw; default: effective stress and strain.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Where to write; default: DIR/plots.")] = None,
+) -> None:
+    """Draw PNG pictures of results: mesh with fields, history, contact stress along the interface."""
+    try:
+        for folder in folders:
+            target = out / folder.name if out and len(folders) > 1 else out
+            _draw(Result(folder), target, fields=field)
+    except OutputError as error:
+        raise _refuse(str(error)) from error
+
+
+@app.command()
+def examples(
+    name: Annotated[str | None, typer.Argument(help="The example to copy; none lists them.", show_default=False)] = None,
+    to: Annotated[Path, typer.Option(help="Folder to copy into.")] = Path(),
+) -> None:
+    """List the example cases, or copy one here."""
+    if name is None:
+        for example, title in list_examples().items():
+            typer.echo(f"{example:20s} {title}")
+        return
+    try:
+        typer.echo(copy_example(name, to))
+    except CaseError as error:
+        raise _refuse(str(error)) from error
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of case files, for editors that complete them."""
+    typer.echo(json.dumps(json_schema(), indent=2))
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"presswork {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")] = False,
+) -> None:
+    """Hold the options that come before a command."""

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of a mesh from outside: the winding of its cells, inverted cells, overlapping cells, unconnected parts."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from presswork.mesh.topology import count_cells_of_edges, count_corners, find_parts
+from presswork.model import FloatArray, IntArray
+
+
+class MeshError(Exception):
+    """A mesh that cannot be computed with: what is wrong, and the remedy."""
+
+    def __init__(self, fault: str, remedy: str) -> None:
+        self.fault = fault
+        self.remedy = remedy
+        super().__init__(f"{fault}; {remedy}")
+
+
+def corner_jacobians(points: FloatArray, connectivity: IntArray) -> FloatArray:
+    """Return the cross product of the two edge tangents at each corner [mm^2], shape (n_cells, n_corners).
+
+    It has the sign of the Jacobian there. The tangent at a corner a of a curved edge to b by its middle m is
+    that of the parabola through them, -3 a + 4 m - b.
+    """
+    n_nodes = connectivity.shape[1]
+    n_corners = count_corners(n_nodes)
+    here = points[connectivity[:, :n_corners]]
+    after, before = np.roll(here, -1, axis=1), np.roll(here, 1, axis=1)
+    if n_nodes > n_corners:
+        middle_after = points[connectivity[:, n_corners : 2 * n_corners]]
+        middle_before = np.roll(middle_after, 1, axis=1)
+        out = -3.0 * here + 4.0 * middle_after - after
+        back = -3.0 * here + 4.0 * middle_before - before
+    else:
+        out, back = after - here, before - here
+    return out[..., 0] * back[..., 1] - out[..., 1] * back[..., 0]
+
+
+def reverse_cells(connectivity: IntArray) -> IntArray:
+    """Return the cells with their winding reversed, the first corner kept."""
+    n_nodes = connectivity.shape[1]
+    n_corners = count_corners(n_nodes)
+    order = [0, *range(n_corners - 1, 0, -1)]
+    if n_nodes > n_corners:
+        order += list(range(2 * n_corners - 1, n_corners - 1, -1))
+    order += list(range(len(order), n_nodes))
+    return np.ascontiguousarray(connectivity[:, order])
+
+
+def wind_counter_clockwise(points: FloatArray, connectivity: IntArray) -> tuple[IntArray, bool]:
+    """Return the cells counter-clockwise, and whether they were turned over because all of them were clockwise.
+
+    Raises MeshError, naming the first few cells (counted from 1 in the file's order), when only some of them are
+    clockwise, or folded, or have no area.
+    """
+    jacobians = corner_jacobians(points, connectivity)
+    if (jacobians > 0.0).all():
+        return connectivity, False
+    if (jacobians < 0.0).all():
+        return reverse_cells(connectivity), True
+    right_side = 1.0 if (jacobians > 0.0).all(axis=1).sum() >= (jacobians < 0.0).all(axis=1).sum() else -1.0
+    wrong = np.flatnonzero(~(right_side * jacobians > 0.0).all(axis=1))
+    first = ", ".join(str(cell + 1) for cell in wrong[:5])
+    centre = points[connectivity[wrong[0]]].mean(axis=0)
+    raise MeshError(
+        f"{len(wrong)} of {len(connectivity)} cells are inverted, folded or without area: cell {first}"
+        f"{' ...' if len(wrong) > 5 else ''}, the first near ({centre[0]:.6g}, {centre[1]:.6g})",
+        "mend these cells in the mesher; all cells must be convex and wound the same way",
+    )
+
+
+def check_connected(points: FloatArray, connectivity: IntArray) -> None:
+    """Raise MeshError when the mesh falls into parts that share no node, or cells overlap."""
+    edges, count = count_cells_of_edges([connectivity])
+    if (count > 2).any():
+        x, y = points[edges[np.argmax(count > 2), :2]].mean(axis=0)
+        raise MeshError(
+            f"{int((count > 2).sum())} edges belong to more than two cells, the first near ({x:.6g}, {y:.6g})",
+            "remove cells that are doubled or overlap",
+        )
+    n_parts, part = find_parts([connectivity], len(points))
+    if n_parts == 1:
+        return
+    places = []
+    for index in range(min(n_parts, 4)):
+        members = points[part == index]
+        n_cells = int((part[connectivity[:, 0]] == index).sum())
+        low, high = members.min(axis=0), members.max(axis=0)
+        places.append(f"{n_cells} cells in x {low[0]:.6g} to {high[0]:.6g}, y {low[1]:.6g} to {high[1]:.6g}")
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    pairs = cKDTree(points).query_pairs(1e-6 * size, output_type="ndarray")
+    doubles = int((part[pairs[:, 0]] != part[pairs[:, 1]]).sum()) if len(pairs) else 0
+    remedy = "merge the coincident nodes in the mesher" if doubles else "keep one part, or join them"
+    more = "" if n_parts <= 4 else "; ..."
+    raise MeshError(
+        f"the cells fall into {n_parts} parts that share no node ({'; '.join(places)}{more})"
+        + (f", with {doubles} pairs of coincident nodes between them" if doubles else ""),
+        remedy,
+    )

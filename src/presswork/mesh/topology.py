@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Edges, sets and connected parts of a mesh, from the cells' connectivity alone.
+
+Corners come first in every cell, counter-clockwise, mid-side i lies between corner i and i + 1, the centre is last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from presswork.model import FloatArray, IntArray
+
+_CORNERS_OF_NODES = {3: 3, 6: 3, 4: 4, 8: 4, 9: 4}
+
+
+def count_corners(n_nodes: int) -> int:
+    """Return the number of corners of a cell with so many nodes."""
+    return _CORNERS_OF_NODES[n_nodes]
+
+
+def list_cell_edges(connectivity: IntArray) -> IntArray:
+    """Return the edges of every cell, shape (n_cells * n_corners, 2 | 3): first, last[, mid]; the cell on the left."""
+    n_nodes = connectivity.shape[1]
+    n_corners = count_corners(n_nodes)
+    first = connectivity[:, :n_corners]
+    last = np.roll(first, -1, axis=1)
+    columns = [first, last]
+    if n_nodes > n_corners:
+        columns.append(connectivity[:, n_corners : 2 * n_corners])
+    return np.stack(columns, axis=-1).reshape(-1, len(columns))
+
+
+def edge_keys(edges: IntArray) -> NDArray[np.int64]:
+    """Return one 64-bit number per edge that does not depend on its direction, shape (n_edges,)."""
+    ends = np.sort(edges[:, :2].astype(np.int64), axis=1)
+    return np.asarray((ends[:, 0] << 32) | ends[:, 1], dtype=np.int64)
+
+
+def find_boundary_edges(connectivities: Sequence[IntArray]) -> IntArray:
+    """Return the edges that one cell only has, the body on the left, in the order of the cells."""
+    edges = np.concatenate([list_cell_edges(connectivity) for connectivity in connectivities])
+    _, index, count = np.unique(edge_keys(edges), return_index=True, return_counts=True)
+    return edges[np.sort(index[count == 1])].astype(np.int32)
+
+
+def count_cells_of_edges(connectivities: Sequence[IntArray]) -> tuple[IntArray, IntArray]:
+    """Return each edge of the mesh once, and the number of cells that share it."""
+    edges = np.concatenate([list_cell_edges(connectivity) for connectivity in connectivities])
+    _, index, count = np.unique(edge_keys(edges), return_index=True, return_counts=True)
+    return edges[index], count.astype(np.int32)
+
+
+def select_edges(edges: IntArray, nodes: IntArray) -> IntArray:
+    """Return the edges all of whose nodes are among the nodes given."""
+    return edges[np.isin(edges, nodes).all(axis=1)]
+
+
+def find_parts(connectivities: Sequence[IntArray], n_points: int) -> tuple[int, IntArray]:
+    """Return the number of parts of the mesh that share no node, and the part of each node, shape (n_points,)."""
+    rows = [np.repeat(cells[:, 0], cells.shape[1] - 1) for cells in connectivities]
+    columns = [cells[:, 1:].ravel() for cells in connectivities]
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    graph = coo_array((np.ones(len(row), dtype=np.int8), (row, column)), shape=(n_points, n_points))
+    n_parts, part = connected_components(graph, directed=False)
+    return int(n_parts), part.astype(np.int32)
+
+
+def drop_unused_points(points: FloatArray, connectivities: Sequence[IntArray]) -> tuple[FloatArray, IntArray]:
+    """Return the points that cells use, and the new number of each old point: -1 for a dropped one."""
+    used = np.zeros(len(points), dtype=bool)
+    for connectivity in connectivities:
+        used[connectivity] = True
+    number = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
+    return points[used], number

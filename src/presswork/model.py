@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model: everything that is known before the first increment, as frozen data without behaviour.
+
+Units are mm, s, t, N, MPa throughout. The model plane is (x, y); in axisymmetry x is the radius and y the axis.
+Directions and boundaries have names, never integer tags.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+Analysis = Literal["axisymmetric", "plane_strain"]
+ElementName = Literal[
+    "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
+]
+HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table"]
+Integrator = Literal[
+    "backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"
+]
+StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
+ContactLaw = Literal["frictionless", "sticking"]
+
+
+@dataclass(frozen=True)
+class CellBlock:
+    """Cells of one kind and one element formulation."""
+
+    element: ElementName
+    connectivity: IntArray
+    """Node indices, shape (n_cells, n_nodes), counter-clockwise: corners first, then mid-sides, then the centre."""
+    material: int
+    """Index into Model.materials."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Points, cell blocks and named sets."""
+
+    points: FloatArray
+    """Coordinates [mm], shape (n_points, 2)."""
+    blocks: tuple[CellBlock, ...]
+    node_sets: Mapping[str, IntArray]
+    """Node indices by name, each sorted and unique."""
+    edge_sets: Mapping[str, IntArray]
+    """Boundary edges by name, shape (n_edges, 2 | 3): first end, last end[, mid-side], the body on the left."""
+    boundary_edges: IntArray
+    """Every boundary edge of the mesh, in the same form."""
+
+
+@dataclass(frozen=True)
+class Hardening:
+    """Flow stress against equivalent plastic strain; see docs/theory/material.md for the laws' formulas."""
+
+    law: HardeningLaw
+    parameters: FloatArray
+    """linear: [yield_stress, modulus]; swift: [K, e0, n]; ludwik: [yield_stress, K, n];
+    voce: [yield_stress, saturation_stress, rate]; hockett_sherby: [yield_stress, saturation_stress, rate, exponent];
+    table: [e0, s0, e1, s1, ...]. Stresses in MPa."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic elasticity with von Mises plasticity."""
+
+    name: str
+    young: float
+    """Young's modulus [MPa]."""
+    poisson: float
+    hardening: Hardening
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A rigid profile that moves without deforming."""
+
+    name: str
+    segments: FloatArray
+    """Shape (n_segments, 7): x0, y0, x1, y1, centre x, centre y, turn; turn is 0 for a line, +1 for an arc that runs
+    counter-clockwise, -1 clockwise. Directed so that the tool's metal is on the right, the workpiece on the left."""
+    contact: ContactLaw
+    mirrored_across: tuple[bool, bool] = (False, False)
+    """Plane strain: whether the whole tool is twice what is modelled, mirrored by a symmetry plane normal to x | y."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """Displacement components held at zero in every stage: symmetry planes, the axis, clamps."""
+
+    node_set: str
+    fix: tuple[bool, bool]
+
+
+@dataclass(frozen=True)
+class PrescribedDisplacement:
+    """A displacement component that grows linearly over the stage by `value` [mm]."""
+
+    node_set: str
+    component: Literal[0, 1]
+    value: float
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """A total force [N] on a node set, shared equally by its nodes, reached linearly at the end of the stage.
+
+    In axisymmetry it is the force on the whole ring; in plane strain on the whole depth.
+    """
+
+    node_set: str
+    force: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """A follower pressure [MPa] on an edge set, positive into the body, reached linearly at the end of the stage."""
+
+    edge_set: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A part of the process in which every motion and load is linear in time."""
+
+    name: str
+    duration: float = 1.0
+    """[s]; quasi-static and rate-independent, so it only scales the time column."""
+    tool_motion: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Displacement of each moving tool over the stage [mm]; a tool not named stands still."""
+    prescribed: tuple[PrescribedDisplacement, ...] = ()
+    forces: tuple[PointForce, ...] = ()
+    pressures: tuple[Pressure, ...] = ()
+
+
+@dataclass(frozen=True)
+class TangentTerms:
+    """Which parts of the thesis's tangent are built; used only with SolverSettings.tangent = "thesis"."""
+
+    strain_matrix: Literal["B0", "Bbar"] = "B0"
+    """K_o = int B^T D B with the linear B0, or with the Green-Lagrange B0 + B_L on both sides."""
+    k_e: bool = True
+    k_u: bool = True
+    k_v: bool = False
+    modulus: Literal["consistent", "continuum"] = "continuum"
+    """D of K_o: the derivative of the integrator, or the elastic-plastic matrix of the rate equation (Yamada)."""
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """How the implicit procedure integrates and iterates."""
+
+    newton: Literal["full", "modified"] = "full"
+    tangent: Literal["consistent", "thesis"] = "consistent"
+    terms: TangentTerms = TangentTerms()
+    symmetric: bool = True
+    """Factorise the symmetric part of the tangent (see docs/theory/solver.md for what it costs in iterations)."""
+    pressure_stiffness: bool = True
+    """K_t: the follower stiffness of pressures."""
+    line_search: bool = True
+    force_tolerance: float = 1e-4
+    """Largest out-of-balance force over the largest internal nodal force."""
+    displacement_tolerance: float = 1e-3
+    """Largest correction over the largest displacement of the increment."""
+    max_iterations: int = 20
+    initial_increment: float = 0.01
+    """Fraction of the stage."""
+    min_increment: float = 1e-5
+    max_increment: float = 0.02
+    target_iterations: int = 6
+    """Increments grow while they take fewer iterations than this."""
+    strain_measure: StrainMeasure = "log"
+    integrator: Integrator = "backward_euler"
+    substeps: int = 10
+    """Sub-increments of the "substepping" integrator."""
+    hourglass_stiffness: float = 0.05
+    """quad4_1pt: hourglass stiffness as a fraction of the material's current shear modulus."""
+
+
+@dataclass(frozen=True)
+class OutputSettings:
+    """What is saved, and when."""
+
+    every: int = 0
+    """Save fields every so many increments; 0 saves at `steps` equally spaced times of each stage."""
+    steps: int = 20
+    at: tuple[float, ...] = ()
+    """Further stage fractions at which an increment ends and fields are saved, counted in the last stage."""
+    checkpoint_every: int = 10
+    """Increments between checkpoints."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A complete forming problem."""
+
+    title: str
+    analysis: Analysis
+    depth: float
+    """Plane strain: extent normal to the plane [mm]; 1 in axisymmetry."""
+    mesh: Mesh
+    materials: tuple[Material, ...]
+    tools: tuple[Tool, ...]
+    supports: tuple[Support, ...]
+    stages: tuple[Stage, ...]
+    solver: SolverSettings
+    output: OutputSettings
+    case_text: str = ""
+    """The case file as read, kept with the results."""

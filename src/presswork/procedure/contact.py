@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact of boundary nodes with rigid tools, as exact constraints with an active set.
+
+A node that would be inside a tool is put on its surface and held there along the normal (SLIDING); on a sticking tool it
+is held in both directions from the next increment on (STUCK), at the place in the tool's frame where it has come to rest:
+so the converged answer does not depend on the way the iteration took. A held node lets go when it pulls. There is no
+penalty: the tangent stays as well conditioned as the workpiece itself, and the gap of a held node is zero.
+
+What prevents chatter: a node lets go only near equilibrium and only if it pulls with more than RELEASE of the largest
+contact force; and a node that has changed its state MAX_CHANGES times in an increment keeps hold for the rest of it.
+
+Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import FloatArray, IntArray, Model
+from presswork.results.fields import ContactForces
+from presswork.state import SLIDING, STUCK, State
+
+RELEASE = 1e-3
+MAX_CHANGES = 4
+
+
+@dataclass
+class Constraints:
+    """What the linear system must respect; freedoms are in the nodes' own frames."""
+
+    mask: np.ndarray  # (n_points, 2) uint8: prescribed
+    value: FloatArray  # (n_points, 2): the correction still to be made [mm]
+    turned: np.ndarray  # (n_points,) uint8
+    frames: FloatArray  # (n_points, 2, 2): rows are the local axes
+
+
+class Contact:
+    """The active set of one run; what persists lies in the State."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._touches = [np.ascontiguousarray(t.segments) for t in model.tools]
+        self._sticking = np.array([t.contact == "sticking" for t in model.tools], dtype=bool)
+        self.nodes: IntArray = np.unique(model.mesh.boundary_edges).astype(np.int32) if model.tools else np.zeros(0, np.int32)
+        self._leader = self._find_leaders()
+        points = model.mesh.points
+        self.tolerance = 1e-6 * float(np.ptp(points, axis=0).max())
+        self.gap = np.full((2 * len(model.tools), len(self.nodes)), np.inf)
+        self.normal = np.zeros((2 * len(model.tools), len(self.nodes), 2))
+        self._changes = np.zeros(len(self.nodes), dtype=np.int64)
+
+    def _find_leaders(self) -> IntArray:
+        """Node whose reaction decides for each candidate: itself, but the mid-side for a vertex on the axis.
+
+        On the axis a quadratic edge's vertex carries no share of a pressure (int N r dr = 0): its own reaction is noise.
+        """
+        leader = np.arange(len(self.nodes), dtype=np.int32)
+        edges = self._model.mesh.boundary_edges
+        if self._model.analysis != "axisymmetric" or edges.shape[1] != 3:
+            return leader
+        place = {int(node): i for i, node in enumerate(self.nodes)}
+        radius = self._model.mesh.points[:, 0]
+        for first, last, middle in edges:
+            for end, other in ((first, last), (last, first)):
+                if end in place and radius[end] < 1e-9 < radius[other]:
+                    leader[place[int(end)]] = place[int(middle)]
+        return leader
+
+    def search(self, state: State, displacement: FloatArray) -> None:
+        """Find gap and normal of every candidate to every tool; tools stand at state.tool_displacement."""
+        x = self._model.mesh.points[self.nodes] + displacement[self.nodes]
+        for t, segments in enumerate(self._touches):
+            local = np.ascontiguousarray(x - state.tool_displacement[t])
+            touch = _core.touch_profile(segments, local)
+            self.gap[2 * t], self.normal[2 * t], self.gap[2 * t + 1], self.normal[2 * t + 1] = touch
+
+    def begin(self, state: State) -> None:
+        """Find the nodes that touch before the first increment; on sticking tools they are stuck at once."""
+        self.search(state, state.displacement)
+        state.contact[self.gap <= self.tolerance] = SLIDING
+        self._limit_faces(state.contact)
+        self.settle(state)
+
+    def begin_increment(self) -> None:
+        """Forget the changes of the increment before."""
+        self._changes[:] = 0
+
+    def settle(self, state: State) -> None:
+        """At a converged state: nodes that slide on a sticking tool are stuck from now on, where they are."""
+        if not len(self.nodes):
+            return
+        held = (state.contact > 0) & self._sticking.repeat(2)[:, None]
+        fresh = held & (state.contact == SLIDING)
+        state.contact[held] = STUCK
+        face, node = np.nonzero(fresh)
+        position = self._model.mesh.points[self.nodes[node]] + state.displacement[self.nodes[node]]
+        state.anchor[node] = position - state.tool_displacement[face // 2]
+
+    def _limit_faces(self, contact: np.ndarray) -> None:
+        """Keep at most two faces a node: those it is deepest in."""
+        crowded = np.nonzero((contact > 0).sum(axis=0) > 2)[0]
+        for node in crowded:
+            faces = np.nonzero(contact[:, node])[0]
+            keep = faces[np.argsort(self.gap[faces, node])[:2]]
+            contact[np.setdiff1d(faces, keep), node] = 0
+
+    def update(self, trial: State, reaction: FloatArray, fixed: np.ndarray, *, near: bool) -> int:
+        """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes."""
+        if not len(self.nodes):
+            return 0
+        before = trial.contact.copy()
+        lost = (trial.contact == SLIDING) & ~np.isfinite(self.gap)  # slid off the end of a profile, or out of a corner
+        trial.contact[lost] = 0
+        trial.contact[(self.gap < -self.tolerance) & (trial.contact == 0) & self._free(fixed)] = SLIDING
+        self._limit_faces(trial.contact)
+        if near:
+            push = self.normal_forces(trial, reaction, fixed)
+            largest = float(np.abs(push).max(initial=0.0))
+            pulls = (push[:, self._leader] < -RELEASE * largest) & (before > 0) & (trial.contact > 0)
+            trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
+        changed = (before != trial.contact).any(axis=0)
+        self._changes[changed] += 1
+        return int(changed.sum())
+
+    def _free(self, fixed: np.ndarray) -> np.ndarray:
+        """Faces whose normal has a part along a direction that supports leave free (n_faces, n_candidates)."""
+        free = ~fixed[self.nodes]
+        return np.asarray((np.abs(self.normal) * free).max(axis=2) > 1e-3)
+
+    def normal_forces(self, state: State, reaction: FloatArray, fixed: np.ndarray) -> FloatArray:
+        """Return the push of every held face on its node (n_faces, n_candidates) [N]; negative pulls."""
+        push = np.zeros(self.gap.shape)
+        held = state.contact > 0
+        count = held.sum(axis=0)
+        force = reaction[self.nodes] * ~fixed[self.nodes]
+        direction = self.normal * ~fixed[self.nodes]
+        square = (direction**2).sum(axis=2)
+        single = held & (count == 1)
+        along = np.einsum("fni,ni->fn", direction, force)
+        push[single] = along[single] / np.maximum(square[single], 1e-12)
+        for node in np.nonzero(count == 2)[0]:
+            faces = np.nonzero(held[:, node])[0]
+            axes = direction[faces, node].T
+            push[faces, node] = np.linalg.lstsq(axes, force[node], rcond=None)[0]
+        return push
+
+    def tool_forces(self, state: State, fixed: np.ndarray) -> FloatArray:
+        """Return the force of the workpiece on each tool (n_tools, 2) [N], as modelled.
+
+        Where a node is also held by a support, that direction's reaction is the support's.
+        """
+        n_tools = len(self._model.tools)
+        forces = np.zeros((n_tools, 2))
+        held = (state.contact > 0).reshape(n_tools, 2, -1)
+        by_tool = held.any(axis=1)
+        force = state.reaction[self.nodes] * ~fixed[self.nodes]
+        shared = by_tool.sum(axis=0) > 1
+        push = self.normal_forces(state, state.reaction, fixed) if shared.any() else None
+        for t in range(n_tools):
+            forces[t] = -force[by_tool[t] & ~shared].sum(axis=0)
+            if push is not None:
+                both = by_tool[t] & shared
+                for face in (2 * t, 2 * t + 1):
+                    forces[t] -= (push[face, both, None] * self.normal[face, both]).sum(axis=0)
+        return forces
+
+    def forces(self, state: State, fixed: np.ndarray) -> ContactForces:
+        """Return the nodes in contact with their push and drag; the normal is that of the first face held."""
+        self.search(state, state.displacement)
+        held = state.contact > 0
+        nodes = np.nonzero(held.any(axis=0))[0]
+        normal = self.normal[held[:, nodes].argmax(axis=0), nodes]
+        at = self.nodes[nodes]
+        return ContactForces(at, normal, state.reaction[at] * ~fixed[at])
+
+    def constrain(self, trial: State, displacement: FloatArray, supports: Constraints) -> Constraints:
+        """Return the supports' constraints together with those of the held nodes."""
+        mask, value = supports.mask.copy(), supports.value.copy()
+        turned, frames = supports.turned.copy(), supports.frames.copy()
+        held = trial.contact > 0
+        count = held.sum(axis=0)
+        for i in np.nonzero(count)[0]:
+            node = self.nodes[i]
+            faces = np.nonzero(held[:, i])[0]
+            free = mask[node] == 0
+            if not free.any():
+                continue
+            if (trial.contact[faces, i] == STUCK).any():
+                tool = faces[np.argmax(trial.contact[faces, i])] // 2
+                target = trial.anchor[i] + trial.tool_displacement[tool]
+                gap = target - self._model.mesh.points[node] - displacement[node]
+                value[node, free] = gap[free]
+                mask[node] = 1
+            elif free.all() and len(faces) == 1:
+                n = self.normal[faces[0], i]
+                turned[node] = 1
+                frames[node] = [[n[0], n[1]], [-n[1], n[0]]]
+                mask[node, 0] = 1
+                value[node, 0] = -self.gap[faces[0], i]
+            else:
+                self._pin(faces, i, node, free, mask, value)
+        return Constraints(mask, value, turned, frames)
+
+    def _pin(self, faces: np.ndarray, i: int, node: int, free: np.ndarray, mask: np.ndarray, value: FloatArray) -> None:
+        """Two faces, or a face and a support: both freedoms follow from the gaps."""
+        axes, gaps = self.normal[faces, i], self.gap[faces, i]
+        rest = -gaps - axes[:, ~free] @ value[node, ~free]
+        value[node, free] = np.linalg.lstsq(axes[:, free], rest, rcond=None)[0]
+        mask[node] = 1

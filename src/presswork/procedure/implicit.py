@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The implicit quasi-static procedure: stages, automatic increments, cut-backs.
+
+It advances the converged State an increment at a time and knows nothing of files: run.py records what it yields.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import FloatArray, Model
+from presswork.procedure.contact import Contact
+from presswork.procedure.mechanics import Mechanics, elastic_energy, plastic_work_of_increment
+from presswork.procedure.newton import Converged, Equilibrium, Failed, IterationLog, Step
+from presswork.procedure.timing import Timing
+from presswork.state import State
+
+GROWTH = 1.5
+TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
+
+
+class GaveUp(Exception):
+    """No increment, however small, could be solved; the converged state is kept."""
+
+
+@dataclass(frozen=True)
+class IncrementReport:
+    """One converged increment."""
+
+    number: int
+    stage: str
+    fraction: float
+    """Of the stage, at the end of the increment."""
+    time: float
+    log: IterationLog
+    cutbacks: list[str] = field(default_factory=list)
+    """Why each earlier attempt at this increment was cut back."""
+    is_save_point: bool = False
+
+
+class ImplicitProcedure:
+    """Advances one model through its stages."""
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        threads = threads or _core.max_threads()
+        _core.set_threads(threads)
+        self.model = model
+        self.timing = Timing()
+        self.mechanics = Mechanics(model, self.timing)
+        self.contact = Contact(model)
+        self.equilibrium = Equilibrium(model, self.mechanics, self.contact, self.timing, threads)
+        self.state = State.at_rest(model, len(self.contact.nodes))
+        self.state.progress[SIZE] = model.solver.initial_increment
+        self.contact.begin(self.state)
+        self.mechanics.evaluate(self.state, self.state, self.state.increment, with_stiffness=False)
+        self.initial_volume = self.volume()
+
+    def volume(self) -> float:
+        """Volume of the workpiece as modelled [mm3]."""
+        return float(sum(v.sum() for v in self.state.volume))
+
+    def tool_base(self, stage: int) -> FloatArray:
+        """Tool displacements at the start of a stage (n_tools, 2) [mm]."""
+        base = np.zeros((len(self.model.tools), 2))
+        for earlier in self.model.stages[:stage]:
+            base += self._motion(earlier.tool_motion)
+        return base
+
+    def _motion(self, motion: Mapping[str, tuple[float, float]]) -> FloatArray:
+        return np.array([motion.get(t.name, (0.0, 0.0)) for t in self.model.tools]).reshape(-1, 2)
+
+    def save_points(self, stage: int) -> FloatArray:
+        """Stage fractions at which an increment must end and fields are saved; the last is 1."""
+        output = self.model.output
+        points = [] if output.every else list(np.linspace(0, 1, output.steps + 1)[1:])
+        if stage == len(self.model.stages) - 1:
+            points += output.at
+        return np.unique(np.round([*points, 1.0], 12))
+
+    def remaining(self) -> float:
+        """Part of the whole process still to be computed, counted in stage durations."""
+        stage, fraction = int(self.state.progress[STAGE]), self.state.progress[FRACTION]
+        durations = np.array([s.duration for s in self.model.stages])
+        done = durations[:stage].sum() + (durations[stage] * fraction if stage < len(durations) else 0.0)
+        return float(1.0 - done / durations.sum())
+
+    def advance(self) -> Iterator[IncrementReport]:
+        """Compute increment after increment; self.state is converged at each yield. Raises GaveUp."""
+        while int(self.state.progress[STAGE]) < len(self.model.stages):
+            yield self._next_increment()
+
+    def _next_increment(self) -> IncrementReport:
+        progress = self.state.progress
+        stage, fraction_n = int(progress[STAGE]), float(progress[FRACTION])
+        settings = self.model.solver
+        points = self.save_points(stage)
+        target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
+        size = float(progress[SIZE])
+        cutbacks: list[str] = []
+        while True:
+            step = min(size, target - fraction_n)
+            if step < target - fraction_n < 2 * step:
+                step = 0.5 * (target - fraction_n)
+            fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
+            trial, outcome = self._attempt(stage, fraction_n, fraction)
+            if not isinstance(outcome, Failed):
+                break
+            cutbacks.append(f"{step:.3g} of the stage: {outcome.reason}")
+            size = step * outcome.factor
+            if size < settings.min_increment:
+                raise GaveUp(
+                    f"stage {self.model.stages[stage].name!r} at {fraction_n:.4%}: even an increment of {step:.1e} of the stage "
+                    f"finds no equilibrium ({outcome.reason}). Try a finer mesh where cells are most distorted, a smaller "
+                    "tool step per stage, or look at the last saved step for cells that have folded"
+                )
+        self._commit(trial, stage, fraction_n, fraction, size, len(outcome.log), len(cutbacks))
+        return IncrementReport(
+            number=int(self.state.progress[INCREMENTS]),
+            stage=self.model.stages[stage].name,
+            fraction=fraction,
+            time=float(self.state.progress[TIME]),
+            log=outcome.log,
+            cutbacks=cutbacks,
+            is_save_point=self._is_save_point(fraction == target),
+        )
+
+    def _is_save_point(self, at_target: bool) -> bool:
+        every = self.model.output.every
+        return at_target or bool(every and int(self.state.progress[INCREMENTS]) % every == 0)
+
+    def _attempt(self, stage: int, fraction_n: float, fraction: float) -> tuple[State, Converged | Failed]:
+        trial = self.state.copy()
+        motion = self._motion(self.model.stages[stage].tool_motion)
+        trial.tool_displacement = self.tool_base(stage) + fraction * motion
+        last = float(self.state.progress[LAST])
+        guess = self.state.increment * ((fraction - fraction_n) / last) if last > 0 else np.zeros_like(self.state.increment)
+        outcome = self.equilibrium.solve(self.state, trial, Step(stage, fraction_n, fraction), guess)
+        return trial, outcome
+
+    def _commit(
+        self, trial: State, stage: int, fraction_n: float, fraction: float, size: float, iterations: int, cutbacks: int
+    ) -> None:
+        """Make the trial state the converged one."""
+        settings = self.model.solver
+        self.contact.settle(trial)
+        trial.work[0] += 0.5 * float(
+            ((self.state.reaction + trial.reaction + self.state.external_force + trial.external_force) * trial.increment).sum()
+        )
+        trial.work[1] += plastic_work_of_increment(self.mechanics, self.state, trial)
+        p = trial.progress
+        p[TIME] += self.model.stages[stage].duration * (fraction - fraction_n)
+        p[INCREMENTS] += 1
+        p[ITERATIONS] += iterations
+        p[CUTBACKS] += cutbacks
+        p[LAST] = fraction - fraction_n
+        if iterations <= settings.target_iterations and not cutbacks:
+            size = min(size * GROWTH, settings.max_increment)
+        elif iterations > settings.target_iterations + 4:
+            size *= 0.7
+        p[SIZE] = size
+        p[STAGE], p[FRACTION] = stage, fraction
+        if fraction == 1.0:
+            p[STAGE], p[FRACTION], p[LAST] = stage + 1, 0.0, 0.0
+            p[SIZE] = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
+        self.state = trial
+
+    def energy_balance(self) -> dict[str, float]:
+        """External work, elastic energy, plastic work [N mm] and what is missing between them in per cent."""
+        external, plastic = (float(w) for w in self.state.work)
+        elastic = elastic_energy(self.model, self.state)
+        largest = max(abs(external), 1e-300)
+        return {
+            "external_work": external,
+            "elastic_energy": elastic,
+            "plastic_work": plastic,
+            "error_percent": 100.0 * (external - elastic - plastic) / largest,
+        }

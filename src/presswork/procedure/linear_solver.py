@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sparse direct solvers behind one small interface: analyse once per pattern, factorise, solve.
+
+MKL PARDISO where it is installed (x86-64), SciPy's SuperLU elsewhere. PARDISO runs in its reproducible mode, so that the
+same matrix gives the same bits with any number of threads.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import weakref
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+
+from presswork.model import FloatArray, IntArray
+
+
+class SolverError(Exception):
+    """The matrix could not be factorised: singular, or out of memory."""
+
+
+class LinearSolver(Protocol):
+    """What the procedure asks of a solver."""
+
+    name: str
+
+    def factorise(self, data: FloatArray) -> None:
+        """Factorise the matrix with these values."""
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Return the solution for one right-hand side."""
+
+
+def make_solver(indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int) -> LinearSolver:
+    """Return the best solver installed, analysed for this pattern (upper triangle only if symmetric)."""
+    try:
+        return Pardiso(indptr, indices, symmetric=symmetric, threads=threads)
+    except ImportError:
+        return SuperLU(indptr, indices, symmetric=symmetric)
+
+
+class SuperLU:
+    """SciPy's SuperLU: slower and not threaded, but everywhere."""
+
+    name = "SuperLU (SciPy); install pypardiso on x86-64 for speed"
+
+    def __init__(self, indptr: IntArray, indices: IntArray, *, symmetric: bool) -> None:
+        self._pattern = (indices, indptr)
+        self._symmetric = symmetric
+        self._factor: spl.SuperLU | None = None
+
+    def factorise(self, data: FloatArray) -> None:
+        n = len(self._pattern[1]) - 1
+        matrix = sp.csr_matrix((data, *self._pattern), shape=(n, n))
+        if self._symmetric:
+            matrix = matrix + sp.triu(matrix, 1).T
+        try:
+            self._factor = spl.splu(matrix.tocsc())
+        except RuntimeError as error:
+            raise SolverError(str(error)) from error
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        assert self._factor is not None, "factorise first"
+        solution: FloatArray = self._factor.solve(rhs)
+        return solution
+
+
+def _integer(value: int) -> ctypes.Array[ctypes.c_int]:
+    return (ctypes.c_int * 1)(value)
+
+
+def _release(pardiso: Any, handle: IntArray, matrix_type: int, n: int) -> None:
+    """Give PARDISO's memory back."""
+    head = [_integer(v) for v in (1, 1, matrix_type, -1, n)]
+    settings = np.zeros(64, dtype=np.int32)
+    pardiso(handle.ctypes.data, *head, *[None] * 3, _integer(0), _integer(1), settings.ctypes.data, _integer(0),
+            None, None, _integer(0))  # fmt: skip
+
+
+class Pardiso:
+    """MKL PARDISO: the analysis is done once, in the first factorisation."""
+
+    name = "MKL PARDISO"
+
+    def __init__(self, indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int) -> None:
+        # one OpenMP runtime for our loops and MKL's, or the idle threads of one slow down the other
+        os.environ.setdefault("MKL_THREADING_LAYER", "GNU")
+        os.environ.setdefault("MKL_CBWR", "AUTO")  # the same bits from run to run
+        from pypardiso.pardiso_wrapper import PyPardisoSolver
+
+        wrapper = PyPardisoSolver()
+        self._pardiso = ctypes.CDLL(wrapper.libmkl._name).pardiso  # a function object with our own argument types
+        self._pardiso.argtypes = [ctypes.c_void_p] * 16
+        self._pardiso.restype = None
+        wrapper.libmkl.MKL_Set_Num_Threads(ctypes.c_int(threads))
+        self._handle = np.zeros(64, dtype=np.int64)
+        self._indptr, self._indices = np.ascontiguousarray(indptr), np.ascontiguousarray(indices)
+        self._data = np.zeros(len(indices))
+        self._type = -2 if symmetric else 11
+        self._n = len(indptr) - 1
+        self._analysed = False
+        self._finalizer = weakref.finalize(self, _release, self._pardiso, self._handle, self._type, self._n)
+        self._iparm = np.zeros(64, dtype=np.int32)
+        settings = {0: 1, 1: 2, 7: 1, 9: 8 if symmetric else 13, 10: 0 if symmetric else 1, 17: -1, 20: 1, 34: 1}
+        for position, value in settings.items():
+            self._iparm[position] = value
+
+    def _call(self, phase: int, rhs: FloatArray, solution: FloatArray) -> None:
+        error = _integer(0)
+        self._pardiso(
+            self._handle.ctypes.data,
+            *(_integer(v) for v in (1, 1, self._type, phase, self._n)),
+            self._data.ctypes.data,
+            self._indptr.ctypes.data,
+            self._indices.ctypes.data,
+            _integer(0),
+            _integer(1),
+            self._iparm.ctypes.data,
+            _integer(0),
+            rhs.ctypes.data,
+            solution.ctypes.data,
+            error,
+        )
+        if error[0] != 0:
+            reasons = {-2: "not enough memory", -4: "the matrix is singular", -9: "not enough memory"}
+            raise SolverError(reasons.get(error[0], f"PARDISO error {error[0]}"))
+
+    def factorise(self, data: FloatArray) -> None:
+        self._data = np.ascontiguousarray(data)
+        empty = np.zeros(self._n)
+        if not self._analysed:
+            self._call(11, empty, empty)
+            self._analysed = True
+        self._call(22, empty, empty)
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        solution = np.zeros(self._n)
+        self._call(33, np.ascontiguousarray(rhs), solution)
+        return solution

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Applied loads: point forces and follower pressures, and the pressures' stiffness (K_t of the thesis)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.mesh.edges import GAUSS_3, edge_shape_functions
+from presswork.model import FloatArray, IntArray, Model
+
+@dataclass(frozen=True)
+class AppliedLoads:
+    """Nodal force (n_points, 2) [N] and, for pressures, the stiffness to subtract: node pairs (n, 2), blocks (n, 2, 2)."""
+
+    force: FloatArray
+    pairs: IntArray
+    blocks: FloatArray
+
+
+def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float) -> AppliedLoads:
+    """Return the loads at a fraction of a stage on the deformed points; loads grow linearly and end with their stage."""
+    force = np.zeros_like(points)
+    pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 2, 2))]
+    for load in model.stages[stage].forces:
+        nodes = model.mesh.node_sets[load.node_set]
+        force[nodes] += fraction * np.asarray(load.force) / len(nodes)
+    for pressure in model.stages[stage].pressures:
+        edges = model.mesh.edge_sets[pressure.edge_set]
+        edge_pairs, edge_blocks = _add_pressure(model, points, edges, fraction * pressure.value, force)
+        pairs.append(edge_pairs)
+        blocks.append(edge_blocks)
+    return AppliedLoads(force, np.concatenate(pairs), np.concatenate(blocks))
+
+
+def _add_pressure(
+    model: Model, points: FloatArray, edges: IntArray, pressure: float, force: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Add -p n over the edges to force; return d(-force)/d(position) as node pairs and blocks."""
+    axisymmetric = model.analysis == "axisymmetric"
+    n = edges.shape[1]
+    x = points[edges]
+    edge_force = np.zeros(x.shape)
+    stiffness = np.zeros((len(edges), n, n, 2, 2))
+    for s, weight in GAUSS_3:
+        N, dN = edge_shape_functions(n, s)
+        tangent = np.einsum("a,eai->ei", dN, x)
+        normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)  # outwards: the body is on the left
+        thickness = 2 * np.pi * (x[:, :, 0] @ N) if axisymmetric else np.full(len(edges), model.depth)
+        edge_force -= pressure * weight * np.einsum("a,e,ei->eai", N, thickness, normal)
+        quarter = np.array([[0.0, 1.0], [-1.0, 0.0]])
+        stiffness += pressure * weight * np.einsum("a,b,e,ij->eabij", N, dN, thickness, quarter)
+        if axisymmetric:
+            stiffness[..., 0] += pressure * weight * 2 * np.pi * np.einsum("a,b,ei->eabi", N, N, normal)
+    np.add.at(force, edges, edge_force)
+    rows, columns = np.repeat(edges, n, axis=1), np.tile(edges, (1, n))
+    pairs = np.stack([rows, columns], axis=-1).reshape(-1, 2).astype(np.int32)
+    return np.ascontiguousarray(pairs), stiffness.reshape(-1, 2, 2)

@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Equilibrium of one increment: full or modified Newton with contact's active set and a line search."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+
+from presswork.model import FloatArray, Model
+from presswork.procedure.contact import Constraints, Contact
+from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
+from presswork.procedure.loads import AppliedLoads, evaluate_loads
+from presswork.procedure.mechanics import Mechanics, TurnedInsideOut
+from presswork.procedure.timing import Timing
+from presswork.state import State
+
+NEAR = 0.1
+"""Relative residual below which reactions are trusted to let nodes go."""
+OVERSHOOT = 0.8
+"""Work left along a correction, over that at its start, above which the correction is shortened."""
+SMALLEST_PART = 0.1
+STAGNANT = 1e-2
+"""With a residual this many times below its tolerance, the last correction's size does not matter."""
+
+
+@dataclass
+class IterationLog:
+    """Relative residual, relative correction and contact changes of every iteration of an increment."""
+
+    residual: list[float] = field(default_factory=list)
+    correction: list[float] = field(default_factory=list)
+    contact_changes: list[int] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.residual)
+
+
+@dataclass(frozen=True)
+class Converged:
+    """The trial state is in equilibrium."""
+
+    log: IterationLog
+
+
+@dataclass(frozen=True)
+class Failed:
+    """The increment cannot be solved; try again with `factor` of it."""
+
+    log: IterationLog
+    reason: str
+    factor: float
+
+
+@dataclass(frozen=True)
+class _Point:
+    """The forces at one guess."""
+
+    displacement: FloatArray
+    internal: FloatArray
+    loads: AppliedLoads
+    reaction: FloatArray
+
+
+@dataclass(frozen=True)
+class Step:
+    """Where an increment leads: a fraction of a stage, from the fraction before."""
+
+    stage: int
+    fraction_n: float
+    fraction: float
+
+
+class Equilibrium:
+    """Solves increments of one model; holds the matrix and its factors, but nothing that a restart would need."""
+
+    def __init__(self, model: Model, mechanics: Mechanics, contact: Contact, timing: Timing, threads: int) -> None:
+        self._model = model
+        self._mechanics = mechanics
+        self._contact = contact
+        self._timing = timing
+        started = perf_counter()
+        assembler = mechanics.assembler
+        self._data = np.zeros(len(assembler.indices))
+        self.solver: LinearSolver = make_solver(
+            assembler.indptr, assembler.indices, symmetric=model.solver.symmetric, threads=threads
+        )
+        timing.add("analysis", started)
+        n = len(model.mesh.points)
+        self._supported = np.zeros((n, 2), dtype=bool)
+        for support in model.supports:
+            nodes = model.mesh.node_sets[support.node_set]
+            self._supported[nodes] |= np.asarray(support.fix)
+        self._identity = np.tile(np.eye(2), (n, 1, 1))
+
+    def fixed(self, stage: int) -> np.ndarray:
+        """Return the components that supports and prescribed displacements hold in a stage (n_points, 2)."""
+        fixed = self._supported.copy()
+        for p in self._model.stages[stage].prescribed:
+            fixed[self._model.mesh.node_sets[p.node_set], p.component] = True
+        return fixed
+
+    def _supports(self, step: Step, increment: FloatArray) -> Constraints:
+        mask = self.fixed(step.stage).astype(np.uint8)
+        target = np.zeros_like(increment)
+        for p in self._model.stages[step.stage].prescribed:
+            nodes = self._model.mesh.node_sets[p.node_set]
+            target[nodes, p.component] = p.value * (step.fraction - step.fraction_n)
+        value = np.where(mask, target - increment, 0.0)
+        return Constraints(mask, value, np.zeros(len(mask), dtype=np.uint8), self._identity)
+
+    def solve(self, state_n: State, trial: State, step: Step, guess: FloatArray) -> Converged | Failed:
+        """Find the trial state at step.fraction. state_n is not touched; trial is in equilibrium if Converged."""
+        settings = self._model.solver
+        log = IterationLog()
+        fixed = self.fixed(step.stage)
+        self._contact.begin_increment()
+        increment, point = guess, self._evaluate(state_n, trial, step, guess, with_stiffness=True)
+        if isinstance(point, TurnedInsideOut):
+            increment = np.zeros_like(guess)
+            point = self._evaluate(state_n, trial, step, increment, with_stiffness=True)
+            if isinstance(point, TurnedInsideOut):
+                return Failed(log, str(point), 0.5)
+        size, factorised = 0.0, False
+        for iteration in range(settings.max_iterations + 1):
+            # 1. contact at the present guess, and what is out of balance
+            started = perf_counter()
+            self._contact.search(trial, point.displacement)
+            near = iteration > 0 and log.residual[-1] < NEAR
+            changes = self._contact.update(trial, point.reaction, fixed, near=near)
+            constraints = self._contact.constrain(trial, point.displacement, self._supports(step, increment))
+            self._timing.add("contact", started)
+            rhs = self._turn(constraints, -point.reaction)
+            rhs[constraints.mask == 1] = 0.0
+
+            # 2. converged?
+            missing = float(np.abs(constraints.value).max())
+            self._note(log, rhs, point, max(size, missing), increment, changes)
+            if iteration > 0 and changes == 0 and self._has_converged(log):
+                trial.displacement, trial.increment = point.displacement, increment
+                trial.reaction, trial.external_force = point.reaction, point.loads.force
+                return Converged(log)
+            if iteration == settings.max_iterations or self._is_hopeless(log):
+                break
+
+            # 3. correction; constrained freedoms go all the way to where they must be
+            try:
+                refactorise = settings.newton == "full" or not factorised or changes > 0 or missing > 1e-3 * size
+                correction = self._correct(constraints, rhs, point.loads, refactorise=refactorise)
+            except SolverError as error:
+                return Failed(log, str(error), 0.25)
+            factorised = True
+            moved = self._advance(state_n, trial, step, point, increment, correction, missing)
+            if isinstance(moved, TurnedInsideOut):
+                return Failed(log, str(moved), 0.5)
+            increment, point = moved
+            size = float(np.abs(correction).max())
+        return Failed(log, f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}", 0.5)
+
+    def _evaluate(
+        self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
+    ) -> _Point | TurnedInsideOut:
+        internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness)
+        if isinstance(internal, TurnedInsideOut):
+            return internal
+        displacement = state_n.displacement + increment
+        loads = evaluate_loads(self._model, self._model.mesh.points + displacement, step.stage, step.fraction)
+        return _Point(displacement, internal, loads, internal - loads.force)
+
+    def _advance(
+        self,
+        state_n: State,
+        trial: State,
+        step: Step,
+        point: _Point,
+        increment: FloatArray,
+        correction: FloatArray,
+        missing: float,
+    ) -> tuple[FloatArray, _Point] | TurnedInsideOut:
+        """Take the correction, or the part of it that keeps cells whole and does not overshoot."""
+        full = self._model.solver.newton == "full"
+        part = 1.0
+        while True:
+            taken = increment + part * correction
+            found = self._evaluate(state_n, trial, step, taken, with_stiffness=full)
+            if not isinstance(found, TurnedInsideOut) or part < SMALLEST_PART:
+                break
+            part *= 0.5
+        if isinstance(found, TurnedInsideOut):
+            return found
+        largest = float(np.abs(correction).max())
+        if not self._model.solver.line_search or part < 1.0 or missing > 1e-3 * largest:
+            return taken, found
+        before = -float((point.reaction * correction).sum())
+        after = -float((found.reaction * correction).sum())
+        if abs(after) <= OVERSHOOT * abs(before):
+            return taken, found
+        part = float(np.clip(before / (before - after), 0.1, 0.9)) if before != after else 0.5
+        shorter = self._evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
+        if isinstance(shorter, TurnedInsideOut):
+            return shorter
+        return increment + part * correction, shorter
+
+    def _turn(self, constraints: Constraints, vector: FloatArray) -> FloatArray:
+        """Take a nodal vector into the nodes' own frames."""
+        result = vector.copy()
+        nodes = np.nonzero(constraints.turned)[0]
+        result[nodes] = np.einsum("nij,nj->ni", constraints.frames[nodes], vector[nodes])
+        return result
+
+    def _turn_back(self, constraints: Constraints, vector: FloatArray) -> FloatArray:
+        nodes = np.nonzero(constraints.turned)[0]
+        vector[nodes] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes])
+        return vector
+
+    def _correct(
+        self, constraints: Constraints, rhs: FloatArray, loads: AppliedLoads, *, refactorise: bool
+    ) -> FloatArray:
+        """Solve the linear system for the next correction (n_points, 2), global frame."""
+        flat = rhs.reshape(-1).copy()
+        if refactorise:
+            self._mechanics.assemble_stiffness(constraints.turned, constraints.frames, self._data)
+            started = perf_counter()
+            assembler = self._mechanics.assembler
+            if self._model.solver.pressure_stiffness and len(loads.pairs):
+                assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
+            diagonal = float(np.abs(self._data).max())
+            assembler.constrain(constraints.mask.reshape(-1), constraints.value.reshape(-1), diagonal, self._data, flat)
+            self._timing.add("assembly", started)
+            started = perf_counter()
+            self.solver.factorise(self._data)
+            self._timing.add("solve", started)
+        started = perf_counter()
+        solution = self.solver.solve(flat).reshape(-1, 2)
+        self._timing.add("solve", started)
+        return self._turn_back(constraints, solution)
+
+    @staticmethod
+    def _note(
+        log: IterationLog, rhs: FloatArray, point: _Point, size: float, increment: FloatArray, changes: int
+    ) -> None:
+        scale = max(float(np.abs(point.internal).max()), float(np.abs(point.loads.force).max()))
+        largest = float(np.abs(rhs).max())
+        log.residual.append(largest / scale if scale > 0 else 0.0)
+        moved = float(np.abs(increment).max())
+        log.correction.append(size / moved if moved > 0 else (np.inf if size > 0 else 0.0))
+        log.contact_changes.append(changes)
+
+    def _has_converged(self, log: IterationLog) -> bool:
+        settings = self._model.solver
+        residual, correction = log.residual[-1], log.correction[-1]
+        small = correction <= settings.displacement_tolerance or residual <= STAGNANT * settings.force_tolerance
+        return residual <= settings.force_tolerance and small
+
+    def _is_hopeless(self, log: IterationLog) -> bool:
+        """Five iterations of full Newton without coming closer than the best before them."""
+        r = log.residual
+        if not np.isfinite(r[-1]):
+            return True
+        return self._model.solver.newton == "full" and len(r) > 8 and min(r[-5:]) > min(r[:-5])

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""checkpoint.h5: the converged state to the last bit, with a checksum over all of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
+
+FORMAT_VERSION = 1
+_OVERHEAD_BYTES = 16384
+
+Meta = dict[str, int | float | str]
+
+
+def save_checkpoint(
+    path: Path | str, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, int | float | str]
+) -> None:
+    """Replace the checkpoint by these arrays (numeric, any shape) and this meta data. Raises OutputError."""
+    path = Path(path)
+    whole = {name: np.asarray(values) for name, values in arrays.items()}
+    text = json.dumps({name: _plain(value) for name, value in meta.items()}, sort_keys=True)
+    needed = sum(values.nbytes for values in whole.values()) + _OVERHEAD_BYTES
+    with replace_whole(path, needed_bytes=needed) as temporary, write_hdf5(temporary, "w") as file:
+        file.attrs["format_version"] = FORMAT_VERSION
+        file.attrs["meta"] = text
+        file.attrs["checksum"] = _checksum(whole, text)
+        for name, values in whole.items():
+            file.create_dataset(f"arrays/{name}", data=values)
+
+
+def load_checkpoint(path: Path | str) -> tuple[dict[str, NDArray[Any]], Meta]:
+    """Return the arrays and the meta data, bit for bit as saved.
+
+    Raises OutputError if there is none, it is damaged, or a version of presswork wrote it that this one cannot read.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise OutputError(f"there is no checkpoint at {path}")
+    damaged = f"{path} is damaged; it cannot be resumed from: run with --overwrite to start anew"
+    try:
+        with h5py.File(path, "r") as file:
+            version, text, checksum = (file.attrs[name] for name in ("format_version", "meta", "checksum"))
+            if version == FORMAT_VERSION:
+                arrays = {name: values[()] for name, values in _walk(file)}
+    except Exception as error:  # HDF5 meets damage with errors of every kind
+        raise OutputError(damaged) from error
+    if version != FORMAT_VERSION:
+        raise OutputError(f"{path} has format {version}, this version of presswork reads {FORMAT_VERSION}")
+    if _checksum(arrays, text) != checksum:
+        raise OutputError(damaged)
+    return arrays, json.loads(text)
+
+
+def _walk(file: h5py.File) -> list[tuple[str, h5py.Dataset]]:
+    """Return every array's dataset with its name, which may hold slashes."""
+    found: list[tuple[str, h5py.Dataset]] = []
+    if "arrays" in file:
+        file["arrays"].visititems(lambda name, item: found.append((name, item)) if hasattr(item, "dtype") else None)
+    return found
+
+
+def _plain(value: int | float | str) -> int | float | str:
+    """Return a numpy scalar as the Python number that it stands for."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _checksum(arrays: Mapping[str, NDArray[Any]], meta: str) -> str:
+    """Return a digest of names, types, shapes, bytes and meta data."""
+    digest = hashlib.blake2b(meta.encode(), digest_size=16)
+    for name in sorted(arrays):
+        values = arrays[name]
+        digest.update(f"{name} {values.dtype.str} {values.shape}".encode())
+        digest.update(np.ascontiguousarray(values).reshape(-1).view(np.uint8).data)
+    return digest.hexdigest()

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The output folder of a run: which files it holds, and when a run may use it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from presswork.results.whole_file import OutputError, explain_write_error
+
+RESULTS = "results.vtkhdf"
+HISTORY = "history.csv"
+SUMMARY = "summary.json"
+LOG = "run.log"
+CHECKPOINT = "checkpoint.h5"
+CASE = "case.toml"
+
+# The case is not among them: a run may be told to write where the user's own case.toml lies.
+_MADE_BY_A_RUN = (CHECKPOINT, RESULTS, HISTORY, SUMMARY, LOG)
+_WORTH_KEEPING = (CHECKPOINT, RESULTS, HISTORY, SUMMARY)
+
+
+def open_output_folder(path: Path | str, *, overwrite: bool = False, resume: bool = False) -> Path:
+    """Make the folder ready for a run, before anything is computed, and return its path.
+
+    A new folder is created in an existing parent. A folder that holds results is refused unless `overwrite` (its
+    results are deleted, other files stay) or `resume` (it must hold a checkpoint). Stale NAME.tmp files are removed.
+    Raises OutputError with the remedy.
+    """
+    folder = Path(path)
+    if overwrite and resume:
+        raise OutputError("--overwrite and --resume exclude each other: the first deletes what the second continues")
+    if resume and not (folder / CHECKPOINT).is_file():
+        raise OutputError(f"{folder} holds no {CHECKPOINT} to resume from; run without --resume to start anew")
+    _create(folder)
+    present = [name for name in _WORTH_KEEPING if (folder / name).exists()]
+    if present and not (overwrite or resume):
+        raise OutputError(
+            f"{folder} already holds results ({', '.join(present)}); choose another folder, "
+            "or run with --overwrite to replace them or --resume to continue"
+        )
+    _check_writable(folder)
+    stale = [name + ".tmp" for name in (*_MADE_BY_A_RUN, CASE)]
+    for name in [*stale, *(_MADE_BY_A_RUN if overwrite else ())]:
+        _delete(folder / name)
+    return folder
+
+
+def _create(folder: Path) -> None:
+    """Create the folder if it is not there; its parent must be."""
+    if folder.is_dir():
+        return
+    if folder.exists():
+        raise OutputError(f"{folder} is a file, not a folder")
+    if not folder.parent.is_dir():
+        raise OutputError(f"{folder} cannot be created: its parent folder {folder.parent} does not exist")
+    try:
+        folder.mkdir()
+    except OSError as error:
+        raise explain_write_error(error, folder, 0) from error
+
+
+def _check_writable(folder: Path) -> None:
+    """Write and remove a byte, the only test that holds on every file system."""
+    probe = folder / f"writable-{os.getpid()}.tmp"
+    try:
+        probe.write_bytes(b"1")
+    except OSError as error:
+        raise explain_write_error(error, probe, 1) from error
+    finally:
+        probe.unlink(missing_ok=True)
+
+
+def _delete(path: Path) -> None:
+    """Delete one file."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path} cannot be deleted: {error.strerror}") from error

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Read an output folder: the one place through which pictures and users see a run's results."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.model import FloatArray
+from presswork.results.folder import HISTORY, RESULTS, SUMMARY
+from presswork.results.history import read_history
+from presswork.results.vtkhdf import open_results
+from presswork.results.whole_file import OutputError
+
+ALIASES = {"eqps": "equivalent_plastic_strain", "u": "displacement", "mises": "effective_stress"}
+STRESS_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+
+
+class ResultError(OutputError):
+    """What was asked for is not among the results; the message says what is."""
+
+
+@dataclass(frozen=True)
+class ResultBlock:
+    """Cells of one kind."""
+
+    element: str
+    """Element name, as in the case."""
+    vtk_type: int
+    connectivity: NDArray[np.int64]
+    """Node indices, shape (n_cells, n_nodes): corners, mid-sides, centre."""
+
+
+@dataclass(frozen=True)
+class ResultMesh:
+    """The undeformed mesh."""
+
+    points: FloatArray
+    """Coordinates [mm], shape (n_points, 2)."""
+    blocks: tuple[ResultBlock, ...]
+    boundary_edges: NDArray[np.int64]
+    """Shape (n_edges, 2 | 3): first end, last end[, mid-side], the body on the left."""
+
+
+class Result:
+    """The results of one run. Opening only looks whether the files are there; each call reads what it returns."""
+
+    def __init__(self, folder: Path | str) -> None:
+        self.folder = Path(folder)
+        if not self.folder.is_dir():
+            raise ResultError(f"there is no folder {self.folder}")
+        if not (self.folder / RESULTS).is_file():
+            raise ResultError(f"{self.folder} holds no {RESULTS}: it is not an output folder, or nothing was saved yet")
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """How the run went; empty while it still goes."""
+        path = self.folder / SUMMARY
+        if not path.is_file():
+            return {}
+        try:
+            content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise ResultError(f"{path} is damaged: {error}") from error
+        return content
+
+    @property
+    def history(self) -> dict[str, NDArray[Any]]:
+        """Every column of history.csv, shape (n_increments,)."""
+        return read_history(self.folder / HISTORY)
+
+    @property
+    def times(self) -> FloatArray:
+        """Times of the saved steps [s], shape (n_steps,)."""
+        with self._open() as file:
+            return np.asarray(file["VTKHDF/Steps/Values"][()], dtype=np.float64)
+
+    @cached_property
+    def info(self) -> dict[str, str | float]:
+        """What the run said of itself: title, analysis."""
+        with self._open() as file:
+            return {name: value.item() if hasattr(value, "item") else value for name, value in _attributes(file)}
+
+    @cached_property
+    def mesh(self) -> ResultMesh:
+        """The undeformed mesh."""
+        with self._open() as file:
+            root, extras = file["VTKHDF"], file["presswork"]
+            connectivity, offsets, types = root["Connectivity"][()], root["Offsets"][()], root["Types"][()]
+            blocks, first = [], 0
+            for element, count in zip(extras["blocks/element"].asstr()[()], extras["blocks/n_cells"][()], strict=True):
+                ids = connectivity[offsets[first] : offsets[first + count]].reshape(count, -1)
+                blocks.append(ResultBlock(element, int(types[first]), ids))
+                first += count
+            edges = extras["boundary_edges"][()].astype(np.int64)
+            return ResultMesh(root["Points"][:, :2], tuple(blocks), edges)
+
+    @cached_property
+    def tools(self) -> dict[str, FloatArray]:
+        """Each tool's profile where it started, shape (n_segments, 7) as in model.Tool; empty if not saved."""
+        with self._open() as file:
+            return {name: tool["segments"][()] for name, tool in file["presswork"].get("tools", {}).items()}
+
+    @cached_property
+    def field_names(self) -> dict[str, str]:
+        """The saved fields, each with "point" or "cell"."""
+        with self._open() as file:
+            kinds = (("point", "PointData"), ("cell", "CellData"))
+            return {name: kind for kind, group in kinds for name in file[f"VTKHDF/{group}"]}
+
+    def tool_displacement(self, tool: str, step: int = -1) -> FloatArray:
+        """Return a tool's displacement since the start [mm], shape (2,)."""
+        self._require(tool, self.tools, "tool")
+        with self._open() as file:
+            positions = file[f"presswork/tools/{tool}/displacement"]
+            return np.asarray(positions[self._index(step, len(positions))], dtype=np.float64)
+
+    def field(self, name: str, step: int = -1) -> FloatArray:
+        """Return a field at a saved step, shape (n,) or (n, k), n points or cells; negative steps count from the end.
+
+        "eqps" stands for equivalent_plastic_strain; "stress_xx" ... "stress_xy" for one component of the stress.
+        """
+        stored, component = self._resolve(name)
+        group, count = ("PointData", "Points") if self.field_names[stored] == "point" else ("CellData", "Cells")
+        with self._open() as file:
+            root = file["VTKHDF"]
+            n = int(root[f"NumberOf{count}"][0])
+            offsets = root[f"Steps/{group}Offsets/{stored}"]
+            start = int(offsets[self._index(step, len(offsets))])
+            values = np.asarray(root[f"{group}/{stored}"][start : start + n], dtype=np.float64)
+        return values if component is None else values[:, component]
+
+    def unit(self, name: str) -> str:
+        """Return a field's unit; "" if it is not known, "1" for a pure number."""
+        stored, _ = self._resolve(name)
+        with self._open() as file:
+            group = "PointData" if self.field_names[stored] == "point" else "CellData"
+            return str(file[f"VTKHDF/{group}/{stored}"].attrs.get("units", ""))
+
+    def kind(self, name: str) -> str:
+        """Return whether a field lives on the "point"s or the "cell"s."""
+        return self.field_names[self._resolve(name)[0]]
+
+    def points(self, step: int = -1) -> FloatArray:
+        """Return the coordinates of the deformed mesh [mm], shape (n_points, 2)."""
+        return np.asarray(self.mesh.points + self.field("displacement", step)[:, :2], dtype=np.float64)
+
+    def _resolve(self, name: str) -> tuple[str, int | None]:
+        """Return the stored field and the component that a name stands for."""
+        stored = ALIASES.get(name, name)
+        base, _, component = stored.rpartition("_")
+        if base == "stress" and component in STRESS_COMPONENTS and base in self.field_names:
+            return base, STRESS_COMPONENTS.index(component)
+        self._require(stored, self.field_names, "field")
+        return stored, None
+
+    def _require(self, name: str, known: Iterable[str], what: str) -> None:
+        """Raise ResultError with the nearest choice if a name is not known."""
+        names = list(known)
+        if name not in names:
+            near = difflib.get_close_matches(name, [*names, *(ALIASES if what == "field" else ())], n=1)
+            hint = f" (did you mean {near[0]}?)" if near else ""
+            there_are = ", ".join(sorted(names)) or "none"
+            raise ResultError(f"{self.folder} has no {what} {name}{hint}; there are: {there_are}")
+
+    def _index(self, step: int, count: int) -> int:
+        """Return a step counted from the start."""
+        if not -count <= step < count:
+            raise ResultError(f"{self.folder} has {count} saved steps, 0 to {count - 1}; there is no step {step}")
+        return step % count
+
+    def _open(self) -> h5py.File:
+        """Open the results file for reading; a run that appends meanwhile replaces it, which does no harm."""
+        return open_results(self.folder / RESULTS)
+
+
+def _attributes(file: h5py.File) -> list[tuple[str, Any]]:
+    """Return the attributes of the run."""
+    return list(file["presswork"].attrs.items())

@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: Apache-2.0
+"""results.vtkhdf: the mesh once and the fields of every saved step, in one file that ParaView opens.
+
+The file is a temporal VTKHDF unstructured grid, version 2.0: all steps point to the same points and cells, and each
+step's fields lie one after the other, found by their offsets. Beside it the group /presswork, which VTK passes over,
+holds what the pictures need: cell blocks, boundary edges, tool profiles and tool positions.
+
+Every append writes a copy and renames it. HDF5 has no journal, so an append in place that is killed can leave a file
+that nothing reads; the copy costs a sequential read and write of the file, and in return the file is whole at any
+instant, for ParaView too. Reference: VTK file formats, "VTKHDF File Format" (Kitware).
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.model import FloatArray, Mesh
+from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
+
+VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28}
+
+UNITS = {
+    "displacement": "mm",
+    "contact_pressure": "MPa",
+    "contact_shear": "MPa",
+    "contact_force": "N",
+    "equivalent_plastic_strain": "1",
+    "effective_stress": "MPa",
+    "stress": "MPa",
+    "hydrostatic_stress": "MPa",
+    "thickness": "mm",
+}
+
+_ROWS_PER_CHUNK = 16384
+_OVERHEAD_BYTES = 65536
+_GEOMETRY_OFFSETS = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
+
+
+def append_step(
+    path: Path | str,
+    mesh: Mesh,
+    time: float,
+    point_data: Mapping[str, FloatArray],
+    cell_data: Mapping[str, FloatArray],
+    *,
+    tools: Mapping[str, FloatArray] | None = None,
+    tool_displacement: Mapping[str, FloatArray] | None = None,
+    info: Mapping[str, str | float] | None = None,
+) -> None:
+    """Append one saved step; the first one creates the file.
+
+    `time` [s]. `point_data` and `cell_data` hold arrays of shape (n_points,) or (n_points, k), (n_cells,) or
+    (n_cells, k), cells in the order of the blocks; displacement is (n_points, 3), stress (n_cells, 6) as xx, yy, zz,
+    xy, yz, xz. The same fields come at every step. `tools` holds each tool's segments, shape (n_segments, 7) as in
+    model.Tool, and `tool_displacement` its displacement from there, shape (2,) [mm]; a tool not named has not moved.
+    `tools` and `info` (title, analysis and the like, stored as attributes) are stored with the first step only.
+    Raises OutputError if the file cannot be written, ValueError if an array has the wrong shape.
+    """
+    path = Path(path)
+    n_cells = sum(len(block.connectivity) for block in mesh.blocks)
+    data = {"Point": _check_fields(point_data, len(mesh.points)), "Cell": _check_fields(cell_data, n_cells)}
+    is_new = not path.exists()
+    added = sum(values.nbytes for fields in data.values() for values in fields.values()) + _OVERHEAD_BYTES
+    old = mesh.points.nbytes * 2 + n_cells * 100 if is_new else path.stat().st_size
+    with replace_whole(path, needed_bytes=old + added) as temporary:
+        if not is_new:
+            shutil.copyfile(path, temporary)
+        with write_hdf5(temporary, "w" if is_new else "r+") as file:
+            if is_new:
+                _write_geometry(file, mesh)
+                _write_extras(file, mesh, tools or {}, info or {})
+            _check_same_mesh(file, mesh, path)
+            for kind, fields in data.items():
+                _append_fields(file, kind, fields)
+            _append_time(file, time)
+            _append_tool_positions(file, tool_displacement or {})
+
+
+def count_steps(path: Path | str) -> int:
+    """Return how many steps the file holds; 0 if there is no file."""
+    if not Path(path).exists():
+        return 0
+    with open_results(path) as file:
+        return int(file["VTKHDF/Steps"].attrs["NSteps"])
+
+
+def truncate_steps(path: Path | str, n: int) -> None:
+    """Keep the first `n` steps, for a run that resumes after them. Raises OutputError if there are fewer."""
+    path = Path(path)
+    count = count_steps(path)
+    if not 0 <= n <= count:
+        raise OutputError(f"{path} holds {count} saved steps, {n} are needed; run with --overwrite to start anew")
+    if n == count:
+        return
+    if n == 0:
+        path.unlink()
+        return
+    with replace_whole(path, needed_bytes=path.stat().st_size) as temporary:
+        shutil.copyfile(path, temporary)
+        with write_hdf5(temporary, "r+") as file:
+            _truncate(file, n)
+
+
+def open_results(path: Path | str) -> h5py.File:
+    """Open the file for reading. Raises OutputError if it is not a results file or is damaged."""
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise OutputError(f"{path} cannot be read as a results file: {error}") from error
+    if "VTKHDF/Steps" not in file or "presswork" not in file:
+        file.close()
+        raise OutputError(f"{path} is not a results file of presswork")
+    return file
+
+
+def _check_fields(fields: Mapping[str, FloatArray], n_rows: int) -> dict[str, FloatArray]:
+    """Return the fields as contiguous float64, or say which one has the wrong shape."""
+    checked = {}
+    for name, values in fields.items():
+        array = np.ascontiguousarray(values, dtype=np.float64)
+        if array.ndim not in (1, 2) or len(array) != n_rows:
+            raise ValueError(f"field {name} has shape {array.shape}, expected ({n_rows},) or ({n_rows}, k)")
+        checked[name] = array
+    return checked
+
+
+def _write_geometry(file: h5py.File, mesh: Mesh) -> None:
+    """Write points, cells and empty steps."""
+    cells = [block.connectivity for block in mesh.blocks]
+    nodes_per_cell = np.concatenate([np.full(len(c), c.shape[1]) for c in cells])
+    kinds = [np.full(len(b.connectivity), VTK_TYPES[b.element.split("_")[0]]) for b in mesh.blocks]
+    root = file.create_group("VTKHDF")
+    root.attrs["Version"] = np.array([2, 0])
+    root.attrs["Type"] = np.bytes_("UnstructuredGrid")
+    root["Points"] = np.column_stack([mesh.points, np.zeros(len(mesh.points))]).astype(np.float64)
+    root["Points"].attrs["units"] = "mm"
+    root["Connectivity"] = np.concatenate([c.ravel() for c in cells]).astype(np.int64)
+    root["Offsets"] = np.concatenate([[0], np.cumsum(nodes_per_cell)]).astype(np.int64)
+    root["Types"] = np.concatenate(kinds).astype(np.uint8)
+    root["NumberOfPoints"] = np.array([len(mesh.points)], dtype=np.int64)
+    root["NumberOfCells"] = np.array([len(nodes_per_cell)], dtype=np.int64)
+    root["NumberOfConnectivityIds"] = np.array([nodes_per_cell.sum()], dtype=np.int64)
+    steps = root.create_group("Steps")
+    steps.attrs["NSteps"] = 0
+    steps.create_dataset("Values", (0,), np.float64, maxshape=(None,), chunks=(256,)).attrs["units"] = "s"
+    for name in (*_GEOMETRY_OFFSETS, "NumberOfParts"):
+        columns = (1,) if name in ("CellOffsets", "ConnectivityIdOffsets") else ()
+        steps.create_dataset(name, (0, *columns), np.int64, maxshape=(None, *columns), chunks=(256, *columns))
+    for kind in ("Point", "Cell"):
+        root.create_group(f"{kind}Data")
+        steps.create_group(f"{kind}DataOffsets")
+
+
+def _write_extras(
+    file: h5py.File, mesh: Mesh, tools: Mapping[str, FloatArray], info: Mapping[str, str | float]
+) -> None:
+    """Write what VTK has no place for: the blocks, the boundary edges and the tools."""
+    extras = file.create_group("presswork")
+    extras.attrs.update(info)
+    extras["boundary_edges"] = mesh.boundary_edges
+    blocks = extras.create_group("blocks")
+    blocks["element"] = [block.element for block in mesh.blocks]
+    blocks["n_cells"] = [len(block.connectivity) for block in mesh.blocks]
+    blocks["material"] = [block.material for block in mesh.blocks]
+    for name, segments in tools.items():
+        tool = extras.create_group(f"tools/{name}")
+        tool["segments"] = np.asarray(segments, dtype=np.float64)
+        tool.create_dataset("displacement", (0, 2), np.float64, maxshape=(None, 2), chunks=(256, 2))
+
+
+def _check_same_mesh(file: h5py.File, mesh: Mesh, path: Path) -> None:
+    """Refuse to append steps of another mesh."""
+    n_points, n_cells = file["VTKHDF/NumberOfPoints"][0], file["VTKHDF/NumberOfCells"][0]
+    if n_points != len(mesh.points) or n_cells != sum(len(block.connectivity) for block in mesh.blocks):
+        raise OutputError(f"{path} holds another mesh ({n_points} points, {n_cells} cells); run with --overwrite")
+
+
+def _append_fields(file: h5py.File, kind: str, fields: Mapping[str, FloatArray]) -> None:
+    """Append one step's rows of every field, and note where they begin."""
+    group, offsets = file[f"VTKHDF/{kind}Data"], file[f"VTKHDF/Steps/{kind}DataOffsets"]
+    if len(file["VTKHDF/Steps/Values"]) == 0:
+        for name, values in fields.items():
+            _create_field(group, name, values)
+            offsets.create_dataset(name, (0,), np.int64, maxshape=(None,), chunks=(256,))
+    elif set(group) != set(fields):
+        raise ValueError(f"fields {sorted(fields)} differ from those of the first step, {sorted(group)}")
+    for name, values in fields.items():
+        _append_rows(offsets[name], np.array([len(group[name])]))
+        _append_rows(group[name], values)
+
+
+def _create_field(group: h5py.Group, name: str, values: FloatArray) -> None:
+    """Create an empty field whose rows look like those of `values`."""
+    columns = values.shape[1:]
+    chunks = (max(1, min(len(values), _ROWS_PER_CHUNK)), *columns)
+    field = group.create_dataset(name, (0, *columns), np.float64, maxshape=(None, *columns), chunks=chunks)
+    if name in UNITS:
+        field.attrs["units"] = UNITS[name]
+
+
+def _append_time(file: h5py.File, time: float) -> None:
+    """Append one step that shares the geometry of all others."""
+    steps = file["VTKHDF/Steps"]
+    _append_rows(steps["Values"], np.array([time]))
+    for name in _GEOMETRY_OFFSETS:
+        _append_rows(steps[name], np.zeros((1, *steps[name].shape[1:]), dtype=np.int64))
+    _append_rows(steps["NumberOfParts"], np.ones(1, dtype=np.int64))
+    steps.attrs["NSteps"] = len(steps["Values"])
+
+
+def _append_tool_positions(file: h5py.File, displacement: Mapping[str, FloatArray]) -> None:
+    """Append where every tool is."""
+    tools = file["presswork"].get("tools", {})
+    unknown = set(displacement) - set(tools)
+    if unknown:
+        raise ValueError(f"displacement of {sorted(unknown)}, but the file's tools are {sorted(tools)}")
+    for name, tool in tools.items():
+        _append_rows(tool["displacement"], np.asarray(displacement.get(name, (0.0, 0.0)), dtype=float).reshape(1, 2))
+
+
+def _append_rows(dataset: h5py.Dataset, rows: NDArray[np.generic]) -> None:
+    """Append rows to a dataset that can grow."""
+    before = len(dataset)
+    dataset.resize(before + len(rows), axis=0)
+    dataset[before:] = rows
+
+
+def _truncate(file: h5py.File, n: int) -> None:
+    """Cut every growing dataset after `n` steps."""
+    root = file["VTKHDF"]
+    steps = root["Steps"]
+    for kind, count in (("Point", root["NumberOfPoints"][0]), ("Cell", root["NumberOfCells"][0])):
+        for name, field in root[f"{kind}Data"].items():
+            field.resize(n * int(count), axis=0)
+            steps[f"{kind}DataOffsets"][name].resize(n, axis=0)
+    for name in (*_GEOMETRY_OFFSETS, "NumberOfParts", "Values"):
+        steps[name].resize(n, axis=0)
+    for tool in file["presswork"].get("tools", {}).values():
+        tool["displacement"].resize(n, axis=0)
+    steps.attrs["NSteps"] = n

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Replace files so that what is on disk is always whole.
+
+A file is written beside the one it replaces (NAME.tmp), forced to disk, and then takes its name in one rename. A
+process killed at any instant leaves the former file as it was and at most a stale NAME.tmp.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+class OutputError(Exception):
+    """Results cannot be written or continued; the message says why and what to do."""
+
+
+@contextmanager
+def replace_whole(path: Path, *, needed_bytes: int) -> Iterator[Path]:
+    """Give a path to write to, and put what was written there in the place of `path` when the block ends.
+
+    `needed_bytes` is what the new file takes, for the message when the disk is full. If the block fails, `path` stays
+    as it was. Raises OutputError in place of OSError.
+    """
+    temporary = path.with_name(path.name + ".tmp")
+    try:
+        yield temporary
+        _force_to_disk(temporary)
+        os.replace(temporary, path)
+        _force_to_disk(path.parent)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise explain_write_error(error, path, needed_bytes) from error
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def explain_write_error(error: OSError, path: Path, needed_bytes: int) -> OutputError:
+    """Turn an operating-system error in writing `path` into one that says what to do."""
+    if error.errno in DISK_FULL:
+        return OutputError(
+            f"disk full: {path} cannot be written, {needed_bytes} bytes needed; what is on disk is whole; "
+            "free space and run with --resume"
+        )
+    return OutputError(f"{path} cannot be written: {error.strerror or error}; what is on disk is whole")
+
+
+@contextmanager
+def write_hdf5(path: Path, mode: str) -> Iterator[h5py.File]:
+    """Open an HDF5 file for writing ("w" new, "r+" existing); raise OSError if any write failed.
+
+    The HDF5 library does not survive a failed write (it can crash the process as it closes the file), so it is shown a
+    file whose writes always succeed, and the failure is raised once the library has let go of it.
+    """
+    with _ForgivingFile(path, "w+" if mode == "w" else "r+") as raw:
+        try:
+            with h5py.File(raw, mode) as file:
+                yield file
+        except Exception:
+            raw.raise_failure()
+            raise
+        raw.raise_failure()
+
+
+class _ForgivingFile(io.RawIOBase):
+    """A binary file that keeps the first error of a write to itself and then pretends that all is well."""
+
+    def __init__(self, path: Path, mode: str) -> None:
+        self._file = io.FileIO(path, mode)
+        self._failure: OSError | None = None
+
+    def raise_failure(self) -> None:
+        """Raise the first error, if there was one."""
+        if self._failure is not None:
+            raise self._failure
+
+    def write(self, data: Any) -> int:
+        """Write all of `data`, or note the error."""
+        view = memoryview(data).cast("B")
+        start = self._file.tell()
+        try:
+            rest = view
+            while self._failure is None and len(rest):
+                rest = rest[self._file.write(rest) :]
+        except OSError as error:
+            self._failure = error
+        self._file.seek(start + len(view))
+        return len(view)
+
+    def readinto(self, buffer: Any) -> int:
+        """Read into `buffer`; what was never written, because writing failed, reads as zeros."""
+        view = memoryview(buffer).cast("B")
+        start = self._file.tell()
+        count = 0
+        while count < len(view):
+            got = self._file.readinto(view[count:])
+            if not got:
+                break
+            count += got
+        view[count:] = bytes(len(view) - count)
+        self._file.seek(start + len(view))
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the length of the file, or note the error."""
+        size = self.tell() if size is None else size
+        try:
+            self._file.truncate(size)
+        except OSError as error:
+            self._failure = self._failure or error
+        return size
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Move to a position."""
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        """Return the position."""
+        return self._file.tell()
+
+    def flush(self) -> None:
+        """Do nothing: there is no buffer."""
+
+    def close(self) -> None:
+        """Close the file below."""
+        self._file.close()
+        super().close()
+
+    def readable(self) -> bool:
+        """Return True."""
+        return True
+
+    def writable(self) -> bool:
+        """Return True."""
+        return True
+
+    def seekable(self) -> bool:
+        """Return True."""
+        return True
+
+
+def _force_to_disk(path: Path) -> None:
+    """Wait until a file's content, or a folder's entries, are on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run a Model into an output folder: history, saved steps, checkpoints, summary, log; and resume it."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import platform
+import resource
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Literal
+
+import numpy as np
+
+from presswork import __version__
+from presswork.model import FloatArray, Model
+from presswork.procedure.implicit import CUTBACKS, FRACTION, INCREMENTS, ITERATIONS, STAGE, TIME, GaveUp, ImplicitProcedure, IncrementReport
+from presswork.results import (
+    History,
+    OutputError,
+    Result,
+    append_step,
+    history_columns,
+    load_checkpoint,
+    open_output_folder,
+    save_checkpoint,
+    truncate_steps,
+    write_summary,
+)
+from presswork.results.fields import cell_fields, effective_stress, point_fields
+from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
+
+Status = Literal["completed", "gave_up", "interrupted"]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a progress display needs after each increment."""
+
+    fraction: float
+    """Of the whole process."""
+    report: IncrementReport
+    strokes: dict[str, float]
+    forces: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended."""
+
+    status: Status
+    folder: Path
+    reason: str = ""
+
+    @property
+    def result(self) -> Result:
+        """The results, read from the folder."""
+        return Result(self.folder)
+
+
+def run_model(
+    model: Model,
+    folder: Path | str,
+    *,
+    overwrite: bool = False,
+    resume: bool = False,
+    threads: int = 0,
+    on_increment: Callable[[Progress], None] | None = None,
+) -> Outcome:
+    """Compute the whole process and write it to the folder.
+
+    A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C and a solver
+    that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError if the
+    folder cannot be used or written.
+    """
+    path = open_output_folder(folder, overwrite=overwrite, resume=resume)
+    run = _Run(model, path, threads)
+    if resume:
+        run.load()
+    else:
+        (path / CASE).write_text(model.case_text, encoding="utf-8")
+        run.save_step()
+        run.save_checkpoint()
+    return run.complete(on_increment)
+
+
+def fingerprint(model: Model) -> str:
+    """Return a digest of what a checkpoint depends on: the case but for its output settings and tolerances of looks."""
+    digest = hashlib.sha256()
+    for item in (model.analysis, model.depth, model.materials, model.tools, model.supports, model.stages, model.solver):
+        digest.update(repr(item).encode())
+    digest.update(np.ascontiguousarray(model.mesh.points).tobytes())
+    for block in model.mesh.blocks:
+        digest.update(block.element.encode() + np.ascontiguousarray(block.connectivity).tobytes())
+    return digest.hexdigest()
+
+
+class _Run:
+    """One run in one folder."""
+
+    def __init__(self, model: Model, folder: Path, threads: int) -> None:
+        self.model = model
+        self.folder = folder
+        self.procedure = ImplicitProcedure(model, threads=threads)
+        self.history = History(folder / HISTORY, history_columns([t.name for t in model.tools]))
+        self.saved_steps = 0
+        self.log = logging.getLogger(f"presswork.{id(self)}")
+        self.log.setLevel(logging.INFO)
+        self.log.propagate = False
+        handler = logging.FileHandler(folder / LOG, encoding="utf-8")
+        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s", "%H:%M:%S"))
+        self.log.addHandler(handler)
+        self.log.info("presswork %s: %s", __version__, model.title)
+        self.log.info("linear solver: %s", self.procedure.equilibrium.solver.name)
+
+    # --- the way through ---------------------------------------------------------------------------------------------
+
+    def complete(self, on_increment: Callable[[Progress], None] | None) -> Outcome:
+        """Advance to the end, recording; always leaves a checkpoint and a summary."""
+        status: Status = "completed"
+        reason = ""
+        try:
+            for report in self.procedure.advance():
+                self._record(report, on_increment)
+        except GaveUp as error:
+            status, reason = "gave_up", str(error)
+        except KeyboardInterrupt:
+            status, reason = "interrupted", "stopped by the user or a signal; continue with --resume"
+        if status != "completed":
+            self.log.info("%s: %s", status, reason)
+            self.save_checkpoint()
+            self._save_last_state()
+        self._write_summary(status, reason)
+        for handler in list(self.log.handlers):
+            handler.close()
+            self.log.removeHandler(handler)
+        return Outcome(status, self.folder, reason)
+
+    def _record(self, report: IncrementReport, on_increment: Callable[[Progress], None] | None) -> None:
+        for reason in report.cutbacks:
+            self.log.info("increment %d cut back: %s", report.number, reason)
+        self.log.info(
+            "increment %d, stage %s at %.4f, %d iterations, residuals %s, corrections %s, contact changes %s",
+            report.number,
+            report.stage,
+            report.fraction,
+            len(report.log),
+            " ".join(f"{r:.1e}" for r in report.log.residual),
+            " ".join(f"{c:.1e}" for c in report.log.correction),
+            sum(report.log.contact_changes),
+        )
+        started = perf_counter()
+        strokes, forces, vectors = self.tool_quantities(report)
+        row: dict[str, float | int | str] = {
+            "time": report.time,
+            "stage": report.stage,
+            "increment": report.number,
+            "iterations": len(report.log),
+        }
+        for t, tool in enumerate(self.model.tools):
+            row[f"{tool.name}.stroke"] = strokes[tool.name]
+            row[f"{tool.name}.force"] = forces[tool.name]
+            row[f"{tool.name}.force_x"], row[f"{tool.name}.force_y"] = (float(f) for f in vectors[t])
+            row[f"{tool.name}.force_z"] = 0.0
+        self.history.append(row)
+        if report.is_save_point:
+            self.save_step()
+        every = self.model.output.checkpoint_every
+        if report.number % every == 0 or self._is_over():
+            self.save_checkpoint()
+        self.procedure.timing.add("output", started)
+        if on_increment:
+            on_increment(Progress(1.0 - self.procedure.remaining(), report, strokes, forces))
+
+    def _is_over(self) -> bool:
+        return int(self.procedure.state.progress[STAGE]) == len(self.model.stages)
+
+    def _stage(self) -> int:
+        """The stage that the converged state belongs to."""
+        progress = self.procedure.state.progress
+        stage = int(progress[STAGE])
+        return stage - 1 if progress[FRACTION] == 0.0 and stage > 0 else stage
+
+    # --- quantities --------------------------------------------------------------------------------------------------
+
+    def tool_quantities(self, report: IncrementReport) -> tuple[dict[str, float], dict[str, float], FloatArray]:
+        """Return stroke [mm], forming load [N] and force vectors (n_tools, 2) [N] on the whole tools.
+
+        The force vector is what the workpiece does to the tool. The stroke and the load count along the tool's first
+        motion: the load is positive when the workpiece resists it. A tool that never moves has the vector's length.
+        """
+        procedure = self.procedure
+        contact = procedure.contact
+        contact.search(procedure.state, procedure.state.displacement)
+        vectors = contact.tool_forces(procedure.state, procedure.equilibrium.fixed(self._stage()))
+        strokes, loads = {}, {}
+        for t, tool in enumerate(self.model.tools):
+            for normal in (0, 1):
+                if tool.mirrored_across[normal]:
+                    vectors[t, normal] = 0.0
+                    vectors[t, 1 - normal] *= 2.0
+            moves = [m for s in self.model.stages if np.linalg.norm(m := s.tool_motion.get(tool.name, (0.0, 0.0))) > 0]
+            if moves:
+                direction = np.asarray(moves[0]) / np.linalg.norm(moves[0])
+                strokes[tool.name] = float(procedure.state.tool_displacement[t] @ direction)
+                loads[tool.name] = float(-(vectors[t] @ direction))
+            else:
+                strokes[tool.name], loads[tool.name] = 0.0, float(np.linalg.norm(vectors[t]))
+        return strokes, loads, vectors
+
+    # --- files -------------------------------------------------------------------------------------------------------
+
+    def save_step(self) -> None:
+        """Append the converged state to the results file."""
+        self._append_step()
+        self.saved_steps += 1
+
+    def _save_last_state(self) -> None:
+        """Save where the run stopped; a resumed run drops this step again."""
+        truncate_steps(self.folder / RESULTS, self.saved_steps)
+        self._append_step()
+
+    def _append_step(self) -> None:
+        procedure, model = self.procedure, self.model
+        state = procedure.state
+        forces = procedure.contact.forces(state, procedure.equilibrium.fixed(self._stage()))
+        append_step(
+            self.folder / RESULTS,
+            model.mesh,
+            float(state.progress[TIME]),
+            point_fields(model, state, forces),
+            cell_fields(state),
+            tools={t.name: t.segments for t in model.tools},
+            tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
+            info={"title": model.title, "analysis": model.analysis},
+        )
+
+    def save_checkpoint(self) -> None:
+        """Dump the converged state; the history on disk is brought up to it first."""
+        self.history.sync()
+        meta: dict[str, int | float | str] = {
+            "model": fingerprint(self.model),
+            "saved_steps": self.saved_steps,
+            "increments": int(self.procedure.state.progress[INCREMENTS]),
+            "initial_volume": self.procedure.initial_volume,
+        }
+        save_checkpoint(self.folder / CHECKPOINT, self.procedure.state.to_arrays(), meta)
+
+    def load(self) -> None:
+        """Take up the checkpoint: state, history and saved steps as they were then."""
+        arrays, meta = load_checkpoint(self.folder / CHECKPOINT)
+        if meta["model"] != fingerprint(self.model):
+            raise OutputError(
+                f"{self.folder / CHECKPOINT} belongs to another case: mesh, materials, tools, stages or solver settings "
+                "differ. Resume with the case as it was (case.toml beside it), or use --overwrite"
+            )
+        self.procedure.state.load_arrays(arrays)
+        self.saved_steps = int(meta["saved_steps"])
+        self.history.truncate(int(meta["increments"]))
+        truncate_steps(self.folder / RESULTS, self.saved_steps)
+        self.log.info("resumed after increment %d", int(meta["increments"]))
+
+    def _write_summary(self, status: Status, reason: str) -> None:
+        procedure, model = self.procedure, self.model
+        state = procedure.state
+        stress = np.concatenate([s.reshape(-1, 4) for s in state.stress])
+        eqps = np.concatenate([e.ravel() for e in state.eqps])
+        bulk = [model.materials[b.material] for b in model.mesh.blocks]
+        elastic_volume = sum(
+            float((s[..., :3].sum(axis=-1) * (1 - 2 * m.poisson) / m.young * v).sum())
+            for m, s, v in zip(bulk, state.stress, state.volume, strict=True)
+        )
+        volume, initial = procedure.volume(), procedure.initial_volume
+        extremes = {
+            "equivalent_plastic_strain": eqps,
+            "effective_stress": effective_stress(stress),
+            "hydrostatic_stress": stress[:, :3].mean(axis=1),
+            "displacement": np.linalg.norm(state.displacement, axis=1),
+        }
+        write_summary(
+            self.folder / SUMMARY,
+            {
+                "status": status,
+                "reason": reason,
+                "title": model.title,
+                "version": __version__,
+                "fraction_computed": 1.0 - procedure.remaining(),
+                "increments": int(state.progress[INCREMENTS]),
+                "iterations": int(state.progress[ITERATIONS]),
+                "cutbacks": int(state.progress[CUTBACKS]),
+                "freedoms": 2 * len(model.mesh.points),
+                "wall_seconds": {"total": procedure.timing.total(), **procedure.timing.seconds},
+                "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+                "extremes": {name: [float(v.min()), float(v.max())] for name, v in extremes.items()},
+                "volume": {
+                    "initial_mm3": initial,
+                    "final_mm3": volume,
+                    "change_percent": 100 * (volume / initial - 1),
+                    "elastic_part_percent": 100 * elastic_volume / initial,
+                },
+                "energy": procedure.energy_balance(),
+                "linear_solver": procedure.equilibrium.solver.name,
+                "machine": platform.machine(),
+            },
+        )

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The State: every array that changes during a run. Two exist: the converged one and the trial one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import FloatArray, Model
+from presswork.results.whole_file import OutputError
+
+SLIDING = 1
+STUCK = 2
+
+
+@dataclass
+class State:
+    """Arrays at one instant; units mm, N, MPa. A checkpoint is a dump of the converged State."""
+
+    displacement: FloatArray
+    """Since the start (n_points, 2)."""
+    increment: FloatArray
+    """Of the last increment (n_points, 2): the first guess of the next."""
+    reaction: FloatArray
+    """Force that tools and supports exert on the nodes (n_points, 2) [N]."""
+    external_force: FloatArray
+    """Applied loads (n_points, 2) [N]."""
+    tool_displacement: FloatArray
+    """(n_tools, 2)."""
+    contact: np.ndarray[Any, np.dtype[np.int8]]
+    """Per face of each tool and candidate node: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
+    anchor: FloatArray
+    """Where a STUCK node sits, in its tool's frame (n_candidates, 2)."""
+    stress: list[FloatArray]
+    """Cauchy stress xx, yy, zz, xy per block (n_cells, n_points, 4)."""
+    eqps: list[FloatArray]
+    """Equivalent plastic strain per block (n_cells, n_points)."""
+    hourglass: list[FloatArray]
+    """Hourglass forces per block (n_cells, 2) [N]; zero but for quad4_1pt."""
+    volume: list[FloatArray]
+    """Volume of each integration point per block (n_cells, n_points) [mm3]."""
+    progress: FloatArray
+    """[time, stage, fraction of stage, increments, last increment, next size, iterations, cut-backs]."""
+    work: FloatArray
+    """[external work, plastic work] [N mm]."""
+
+    @classmethod
+    def at_rest(cls, model: Model, n_candidates: int) -> State:
+        """Return the State before the first increment."""
+        n = len(model.mesh.points)
+        sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in model.mesh.blocks]
+        n_tools = len(model.tools)
+        return cls(
+            displacement=np.zeros((n, 2)),
+            increment=np.zeros((n, 2)),
+            reaction=np.zeros((n, 2)),
+            external_force=np.zeros((n, 2)),
+            tool_displacement=np.zeros((n_tools, 2)),
+            contact=np.zeros((2 * n_tools, n_candidates), dtype=np.int8),
+            anchor=np.zeros((n_candidates, 2)),
+            stress=[np.zeros((*s, 4)) for s in sizes],
+            eqps=[np.zeros(s) for s in sizes],
+            hourglass=[np.zeros((s[0], 2)) for s in sizes],
+            volume=[np.zeros(s) for s in sizes],
+            progress=np.zeros(8),
+            work=np.zeros(2),
+        )
+
+    def copy(self) -> State:
+        """Return a deep copy."""
+        copies = {
+            f.name: [a.copy() for a in value] if isinstance(value := getattr(self, f.name), list) else value.copy()
+            for f in fields(self)
+        }
+        return State(**copies)
+
+    def to_arrays(self) -> dict[str, FloatArray]:
+        """Return every array under a name of its own, for a checkpoint."""
+        arrays: dict[str, FloatArray] = {}
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if isinstance(value, list):
+                arrays.update({f"{f.name}.{i}": a for i, a in enumerate(value)})
+            else:
+                arrays[f.name] = value
+        return arrays
+
+    def load_arrays(self, arrays: Mapping[str, FloatArray]) -> None:
+        """Fill this State from a checkpoint's arrays.
+
+        Raises OutputError if they are those of another model.
+        """
+        own = self.to_arrays()
+        if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
+            raise OutputError("the checkpoint belongs to another case: its arrays do not fit this mesh and these tools")
+        for name, target in own.items():
+            target[...] = arrays[name]

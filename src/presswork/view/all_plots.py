@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pictures that `presswork plot` writes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from presswork.results import OutputError, Result
+from presswork.results.whole_file import explain_write_error, replace_whole
+from presswork.view.history_plot import find_moving_tools, plot_history
+from presswork.view.interface_plot import plot_interface
+from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
+from presswork.view.style import DPI, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FIELDS = ("effective_stress", "equivalent_plastic_strain")
+_PNG_BYTES = 200_000
+
+
+def plot_all(
+    result: Result,
+    out_dir: Path | str | None = None,
+    fields: Sequence[str] = FIELDS,
+    steps: Literal["last"] | Sequence[int] = "last",
+    *,
+    mirror: Mirror = "",
+) -> list[Path]:
+    """Write the pictures of a run as PNG and return their paths.
+
+    For each field and step: contours beside the mesh, and the mesh coloured by the field. For each moving tool: force
+    against stroke. For each tool in contact: contact stress along the contact surface. `out_dir` is by default the
+    folder "plots" in the output folder. Raises ResultError for an unknown field or step before anything is written.
+    """
+    require_matplotlib()
+    folder = result.folder / "plots" if out_dir is None else Path(out_dir)
+    chosen = [-1] if steps == "last" else list(steps)
+    count = len(result.times)
+    for step in chosen:
+        for field in fields:
+            result.field(field, step)
+    _create(folder)
+    paths = []
+    for step in (step % count for step in chosen):
+        for field in fields:
+            contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
+            paths.append(_save(contours, folder / f"contours_{field}_{step:03d}.png"))
+            paths.append(_save(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
+    return [*paths, *_plot_forces(result, folder), *_plot_interfaces(result, folder)]
+
+
+def _plot_forces(result: Result, folder: Path) -> list[Path]:
+    """Write force against stroke, if a tool has moved."""
+    if not find_moving_tools(result.history):
+        return []
+    figure = _new_figure()
+    plot_history(result, ax=figure.subplots())
+    return [_save(figure, folder / "force_stroke.png")]
+
+
+def _plot_interfaces(result: Result, folder: Path) -> list[Path]:
+    """Write the contact stress of every tool that the body touches, if it was saved."""
+    if not {"contact_pressure", "contact_shear"} <= set(result.field_names):
+        return []
+    figures = {tool: plot_interface(result, tool, figure=_new_figure()) for tool in result.tools}
+    return [_save(figure, folder / f"interface_{tool}.png") for tool, figure in figures.items() if figure.axes[0].lines]
+
+
+def _draw_mesh(result: Result, field: str, step: int, mirror: Mirror) -> Figure:
+    """Draw the mesh coloured by a field."""
+    figure = _new_figure()
+    figure.set_size_inches(*panel_size(result, step, mirror))
+    plot_mesh(result, field, step, figure.subplots(), mirror=mirror)
+    return figure
+
+
+def _new_figure() -> Figure:
+    """Return a figure that no window system is needed for."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(6.4, 4.2), layout="constrained")
+
+
+def _create(folder: Path) -> None:
+    """Create the folder for the pictures in an existing parent."""
+    try:
+        folder.mkdir(exist_ok=True)
+    except FileNotFoundError as error:
+        raise OutputError(f"{folder} cannot be created: its parent folder does not exist") from error
+    except OSError as error:
+        raise explain_write_error(error, folder, 0) from error
+
+
+def _save(figure: Figure, path: Path) -> Path:
+    """Write a PNG."""
+    with replace_whole(path, needed_bytes=_PNG_BYTES) as temporary:
+        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.1)
+    return path

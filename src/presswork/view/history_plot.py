@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Curves of history.csv: force against stroke, of one run or of several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.model import FloatArray
+from presswork.results import Result, ResultError
+from presswork.view.style import clean_axes, new_figure, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def plot_history(
+    results: Result | Sequence[Result],
+    x: str | None = None,
+    y: str | None = None,
+    ax: Axes | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+) -> Axes:
+    """Draw columns of the history against each other; several runs go into one diagram.
+
+    Without x and y: force [kN] against stroke [mm] of every tool that moves. With `y` alone, x is the stroke of the
+    same tool, or the time. `labels` name the runs, by default after their folders. Raises ResultError for an unknown
+    column, or if no tool moves.
+    """
+    runs = [results] if isinstance(results, Result) else list(results)
+    names = list(labels) if labels is not None else _name_runs(runs)
+    require_matplotlib()
+    ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
+    drawn: list[tuple[str, str]] = []
+    for run, name in zip(runs, names, strict=True):
+        history = run.history
+        curves = _choose_columns(run, history, x, y)
+        for abscissa, ordinate in curves:
+            parts = [name] if len(runs) > 1 else []
+            parts += [ordinate.partition(".")[0]] if len(curves) > 1 else []
+            ax.plot(_values(history, abscissa), _values(history, ordinate), label=", ".join(parts), linewidth=1.8)
+        drawn += curves
+    ax.set_xlabel(_label(sorted({abscissa for abscissa, _ in drawn})))
+    ax.set_ylabel(_label(sorted({ordinate for _, ordinate in drawn})))
+    if len(runs) == 1:
+        ax.set_title(str(runs[0].info.get("title", "")))
+    if len(drawn) > 1:
+        ax.legend(frameon=False)
+    ax.margins(x=0.02)
+    clean_axes(ax)
+    return ax
+
+
+def find_moving_tools(history: dict[str, NDArray[Any]]) -> list[str]:
+    """Return the tools whose stroke is not zero throughout."""
+    tools = [name.removesuffix(".stroke") for name in history if name.endswith(".stroke")]
+    return [tool for tool in tools if np.any(history[f"{tool}.stroke"] != 0)]
+
+
+def _choose_columns(
+    result: Result, history: dict[str, NDArray[Any]], x: str | None, y: str | None
+) -> list[tuple[str, str]]:
+    """Return the pairs of columns to draw, all of them in the history."""
+    if y is not None:
+        stroke = f"{y.partition('.')[0]}.stroke"
+        pairs = [(x or (stroke if stroke in history else "time"), y)]
+    else:
+        pairs = [(x or f"{tool}.stroke", f"{tool}.force") for tool in find_moving_tools(history)]
+    if not pairs:
+        raise ResultError(f"{result.folder}: no tool has moved, there is no force-stroke curve; choose x and y")
+    for name in {name for pair in pairs for name in pair}:
+        if name not in history or name == "stage":
+            known = ", ".join(column for column in history if column != "stage")
+            raise ResultError(f"{result.folder} has no history column {name}; there are: {known}")
+    return pairs
+
+
+def _name_runs(runs: Sequence[Result]) -> list[str]:
+    """Return the runs' folder names, with their parents where they would be the same."""
+    folders = [run.folder.resolve() for run in runs]
+    names = [folder.name for folder in folders]
+    return names if len(set(names)) == len(names) else [f"{folder.parent.name}/{folder.name}" for folder in folders]
+
+
+def _values(history: dict[str, NDArray[Any]], column: str) -> FloatArray:
+    """Return a column, forces in kN."""
+    return np.asarray(history[column] * (1e-3 if "force" in column.rpartition(".")[2] else 1.0), dtype=np.float64)
+
+
+def _label(columns: Sequence[str]) -> str:
+    """Return a label with unit; a tool is named if there is only one."""
+    tool, _, quantity = columns[0].rpartition(".")
+    units = {"stroke": " [mm]", "time": " [s]"}
+    unit = " [kN]" if "force" in quantity else units.get(quantity, "")
+    return f"{tool + ' ' if tool and len(columns) == 1 else ''}{quantity.replace('_', ' ')}{unit}"

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact stress along the contact surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from presswork.model import FloatArray
+from presswork.post import Interface, trace_interface
+from presswork.results import Result
+from presswork.view.style import COLOURS, clean_axes, measure_progress, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_N_CURVES = 6
+
+
+def plot_interface(
+    result: Result,
+    tool: str | None = None,
+    steps: Sequence[int] | None = None,
+    *,
+    x: Literal["radius", "arc_length"] | None = None,
+    figure: Figure | None = None,
+) -> Figure:
+    """Draw contact pressure and, below it, contact shear along the contact surface, one curve per step.
+
+    `steps` are by default six, equally spaced; a step without contact has no curve. `x` is the radius (the x
+    coordinate) in axisymmetry, otherwise the arc length. Each connected part of the contact surface is a line of
+    its own.
+    """
+    if x is None:
+        x = "radius" if result.info.get("analysis") == "axisymmetric" else "arc_length"
+    figure = new_figure(7.6, 6.0) if figure is None else figure
+    figure.set_size_inches(7.6, 6.0)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    chosen = list(steps) if steps is not None else _spread(len(result.times))
+    traces = {step: trace_interface(result, tool, step) for step in chosen}
+    traces = {step: trace for step, trace in traces.items() if len(trace.nodes)}
+    for number, (step, trace) in enumerate(traces.items()):
+        colour = _colour(number, len(traces))
+        _draw(upper, trace, trace.contact_pressure, x, colour, _label(result, step))
+        _draw(lower, trace, trace.contact_shear, x, colour, "")
+    _finish(upper, lower, x, " r" if result.info.get("analysis") == "axisymmetric" else "")
+    if traces:
+        progress = measure_progress(result, -1)
+        title = f"{progress.tool} stroke,\n{progress.direction} reduction" if progress else "time"
+        figure.legend(loc="outside right upper", frameon=False, title=title, alignment="left")
+    what = f"contact with {tool}" if tool else "contact"
+    figure.suptitle(", ".join(part for part in (str(result.info.get("title", "")), what) if part))
+    return figure
+
+
+def _spread(count: int) -> list[int]:
+    """Return up to six steps, equally spaced after the first step, the last one among them."""
+    return sorted({round(step) for step in np.linspace(0, count - 1, _N_CURVES + 1)[1:]})
+
+
+def _label(result: Result, step: int) -> str:
+    """Return a curve's label."""
+    progress = measure_progress(result, step)
+    if progress is None:
+        return f"{result.times[step]:.4g} s"
+    return f"{progress.stroke:.2f} mm, {100 * progress.reduction:.1f} %"
+
+
+def _draw(ax: Axes, trace: Interface, values: FloatArray, x: str, colour: object, label: str) -> None:
+    """Draw one step's curve, a line for each part; a part of one node is a dot."""
+    along = trace.points[:, 0] if x == "radius" else trace.arc_length
+    for patch in np.unique(trace.patch):
+        of_patch = trace.patch == patch
+        marker = "o" if of_patch.sum() == 1 else None
+        ax.plot(
+            along[of_patch], values[of_patch], color=colour, marker=marker, markersize=3, linewidth=1.6, label=label
+        )
+        label = ""
+
+
+def _colour(number: int, count: int) -> object:
+    """Return the colour of a curve: dark for early steps, never too light to see."""
+    import matplotlib
+
+    return matplotlib.colormaps[COLOURS](0.88 * number / max(count - 1, 1))
+
+
+def _finish(upper: Axes, lower: Axes, x: str, symbol: str) -> None:
+    """Label both panels."""
+    upper.set_ylabel("contact pressure [MPa]")
+    lower.set_ylabel("contact shear [MPa]")
+    lower.set_xlabel(f"radius{symbol} [mm]" if x == "radius" else "arc length along the contact surface [mm]")
+    for ax in (upper, lower):
+        clean_axes(ax)
+        ax.margins(x=0.02)
+    if not upper.lines:
+        upper.text(0.5, 0.5, "no contact", transform=upper.transAxes, ha="center")

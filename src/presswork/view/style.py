@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How all pictures look: figures, colours, labels with units, and what a saved step is called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from presswork.results import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLOURS = "viridis"
+DPI = 150
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure [inch] that notebooks and plt.show() know. Raises ImportError if matplotlib is missing."""
+    require_matplotlib()
+    from matplotlib import pyplot
+
+    return pyplot.figure(figsize=(width, height), layout="constrained")
+
+
+def require_matplotlib() -> None:
+    """Say how to get matplotlib if it is missing."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise ImportError('pictures need matplotlib: pip install "presswork[plot]"') from error
+
+
+def label_field(result: Result, name: str) -> str:
+    """Return a field's name in words with its unit, as "effective stress [MPa]"."""
+    words = {"eqps": "equivalent plastic strain", "mises": "effective stress", "u": "displacement"}
+    text = words.get(name, name.replace("_", " "))
+    unit = result.unit(name)
+    return f"{text} [{'–' if unit == '1' else unit}]" if unit else text
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far the process has come at a saved step."""
+
+    tool: str
+    """The tool that has moved most by the last step."""
+    stroke: float
+    """Its way [mm]."""
+    direction: str
+    """"height" or "width": the body's extent along that way."""
+    reduction: float
+    """How much smaller the whole body's extent has become, as a fraction."""
+
+
+def measure_progress(result: Result, step: int) -> Progress | None:
+    """Return the stroke and the body's reduction along it; None if no tool moves in the whole run."""
+    final = {name: float(np.linalg.norm(result.tool_displacement(name))) for name in result.tools}
+    tool = max(final, key=lambda name: final[name], default="")
+    if not tool or final[tool] == 0:
+        return None
+    axis = int(np.argmax(np.abs(result.tool_displacement(tool))))
+    extent = float(np.ptp(result.points(step)[:, axis])) / float(np.ptp(result.mesh.points[:, axis]))
+    stroke = float(np.linalg.norm(result.tool_displacement(tool, step)))
+    return Progress(tool, stroke, ("width", "height")[axis], 1 - extent)
+
+
+def describe_step(result: Result, step: int) -> str:
+    """Return what tells a step from others: stroke and reduction, or the time if no tool moves."""
+    progress = measure_progress(result, step)
+    if progress is None:
+        return f"time {result.times[step]:.4g} s"
+    text = f"{progress.tool} stroke {progress.stroke:.2f} mm"
+    if progress.reduction < 0.005:
+        return text
+    return f"{text}, {progress.direction} reduced by {100 * progress.reduction:.1f} %"
+
+
+def clean_axes(ax: Axes) -> None:
+    """Give a diagram of curves a light grid and no box."""
+    ax.grid(True, color="0.9", linewidth=0.8)
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)

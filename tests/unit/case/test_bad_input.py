@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input: each fault of a case is named by file, key, value, what was expected, and the remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from presswork.case import Case, CaseError
+
+Fail = Callable[..., str]
+
+RECTANGLE = 'kind = "rectangle"\nsize = [10, 15]\ncells = [2, 3]\npattern = "crossed"'
+HARDENING = 'law = "linear"\nyield_stress = 700\nmodulus = "0.3 kN/mm^2"'
+
+FAULTS = {
+    "unknown_key": (
+        ('material = "steel"', 'material = "steel"\nmatrial = "iron"'),
+        ["workpiece.matrial", '"iron"', "unknown key", "did you mean `material`?"],
+    ),
+    "missing_key": (('element = "tri3"', ""), ["workpiece.element: missing key", "element formulation"]),
+    "missing_material_key": (("poisson = 0.3", ""), ["materials.steel.poisson: missing key", "Poisson's ratio"]),
+    "missing_kind": (('kind = "rectangle"', ""), ["workpiece.mesh.kind: missing key", "file, rectangle"]),
+    "unknown_choice": (
+        ('"axisymmetric"', '"axisymetric"'),
+        ['analysis = "axisymetric"', "did you mean `axisymmetric`?", "plane_strain"],
+    ),
+    "unknown_law": (
+        ('law = "linear"', 'law = "linar"'),
+        ['hardening.law = "linar"', "did you mean `linear`?", "swift"],
+    ),
+    "wrong_type": (("cells = [2, 3]", 'cells = [2, "many"]'), ["mesh.cells.1", '"many"', "expected a whole number"]),
+    "table_expected": (
+        ("[tools.punch]\nprofile = [[0, 15], [30, 15]]\ncontact", "[tools]\npunch = 3\n[tools.die]\ncontact"),
+        ["tools.punch = 3", "expected a table"],
+    ),
+    "wrong_unit": (
+        ("stroke = 9.0", 'stroke = "5 kg"'),
+        ["stages.0.tools.punch.stroke", '"5 kg"', "expected a length", "`kg` has the dimension mass", '"20 mm"'],
+    ),
+    "unknown_unit": (
+        ('"200 kN/mm^2"', '"200 kNN/mm^2"'),
+        ["materials.steel.young", "`kNN/mm^2` is no known unit", '"200 kN/mm^2"'],
+    ),
+    "no_unit": (("stroke = 9.0", 'stroke = "9.0"'), ['stroke = "9.0"', "it has no unit", "a plain number in mm"]),
+    "not_finite": (("poisson = 0.3", "poisson = nan"), ["materials.steel.poisson", "finite"]),
+    "negative_young": (('"200 kN/mm^2"', "-200000"), ["materials.steel.young = -200000", "> 0", "Young's modulus"]),
+    "negative_modulus": (
+        ('modulus = "0.3 kN/mm^2"', "modulus = -300"),
+        ["hardening.modulus = -300", "expected a value >= 0", "MPa"],
+    ),
+    "incompressible": (("poisson = 0.3", "poisson = 0.5"), ["materials.steel.poisson = 0.5", "expected a value < 0.5"]),
+    "table_not_increasing": (
+        (HARDENING, 'law = "table"\npoints = [[0, 700], [0.2, 800], [0.1, 900]]'),
+        ["hardening.points", "[0.1, 900]", "does not increase in row 2 (0.1 after 0.2)", "sort the rows"],
+    ),
+    "table_not_from_zero": (
+        (HARDENING, 'law = "table"\npoints = [[0.1, 700], [0.2, 800]]'),
+        ["hardening.points", "not 0", "start with [0, yield stress]"],
+    ),
+    "table_softening": (
+        (HARDENING, 'law = "table"\npoints = [[0, 700], [0.2, 600]]'),
+        ["hardening.points", "stress decreases in row 1", "leave out"],
+    ),
+    "saturation_below_yield": (
+        (HARDENING, 'law = "voce"\nyield_stress = 700\nsaturation_stress = 600\nrate = 3'),
+        ["hardening.saturation_stress = 600", "below the yield stress", "at least 700 MPa"],
+    ),
+    "unknown_material": (
+        ('material = "steel"', 'material = "stel"'),
+        ['workpiece.material = "stel"', "no such material", "did you mean `steel`?"],
+    ),
+    "unknown_tool": (
+        ("[stages.tools.punch]", "[stages.tools.punsh]"),
+        ["stages.0.tools.punsh", "no such tool", "did you mean `punch`?"],
+    ),
+    "unknown_set": (
+        ('set = "left"', 'set = "lefft"'),
+        ['boundary.axis.set = "lefft"', "no such node set", "did you mean `left`?", "bottom"],
+    ),
+    "unknown_edge_set": (
+        ("[stages.tools.punch]", '[[stages.pressure]]\nset = "all"\nvalue = 3\n[stages.tools.punch]'),
+        ['stages.0.pressure.0.set = "all"', "no such edge set", "edge sets: bottom, boundary, left, right, top"],
+    ),
+    "no_profile": (
+        ("profile = [[0, 15], [30, 15]]", ""),
+        ["tools.punch.profile: missing key", "points [x, y], joined by lines"],
+    ),
+    "profile_of_one_point": (
+        ("[[0, 15], [30, 15]]", "[[0, 15]]"),
+        ["tools.punch.profile = [[0, 15]]", "at least 2 points", "[[0, 15], [30, 15]]"],
+    ),
+    "bad_profile_point": (
+        ("[[0, 15], [30, 15]]", "[[0, 15], [30, 15, 2]]"),
+        ["tools.punch.profile.1 = [30, 15, 2]", "expected [x, y]"],
+    ),
+    "radius_too_large": (
+        ("[[0, 15], [30, 15]]", "[[0, 15], {to = [30, 15], radius = 40}, [30, 40]]"),
+        ["tools.punch.profile.1", "too large", "at most 25 mm fits"],
+    ),
+    "pattern_does_not_fit": (
+        ('pattern = "crossed"', 'pattern = "quad"'),
+        ['workpiece.mesh.pattern = "quad"', "quadrilaterals", "element = tri3", "crossed, left, right"],
+    ),
+    "no_size": (("size = [10, 15]", ""), ["workpiece.mesh.size: missing key", "zones_x and zones_y"]),
+    "zones_beside_size": (
+        ("size = [10, 15]", "size = [10, 15]\nzones_y = [[15, 3, 1]]"),
+        ["workpiece.mesh.size", "do not describe one mesh", "zones_x and zones_y"],
+    ),
+    "stage_moves_nothing": (
+        ("stroke = 9.0", "stroke = 0.0"),
+        ["stages.0", '"upset" moves nothing at all', "tools: punch"],
+    ),
+    "stroke_without_direction": (
+        ("direction = [0, -1]", ""),
+        ["stages.0.tools.punch.direction: missing key", "move = [x, y]"],
+    ),
+    "depth_of_axisymmetric": (
+        ('analysis = "axisymmetric"', 'analysis = "axisymmetric"\ndepth = 3'),
+        ["depth = 3", "no depth", "leave it out"],
+    ),
+    "negative_radius": (
+        ("size = [10, 15]", "origin = [-1, 0]\nsize = [10, 15]"),
+        ["workpiece.mesh", "x = -1 mm", "x >= 0"],
+    ),
+    "axis_free": (('fix = ["x"]', 'fix = ["y"]'), ["boundary", "axis of rotation", 'fix = ["x"]']),
+    "no_symmetry_plane": (
+        ('set = "bottom"', 'set = "right"\nsymmetry = true'),
+        ["boundary.middle_plane.symmetry = true", "no symmetry plane", "leave symmetry out"],
+    ),
+    "tool_inside_workpiece": (
+        ("[[0, 15], [30, 15]]", "[[0, 14], [30, 14]]"),
+        ["tools.punch.profile", "starts inside the workpiece", "1 mm at (", "move the tool by (0, 1) mm"],
+    ),
+    "side_unclear": (
+        ("[[0, 15], [30, 15]]", "[[0, 7.5], [30, 7.5]]"),
+        ['tools.punch.free_side = "auto"', "which side", '"left" or "right"'],
+    ),
+    "bad_mesh_unit": (
+        (RECTANGLE, 'kind = "file"\npath = "a.msh"\nunit = "kg"'),
+        ['workpiece.mesh.unit = "kg"', "expected a unit of length", "mm, m, inch"],
+    ),
+    "no_mesh_file": (
+        (RECTANGLE, 'kind = "file"\npath = "a.msh"'),
+        ['workpiece.mesh.path = "a.msh"', "no such file", "mesh files there"],
+    ),
+    "contradicting_increments": (
+        ("[[stages]]", "[solver]\nmin_increment = 0.5\n[[stages]]"),
+        ["solver.min_increment = 0.5", "larger than max_increment", "make it smaller"],
+    ),
+    "output_time_beyond_end": (
+        ("[[stages]]", "[output]\nat = [0.5, 1.5]\n[[stages]]"),
+        ["output.at.1 = 1.5", "expected a value <= 1"],
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_fault_is_named_with_key_value_and_remedy(fault: str, fail_case: Fail) -> None:
+    change, fragments = FAULTS[fault]
+    message = fail_case(change)
+    assert [fragment for fragment in fragments if fragment not in message] == [], message
+
+
+def test_all_faults_of_a_file_are_listed_at_once(fail_case: Fail) -> None:
+    message = fail_case(("poisson = 0.3", "poisson = 0.7"), ("cells = [2, 3]", "cels = [2, 3]"))
+    assert "3 problems" in message
+    assert "materials.steel.poisson" in message
+    assert "did you mean `cells`?" in message
+
+
+def test_faults_across_tables_are_listed_at_once(fail_case: Fail) -> None:
+    message = fail_case(('material = "steel"', 'material = "x"'), ("[stages.tools.punch]", "[stages.tools.die]"))
+    assert "workpiece.material" in message
+    assert "stages.0.tools.die" in message
+
+
+def test_toml_syntax_error_names_the_line(fail_case: Fail) -> None:
+    message = fail_case(('material = "steel"', 'material = "steel'))
+    assert "not valid TOML" in message
+    assert "line 6" in message
+
+
+def test_missing_case_file_suggests_the_nearest(write_case: Callable[..., Path], tmp_path: Path) -> None:
+    write_case()
+    with pytest.raises(CaseError, match=r"cse\.toml: no such case file; did you mean `.*case\.toml`\?"):
+        Case.from_toml(tmp_path / "cse.toml")
+
+
+def test_binary_case_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_bytes(b"\xff\xfe\x00title")
+    with pytest.raises(CaseError, match="UTF-8"):
+        Case.from_toml(path)
+
+
+def test_folder_in_place_of_a_case_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match="cannot be read"):
+        Case.from_toml(tmp_path)

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a case to the Model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from presswork import model
+from presswork.case import Case, build_model, describe
+from presswork.examples import copy_example, list_examples
+
+WriteCase = Callable[..., Path]
+PLANE_STRAIN = ('analysis = "axisymmetric"', 'analysis = "plane_strain"\ndepth = 5')
+
+
+def build(path: Path, *overrides: str) -> model.Model:
+    return build_model(Case.from_toml(path, overrides))
+
+
+def test_model_holds_what_the_case_says(write_case: WriteCase) -> None:
+    built = build(write_case())
+    assert built.analysis == "axisymmetric"
+    assert built.depth == 1.0
+    assert built.mesh.blocks[0].element == "tri3"
+    assert len(built.mesh.blocks[0].connectivity) == 24
+    assert built.materials[0].young == pytest.approx(200e3)
+    assert built.materials[0].hardening.law == "linear"
+    np.testing.assert_allclose(built.materials[0].hardening.parameters, [700.0, 300.0])
+    assert built.supports == (model.Support("left", (True, False)), model.Support("bottom", (False, True)))
+    assert built.stages[0].tool_motion == {"punch": (0.0, -9.0)}
+    assert built.solver == model.SolverSettings()
+    assert built.output == model.OutputSettings()
+    assert built.case_text.startswith('\ntitle = "A small upsetting"')
+
+
+def test_loads_and_displacements_reach_the_model(write_case: WriteCase) -> None:
+    loads = """
+[[stages.displacement]]
+set = "top"
+component = "y"
+value = "-1 cm"
+[[stages.force]]
+set = "top_right"
+value = ["1 kN", 0]
+[[stages.pressure]]
+set = "right"
+value = "1 GPa"
+[stages.tools.punch]"""
+    stage = build(write_case(("[stages.tools.punch]", loads))).stages[0]
+    assert stage.prescribed == (model.PrescribedDisplacement("top", 1, -10.0),)
+    assert stage.forces == (model.PointForce("top_right", (1000.0, 0.0)),)
+    assert stage.pressures == (model.Pressure("right", 1000.0),)
+
+
+def test_a_stage_may_only_take_a_load_off(write_case: WriteCase) -> None:
+    load = '[[stages.pressure]]\nset = "right"\nvalue = 1\n[[stages]]\nname = "off"\n'
+    path = write_case(("[stages.tools.punch]\nstroke = 9.0\ndirection = [0, -1]", load))
+    assert [stage.name for stage in build(path).stages] == ["upset", "off"]
+
+
+@pytest.mark.parametrize(
+    ("law", "parameters"),
+    [
+        ('law = "swift"\nK = 500\ne0 = 0.01\nn = 0.2', [500, 0.01, 0.2]),
+        ('law = "ludwik"\nyield_stress = 300\nK = 500\nn = 0.2', [300, 500, 0.2]),
+        ('law = "voce"\nyield_stress = 300\nsaturation_stress = 500\nrate = 5', [300, 500, 5]),
+        (
+            'law = "hockett_sherby"\nyield_stress = 300\nsaturation_stress = 500\nrate = 5\nexponent = 0.7',
+            [300, 500, 5, 0.7],
+        ),
+        ('law = "table"\npoints = [[0, 300], [0.1, "0.4 GPa"]]', [0, 300, 0.1, 400]),
+    ],
+)
+def test_hardening_parameters_are_in_the_order_of_the_model(
+    write_case: WriteCase, law: str, parameters: list[float]
+) -> None:
+    linear = 'law = "linear"\nyield_stress = 700\nmodulus = "0.3 kN/mm^2"'
+    hardening = build(write_case((linear, law))).materials[0].hardening
+    assert hardening.law == law.split('"')[1]
+    np.testing.assert_allclose(hardening.parameters, parameters)
+
+
+@pytest.mark.parametrize("profile", ["[[0, 15], [30, 15]]", "[[30, 15], [0, 15]]"])
+def test_workpiece_is_left_of_the_tool_however_it_is_drawn(write_case: WriteCase, profile: str) -> None:
+    tool = build(write_case(("[[0, 15], [30, 15]]", profile))).tools[0]
+    np.testing.assert_allclose(tool.segments, [[30, 15, 0, 15, 0, 0, 0]])
+
+
+def test_free_side_is_honoured(write_case: WriteCase) -> None:
+    change = ('contact = "sticking"', 'contact = "sticking"\nfree_side = "right"')
+    assert build(write_case(change)).tools[0].segments[0, 0] == 30.0
+
+
+def test_tool_reaching_a_symmetry_plane_is_mirrored_in_plane_strain(write_case: WriteCase) -> None:
+    assert build(write_case(PLANE_STRAIN)).tools[0].mirrored_across == (True, False)
+    assert build(write_case()).tools[0].mirrored_across == (False, False)
+
+
+@pytest.mark.parametrize(
+    ("override", "mirrored"),
+    [
+        ("boundary.axis.symmetry=false", (False, False)),
+        ('boundary.axis.fix=["x", "y"]', (False, False)),
+        ('tools.punch.mirrored=["x", "y"]', (True, True)),
+        ("tools.punch.profile=[[1, 15], [30, 15]]", (False, False)),
+        ("boundary.axis.set=all", (False, False)),
+    ],
+)
+def test_mirroring_follows_the_planes_and_the_profile(
+    write_case: WriteCase, override: str, mirrored: tuple[bool, bool]
+) -> None:
+    assert build(write_case(PLANE_STRAIN), override).tools[0].mirrored_across == mirrored
+
+
+def test_zones_replace_size_and_cells(write_case: WriteCase) -> None:
+    change = ("size = [10, 15]\ncells = [2, 3]", "zones_x = [[10, 2, 1]]\nzones_y = [[5, 5, 1], {length=10, cells=2}]")
+    built = build(write_case(change))
+    np.testing.assert_allclose(built.mesh.points[built.mesh.node_sets["left"], 1], [0, 1, 2, 3, 4, 5, 10, 15])
+
+
+def test_description_says_the_model_in_words(write_case: WriteCase) -> None:
+    text = describe(build(write_case(), "solver.newton=modified"))
+    for fragment in (
+        "analysis: axisymmetric",
+        "24 tri3",
+        "nodes: 18, freedoms: 36",
+        "linear hardening: 700 + 300 e MPa",
+        "tool punch: 1 line from (30, 15) to (0, 15), sticking",
+        "support: x held on left (4 nodes)",
+        "tool punch moves by (0, -9) mm",
+        "solver: newton = modified",
+        "MB",
+    ):
+        assert fragment in text
+
+
+def test_every_example_builds(tmp_path: Path) -> None:
+    for name, title in list_examples().items():
+        built = build(copy_example(name, tmp_path / "cases"))
+        assert built.title == title
+        assert describe(built).startswith(title)
+
+
+@pytest.mark.parametrize(
+    ("name", "n_cells", "element"),
+    [
+        ("upsetting_4cst", 900, "tri3"),
+        ("upsetting_t6_7pt", 200, "tri6_7pt"),
+        ("upsetting_t6_6pt", 200, "tri6_6pt"),
+        ("upsetting_q8_2x2", 100, "quad8_2x2"),
+        ("upsetting_q4", 225, "quad4_fbar"),
+    ],
+)
+def test_upsetting_examples_have_the_meshes_of_the_thesis(
+    tmp_path: Path, name: str, n_cells: int, element: str
+) -> None:
+    built = build(copy_example(name, tmp_path))
+    assert len(built.mesh.blocks[0].connectivity) == n_cells
+    assert built.mesh.blocks[0].element == element
+    assert built.stages[0].tool_motion == {"punch": (0.0, -9.0)}
+
+
+def test_copying_an_example_refuses_to_overwrite_and_unknown_names(tmp_path: Path) -> None:
+    copy_example("heading", tmp_path)
+    with pytest.raises(Exception, match="is there already"):
+        copy_example("heading", tmp_path)
+    with pytest.raises(Exception, match="did you mean `heading`"):
+        copy_example("headng", tmp_path)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a run may use an output folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from presswork.results import OutputError, open_output_folder
+
+
+def test_new_folder_is_created(tmp_path: Path) -> None:
+    assert open_output_folder(tmp_path / "run").is_dir()
+
+
+def test_missing_parent_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="parent folder"):
+        open_output_folder(tmp_path / "no" / "run")
+
+
+def test_file_in_its_place_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "run").write_text("")
+    with pytest.raises(OutputError, match="not a folder"):
+        open_output_folder(tmp_path / "run")
+
+
+@pytest.mark.parametrize("name", ["results.vtkhdf", "history.csv", "summary.json", "checkpoint.h5"])
+def test_folder_with_results_is_refused_with_the_remedy(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("precious")
+    with pytest.raises(OutputError, match=rf"{name}.*--overwrite.*--resume"):
+        open_output_folder(tmp_path)
+    assert (tmp_path / name).read_text() == "precious"
+
+
+def test_overwrite_deletes_only_what_a_run_made(tmp_path: Path) -> None:
+    for name in ("results.vtkhdf", "history.csv", "summary.json", "checkpoint.h5", "run.log", "case.toml", "notes.txt"):
+        (tmp_path / name).write_text("x")
+    open_output_folder(tmp_path, overwrite=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "notes.txt"]
+
+
+def test_resume_needs_a_checkpoint(tmp_path: Path) -> None:
+    (tmp_path / "history.csv").write_text("x")
+    with pytest.raises(OutputError, match=r"no checkpoint\.h5"):
+        open_output_folder(tmp_path, resume=True)
+    (tmp_path / "checkpoint.h5").write_text("x")
+    open_output_folder(tmp_path, resume=True)
+    assert (tmp_path / "history.csv").read_text() == "x"
+
+
+def test_resume_of_a_missing_folder_creates_nothing(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="no checkpoint"):
+        open_output_folder(tmp_path / "run", resume=True)
+    assert not (tmp_path / "run").exists()
+
+
+def test_overwrite_and_resume_exclude_each_other(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="exclude"):
+        open_output_folder(tmp_path, overwrite=True, resume=True)
+
+
+def test_rest_of_a_killed_write_is_removed(tmp_path: Path) -> None:
+    (tmp_path / "checkpoint.h5").write_text("whole")
+    (tmp_path / "checkpoint.h5.tmp").write_text("half")
+    (tmp_path / "mine.tmp").write_text("user's")
+    open_output_folder(tmp_path, resume=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["checkpoint.h5", "mine.tmp"]
+
+
+def test_folder_that_cannot_be_written_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(self: Path, data: bytes) -> int:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "write_bytes", refuse)
+    with pytest.raises(OutputError, match="Permission denied"):
+        open_output_folder(tmp_path)

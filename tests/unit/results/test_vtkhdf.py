@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""results.vtkhdf reads in VTK as it was written, and is whole after any crash."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time as clock
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from presswork.results import OutputError, Result, append_step, count_steps, truncate_steps, vtkhdf
+from results.upset_output import DIE, make_fields, make_mesh, write_upset_output
+
+ELEMENTS = {"tri3": 5, "tri6_7pt": 22, "tri6_6pt": 22, "quad4_fbar": 9, "quad8_2x2": 23, "quad9": 28}
+MIXED = [("tri3", "quad4", "quad4_fbar"), ("tri6_6pt", "quad8", "quad9")]
+
+_APPEND_FOR_EVER = """
+import sys
+from presswork.results import append_step, count_steps
+from results.upset_output import make_fields, make_mesh
+mesh = make_mesh(("quad4",), 40)
+for k in range(10**6):
+    append_step(sys.argv[1], mesh, float(k), *make_fields(mesh, 1.0))
+    print(k, flush=True)
+"""
+
+
+def read_with_vtk(path: Path, step: int) -> tuple[Any, Any]:
+    """Return VTK's reader and the wrapped grid of a step."""
+    pyvista = pytest.importorskip("pyvista")
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    reader = vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    reader.SetStep(step)
+    reader.Update()
+    return reader, pyvista.wrap(reader.GetOutput())
+
+
+@pytest.mark.parametrize("elements", [*[(e,) for e in ELEMENTS], *MIXED], ids="-".join)
+def test_vtk_reads_every_step_as_written(tmp_path: Path, elements: tuple[str, ...]) -> None:
+    write_upset_output(tmp_path, elements, n=6, steps=4)
+    mesh = make_mesh(elements, 6)
+    for step, stroke in enumerate(np.linspace(0.0, 9.0, 4)):
+        reader, grid = read_with_vtk(tmp_path / "results.vtkhdf", step)
+        assert reader.GetNumberOfSteps() == 4
+        types = np.concatenate([np.full(len(b.connectivity), VTK_TYPE(b.element)) for b in mesh.blocks])
+        np.testing.assert_array_equal(grid.celltypes, types)
+        np.testing.assert_array_equal(grid.points[:, :2], mesh.points)
+        connectivity = np.concatenate([b.connectivity.ravel() for b in mesh.blocks])
+        np.testing.assert_array_equal(grid.cell_connectivity, connectivity)
+        point_data, cell_data = make_fields(mesh, stroke)
+        for name, values in point_data.items():
+            np.testing.assert_array_equal(grid.point_data[name], values)
+        for name, values in cell_data.items():
+            np.testing.assert_array_equal(grid.cell_data[name], values)
+
+
+def VTK_TYPE(element: str) -> int:  # noqa: N802
+    """The type that VTK's documentation gives."""
+    return {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28}[element.split("_")[0]]
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_vtk_finds_the_mesh_area(tmp_path: Path, element: str) -> None:
+    write_upset_output(tmp_path, (element,), n=4, steps=1)
+    _, grid = read_with_vtk(tmp_path / "results.vtkhdf", 0)
+    assert grid.compute_cell_sizes()["Area"].sum() == pytest.approx(150.0)
+
+
+def test_fields_carry_their_units(tmp_path: Path) -> None:
+    with h5py.File(write_upset_output(tmp_path) / "results.vtkhdf") as file:
+        assert file["VTKHDF/PointData/displacement"].attrs["units"] == "mm"
+        assert file["VTKHDF/CellData/stress"].attrs["units"] == "MPa"
+
+
+def test_truncated_file_reads_in_vtk_and_grows_again_to_the_same(tmp_path: Path) -> None:
+    path = write_upset_output(tmp_path, steps=4) / "results.vtkhdf"
+    whole = Result(tmp_path).field("stress", 3), Result(tmp_path).tool_displacement("die", 3)
+    truncate_steps(path, 2)
+    assert count_steps(path) == 2
+    assert read_with_vtk(path, 1)[0].GetNumberOfSteps() == 2
+    mesh = make_mesh()
+    for stroke in (6.0, 9.0):
+        append_step(path, mesh, 1.0, *make_fields(mesh, stroke), tool_displacement={"die": np.array([0.0, -stroke])})
+    np.testing.assert_array_equal(Result(tmp_path).field("stress", 3), whole[0])
+    np.testing.assert_array_equal(Result(tmp_path).tool_displacement("die", 3), whole[1])
+    np.testing.assert_array_equal(read_with_vtk(path, 3)[1].cell_data["stress"], whole[0])
+
+
+def test_truncating_to_nothing_removes_the_file_and_to_more_is_refused(tmp_path: Path) -> None:
+    path = write_upset_output(tmp_path, steps=2) / "results.vtkhdf"
+    with pytest.raises(OutputError, match="holds 2 saved steps, 3 are needed"):
+        truncate_steps(path, 3)
+    truncate_steps(path, 0)
+    assert count_steps(path) == 0
+
+
+def test_non_finite_values_are_kept(tmp_path: Path) -> None:
+    mesh = make_mesh()
+    point_data, cell_data = make_fields(mesh, 1.0)
+    cell_data["effective_stress"][:2] = np.nan, np.inf
+    append_step(tmp_path / "results.vtkhdf", mesh, 0.0, point_data, cell_data)
+    np.testing.assert_array_equal(Result(tmp_path).field("effective_stress"), cell_data["effective_stress"])
+
+
+def test_wrong_arrays_are_refused_and_nothing_is_lost(tmp_path: Path) -> None:
+    path = write_upset_output(tmp_path, steps=2) / "results.vtkhdf"
+    former = path.read_bytes()
+    mesh = make_mesh()
+    point_data, cell_data = make_fields(mesh, 1.0)
+    with pytest.raises(ValueError, match="field stress has shape"):
+        append_step(path, mesh, 1.0, point_data, {**cell_data, "stress": np.zeros((3, 6))})
+    with pytest.raises(ValueError, match="differ from those of the first step"):
+        append_step(path, mesh, 1.0, point_data, {"stress": cell_data["stress"]})
+    with pytest.raises(ValueError, match="punch"):
+        append_step(path, mesh, 1.0, point_data, cell_data, tool_displacement={"punch": np.zeros(2)})
+    other = make_mesh(n=5)
+    with pytest.raises(OutputError, match="another mesh"):
+        append_step(path, other, 1.0, *make_fields(other, 1.0))
+    assert path.read_bytes() == former
+    assert not list(tmp_path.glob("*.tmp"))
+
+
+def test_crash_in_the_middle_of_an_append_leaves_the_former_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_upset_output(tmp_path, steps=2) / "results.vtkhdf"
+    former = path.read_bytes()
+
+    def crash(*_: object) -> None:
+        raise RuntimeError("crash")
+
+    monkeypatch.setattr(vtkhdf, "_append_time", crash)
+    mesh = make_mesh()
+    with pytest.raises(RuntimeError, match="crash"):
+        append_step(path, mesh, 1.0, *make_fields(mesh, 1.0))
+    assert path.read_bytes() == former
+    assert count_steps(path) == 2
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.01, 0.023])
+def test_kill_at_any_instant_leaves_a_readable_file(tmp_path: Path, delay: float) -> None:
+    path = tmp_path / "results.vtkhdf"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    command = [sys.executable, "-c", _APPEND_FOR_EVER, str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if int(line) == 3:
+                break
+        clock.sleep(delay)
+        process.send_signal(signal.SIGKILL)
+    steps = count_steps(path)
+    assert steps >= 4
+    assert Result(tmp_path).field("stress").shape == (1600, 6)
+    assert read_with_vtk(path, steps - 1)[0].GetNumberOfSteps() == steps
+
+
+def test_file_that_is_something_else_is_named(tmp_path: Path) -> None:
+    (tmp_path / "results.vtkhdf").write_text("not HDF5")
+    with pytest.raises(OutputError, match="cannot be read as a results file"):
+        count_steps(tmp_path / "results.vtkhdf")
+
+
+def test_tools_are_stored_where_vtk_does_not_look(tmp_path: Path) -> None:
+    result = Result(write_upset_output(tmp_path))
+    np.testing.assert_array_equal(result.tools["die"], DIE)
+    np.testing.assert_array_equal(result.tool_displacement("die", 1), [0.0, -3.0])
