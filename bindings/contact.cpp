@@ -23,7 +23,7 @@ void bind_contact(nb::module_& m) {
           gap[i] = t.gap, second_gap[i] = t.second_gap;
           for (int k = 0; k < 2; ++k) normal[2 * i + k] = t.normal[k], second_normal[2 * i + k] = t.second_normal[k];
         }
-        return nb::make_tuple(gaps, normals, second_gaps, second_normals);
+        return std::make_tuple(gaps, normals, second_gaps, second_normals);
       },
       nb::arg("segments"), nb::arg("points"),
       "Gap (n) and normal (n, 2) of points to a tool profile, and those of the second face where a point lies in an "

@@ -32,7 +32,7 @@ void bind_element(nb::module_& m) {
       "element_sizes",
       [](const std::string& name) {
         const auto e = element_named(name);
-        return nb::make_tuple(e.nodes, e.points);
+        return std::make_tuple(e.nodes, e.points);
       },
       nb::arg("element"), "Number of nodes and of integration points of an element.");
 

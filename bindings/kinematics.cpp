@@ -29,7 +29,7 @@ void bind_kinematics(nb::module_& m) {
           turn[2 * i] = inc.cosine;
           turn[2 * i + 1] = inc.sine;
         }
-        return nb::make_tuple(strains, turns, derivatives);
+        return std::make_tuple(strains, turns, derivatives);
       },
       nb::arg("F"), nb::arg("measure"),
       "Strain (n, 4: xx, yy, zz, xy), rotation (n, 2: cosine, sine) and d strain / d l* (n, 4, 5) of increments F (n, "

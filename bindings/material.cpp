@@ -40,7 +40,7 @@ void bind_material(nb::module_& m) {
             auto flows = new_array({eqps.size()}, &flow);
             auto slopes = new_array({eqps.size()}, &slope);
             for (std::size_t i = 0; i < eqps.size(); ++i) law.hardening.evaluate(eqps.data()[i], flow[i], slope[i]);
-            return nb::make_tuple(flows, slopes);
+            return std::make_tuple(flows, slopes);
           },
           nb::arg("eqps"), "Flow stress and its slope [MPa] at equivalent plastic strains (n).")
       .def(
@@ -60,7 +60,7 @@ void bind_material(nb::module_& m) {
               for (int k = 0; k < 4; ++k) new_stress[4 * i + k] = point.stress[k];
               new_eqps[i] = point.eqps;
             }
-            return nb::make_tuple(stresses, strains, tangents);
+            return std::make_tuple(stresses, strains, tangents);
           },
           nb::arg("strain"), nb::arg("stress"), nb::arg("eqps"),
           "Advance points by strain increments (n, 4); returns stress (n, 4), eqps (n) and tangent (n, 4, 4).");

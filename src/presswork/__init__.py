@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """presswork: simulate metal forming from a short case file or from Python.
 
-    >>> import presswork
-    >>> case = presswork.Case.from_toml("upsetting_4cst.toml")
-    >>> result = presswork.run(case, "out").result
-    >>> result.history["punch.force"], result.field("eqps", step=-1)
+>>> import presswork
+>>> case = presswork.Case.from_toml("upsetting_4cst.toml")
+>>> result = presswork.run(case, "out").result
+>>> result.history["punch.force"], result.field("eqps", step=-1)
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ def run(
 ) -> Outcome:
     """Compute a case into a folder and return how it ended; `.result` reads what it wrote.
 
-    `threads` 0 uses every core. Raises CaseError for a case that cannot be computed, before anything is, and OutputError
-    for a folder that cannot be used.
+    `threads` 0 uses every core. Raises CaseError for a case that cannot be computed, before anything is, and
+    OutputError for a folder that cannot be used.
     """
     return run_model(
         build_model(case), folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=on_increment

@@ -33,7 +33,9 @@ console = Console(stderr=True, highlight=False)
 CaseFile = Annotated[Path, typer.Argument(help="The case file (TOML).", show_default=False)]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the case, e.g. --set workpiece.mesh.cells=[30,30]."),
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Change a key of the case, e.g. --set workpiece.mesh.cells=[30,30]."
+    ),
 ]
 
 
@@ -56,7 +58,9 @@ def run(
     set_: Settings = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue from the folder's checkpoint.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
-    threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core. The results do not depend on it.")] = 0,
+    threads: Annotated[
+        int, typer.Option(min=0, help="Threads; 0 uses every core. The results do not depend on it.")
+    ] = 0,
     plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
 ) -> None:
@@ -77,7 +81,13 @@ def run(
 
 
 def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=console, disable=quiet, transient=False) as bar:
         task = bar.add_task(model.title, total=1.0)
 
@@ -103,10 +113,10 @@ def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads:
 
 
 def _draw(result: Result, out: Path | None, *, quiet: bool = False, fields: list[str] | None = None) -> None:
-    from presswork.view import plot_all
+    from presswork.view import FIELDS, plot_all
 
     try:
-        paths = plot_all(result, out, **({"fields": fields} if fields else {}))
+        paths = plot_all(result, out, fields or FIELDS)
     except ImportError as error:
         console.print(f"no pictures: {error}", markup=False)
         return
@@ -123,7 +133,9 @@ def check(case: CaseFile, set_: Settings = None) -> None:
 @app.command()
 def plot(
     folders: Annotated[list[Path], typer.Argument(help="Output folders.", show_default=False)],
-    field: Annotated[list[str] | None, typer.Option(help="Fields to draw; default: effective stress and strain.")] = None,
+    field: Annotated[
+        list[str] | None, typer.Option(help="Fields to draw; default: effective stress and strain.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Where to write; default: DIR/plots.")] = None,
 ) -> None:
     """Draw PNG pictures of results: mesh with fields, history, contact stress along the interface."""
@@ -137,7 +149,9 @@ def plot(
 
 @app.command()
 def examples(
-    name: Annotated[str | None, typer.Argument(help="The example to copy; none lists them.", show_default=False)] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="The example to copy; none lists them.", show_default=False)
+    ] = None,
     to: Annotated[Path, typer.Option(help="Folder to copy into.")] = Path(),
 ) -> None:
     """List the example cases, or copy one here."""
@@ -165,6 +179,8 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback()
 def main(
-    version: Annotated[bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")
+    ] = False,
 ) -> None:
     """Hold the options that come before a command."""

@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
+IndexArray = NDArray[np.intp]
+BoolArray = NDArray[np.bool_]
+MaskArray = NDArray[np.uint8]
 
 Analysis = Literal["axisymmetric", "plane_strain"]
 ElementName = Literal[
     "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
 ]
 HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table"]
-Integrator = Literal[
-    "backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"
-]
+Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
 ContactLaw = Literal["frictionless", "sticking"]
 

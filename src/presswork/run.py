@@ -17,7 +17,17 @@ import numpy as np
 
 from presswork import __version__
 from presswork.model import FloatArray, Model
-from presswork.procedure.implicit import CUTBACKS, FRACTION, INCREMENTS, ITERATIONS, STAGE, TIME, GaveUp, ImplicitProcedure, IncrementReport
+from presswork.procedure.implicit import (
+    CUTBACKS,
+    FRACTION,
+    INCREMENTS,
+    ITERATIONS,
+    STAGE,
+    TIME,
+    GaveUpError,
+    ImplicitProcedure,
+    IncrementReport,
+)
 from presswork.results import (
     History,
     OutputError,
@@ -125,7 +135,7 @@ class _Run:
         try:
             for report in self.procedure.advance():
                 self._record(report, on_increment)
-        except GaveUp as error:
+        except GaveUpError as error:
             status, reason = "gave_up", str(error)
         except KeyboardInterrupt:
             status, reason = "interrupted", "stopped by the user or a signal; continue with --resume"
@@ -254,8 +264,8 @@ class _Run:
         arrays, meta = load_checkpoint(self.folder / CHECKPOINT)
         if meta["model"] != fingerprint(self.model):
             raise OutputError(
-                f"{self.folder / CHECKPOINT} belongs to another case: mesh, materials, tools, stages or solver settings "
-                "differ. Resume with the case as it was (case.toml beside it), or use --overwrite"
+                f"{self.folder / CHECKPOINT} belongs to another case: mesh, materials, tools, stages or solver "
+                "settings differ. Resume with the case as it was (case.toml beside it), or use --overwrite"
             )
         self.procedure.state.load_arrays(arrays)
         self.saved_steps = int(meta["saved_steps"])

@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork import _core
 from presswork.model import FloatArray, Model
 from presswork.results.whole_file import OutputError
+
+ContactArray = NDArray[np.int8]
 
 SLIDING = 1
 STUCK = 2
@@ -31,7 +34,7 @@ class State:
     """Applied loads (n_points, 2) [N]."""
     tool_displacement: FloatArray
     """(n_tools, 2)."""
-    contact: np.ndarray[Any, np.dtype[np.int8]]
+    contact: ContactArray
     """Per face of each tool and candidate node: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
     anchor: FloatArray
     """Where a STUCK node sits, in its tool's frame (n_candidates, 2)."""
@@ -70,17 +73,17 @@ class State:
             work=np.zeros(2),
         )
 
-    def copy(self) -> State:
+    def duplicate(self) -> State:
         """Return a deep copy."""
-        copies = {
-            f.name: [a.copy() for a in value] if isinstance(value := getattr(self, f.name), list) else value.copy()
-            for f in fields(self)
-        }
-        return State(**copies)
+        other = copy(self)
+        for f in fields(self):
+            value = getattr(self, f.name)
+            setattr(other, f.name, [a.copy() for a in value] if isinstance(value, list) else value.copy())
+        return other
 
-    def to_arrays(self) -> dict[str, FloatArray]:
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array under a name of its own, for a checkpoint."""
-        arrays: dict[str, FloatArray] = {}
+        arrays: dict[str, NDArray[np.generic]] = {}
         for f in fields(self):
             value = getattr(self, f.name)
             if isinstance(value, list):
@@ -89,7 +92,7 @@ class State:
                 arrays[f.name] = value
         return arrays
 
-    def load_arrays(self, arrays: Mapping[str, FloatArray]) -> None:
+    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
         """Fill this State from a checkpoint's arrays.
 
         Raises OutputError if they are those of another model.

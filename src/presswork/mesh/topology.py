@@ -45,7 +45,8 @@ def find_boundary_edges(connectivities: Sequence[IntArray]) -> IntArray:
     """Return the edges that one cell only has, the body on the left, in the order of the cells."""
     edges = np.concatenate([list_cell_edges(connectivity) for connectivity in connectivities])
     _, index, count = np.unique(edge_keys(edges), return_index=True, return_counts=True)
-    return edges[np.sort(index[count == 1])].astype(np.int32)
+    boundary: IntArray = edges[np.sort(index[count == 1])].astype(np.int32)
+    return boundary
 
 
 def count_cells_of_edges(connectivities: Sequence[IntArray]) -> tuple[IntArray, IntArray]:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Contact of boundary nodes with rigid tools, as exact constraints with an active set.
 
-A node that would be inside a tool is put on its surface and held there along the normal (SLIDING); on a sticking tool it
-is held in both directions from the next increment on (STUCK), at the place in the tool's frame where it has come to rest:
-so the converged answer does not depend on the way the iteration took. A held node lets go when it pulls. There is no
-penalty: the tangent stays as well conditioned as the workpiece itself, and the gap of a held node is zero.
+A node that would be inside a tool is put on its surface and held there along the normal (SLIDING); on a sticking tool
+it is held in both directions from the next increment on (STUCK), at the place in the tool's frame where it has come to
+rest: so the converged answer does not depend on the way the iteration took. A held node lets go when it pulls. There
+is no penalty: the tangent stays as well conditioned as the workpiece itself, and the gap of a held node is zero.
 
 What prevents chatter: a node lets go only near equilibrium and only if it pulls with more than RELEASE of the largest
 contact force; and a node that has changed its state MAX_CHANGES times in an increment keeps hold for the rest of it.
@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
-from presswork.model import FloatArray, IntArray, Model
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
 from presswork.results.fields import ContactForces
-from presswork.state import SLIDING, STUCK, State
+from presswork.state import SLIDING, STUCK, ContactArray, State
 
 RELEASE = 1e-3
 MAX_CHANGES = 4
@@ -31,9 +31,9 @@ MAX_CHANGES = 4
 class Constraints:
     """What the linear system must respect; freedoms are in the nodes' own frames."""
 
-    mask: np.ndarray  # (n_points, 2) uint8: prescribed
+    mask: MaskArray  # (n_points, 2): prescribed
     value: FloatArray  # (n_points, 2): the correction still to be made [mm]
-    turned: np.ndarray  # (n_points,) uint8
+    turned: MaskArray  # (n_points,): has a frame of its own
     frames: FloatArray  # (n_points, 2, 2): rows are the local axes
 
 
@@ -44,7 +44,8 @@ class Contact:
         self._model = model
         self._touches = [np.ascontiguousarray(t.segments) for t in model.tools]
         self._sticking = np.array([t.contact == "sticking" for t in model.tools], dtype=bool)
-        self.nodes: IntArray = np.unique(model.mesh.boundary_edges).astype(np.int32) if model.tools else np.zeros(0, np.int32)
+        boundary = model.mesh.boundary_edges if model.tools else np.zeros((0, 2))
+        self.nodes: IntArray = np.unique(boundary).astype(np.int32)
         self._leader = self._find_leaders()
         points = model.mesh.points
         self.tolerance = 1e-6 * float(np.ptp(points, axis=0).max())
@@ -55,10 +56,13 @@ class Contact:
     def _find_leaders(self) -> IntArray:
         """Node whose reaction decides for each candidate: itself, but the mid-side for a vertex on the axis.
 
-        On the axis a quadratic edge's vertex carries no share of a pressure (int N r dr = 0): its own reaction is noise.
+        On the axis a quadratic edge's vertex carries no share of a pressure (int N r dr = 0): its own reaction is
+        noise.
         """
         leader = np.arange(len(self.nodes), dtype=np.int32)
         edges = self._model.mesh.boundary_edges
+        if not len(self.nodes):
+            return leader
         if self._model.analysis != "axisymmetric" or edges.shape[1] != 3:
             return leader
         place = {int(node): i for i, node in enumerate(self.nodes)}
@@ -99,7 +103,7 @@ class Contact:
         position = self._model.mesh.points[self.nodes[node]] + state.displacement[self.nodes[node]]
         state.anchor[node] = position - state.tool_displacement[face // 2]
 
-    def _limit_faces(self, contact: np.ndarray) -> None:
+    def _limit_faces(self, contact: ContactArray) -> None:
         """Keep at most two faces a node: those it is deepest in."""
         crowded = np.nonzero((contact > 0).sum(axis=0) > 2)[0]
         for node in crowded:
@@ -107,7 +111,7 @@ class Contact:
             keep = faces[np.argsort(self.gap[faces, node])[:2]]
             contact[np.setdiff1d(faces, keep), node] = 0
 
-    def update(self, trial: State, reaction: FloatArray, fixed: np.ndarray, *, near: bool) -> int:
+    def update(self, trial: State, reaction: FloatArray, fixed: BoolArray, *, near: bool) -> int:
         """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes."""
         if not len(self.nodes):
             return 0
@@ -125,12 +129,12 @@ class Contact:
         self._changes[changed] += 1
         return int(changed.sum())
 
-    def _free(self, fixed: np.ndarray) -> np.ndarray:
+    def _free(self, fixed: BoolArray) -> BoolArray:
         """Faces whose normal has a part along a direction that supports leave free (n_faces, n_candidates)."""
         free = ~fixed[self.nodes]
-        return np.asarray((np.abs(self.normal) * free).max(axis=2) > 1e-3)
+        return np.asarray((np.abs(self.normal) * free).max(axis=2) > 1e-3, dtype=bool)
 
-    def normal_forces(self, state: State, reaction: FloatArray, fixed: np.ndarray) -> FloatArray:
+    def normal_forces(self, state: State, reaction: FloatArray, fixed: BoolArray) -> FloatArray:
         """Return the push of every held face on its node (n_faces, n_candidates) [N]; negative pulls."""
         push = np.zeros(self.gap.shape)
         held = state.contact > 0
@@ -147,7 +151,7 @@ class Contact:
             push[faces, node] = np.linalg.lstsq(axes, force[node], rcond=None)[0]
         return push
 
-    def tool_forces(self, state: State, fixed: np.ndarray) -> FloatArray:
+    def tool_forces(self, state: State, fixed: BoolArray) -> FloatArray:
         """Return the force of the workpiece on each tool (n_tools, 2) [N], as modelled.
 
         Where a node is also held by a support, that direction's reaction is the support's.
@@ -155,9 +159,9 @@ class Contact:
         n_tools = len(self._model.tools)
         forces = np.zeros((n_tools, 2))
         held = (state.contact > 0).reshape(n_tools, 2, -1)
-        by_tool = held.any(axis=1)
+        by_tool: BoolArray = np.asarray(held.any(axis=1))
         force = state.reaction[self.nodes] * ~fixed[self.nodes]
-        shared = by_tool.sum(axis=0) > 1
+        shared: BoolArray = np.asarray(by_tool.sum(axis=0) > 1)
         push = self.normal_forces(state, state.reaction, fixed) if shared.any() else None
         for t in range(n_tools):
             forces[t] = -force[by_tool[t] & ~shared].sum(axis=0)
@@ -167,7 +171,7 @@ class Contact:
                     forces[t] -= (push[face, both, None] * self.normal[face, both]).sum(axis=0)
         return forces
 
-    def forces(self, state: State, fixed: np.ndarray) -> ContactForces:
+    def forces(self, state: State, fixed: BoolArray) -> ContactForces:
         """Return the nodes in contact with their push and drag; the normal is that of the first face held."""
         self.search(state, state.displacement)
         held = state.contact > 0
@@ -181,31 +185,38 @@ class Contact:
         mask, value = supports.mask.copy(), supports.value.copy()
         turned, frames = supports.turned.copy(), supports.frames.copy()
         held = trial.contact > 0
+        held[:, mask[self.nodes].all(axis=1)] = False  # supports hold the node in both directions
         count = held.sum(axis=0)
-        for i in np.nonzero(count)[0]:
-            node = self.nodes[i]
-            faces = np.nonzero(held[:, i])[0]
-            free = mask[node] == 0
-            if not free.any():
-                continue
-            if (trial.contact[faces, i] == STUCK).any():
-                tool = faces[np.argmax(trial.contact[faces, i])] // 2
-                target = trial.anchor[i] + trial.tool_displacement[tool]
-                gap = target - self._model.mesh.points[node] - displacement[node]
-                value[node, free] = gap[free]
-                mask[node] = 1
-            elif free.all() and len(faces) == 1:
-                n = self.normal[faces[0], i]
-                turned[node] = 1
-                frames[node] = [[n[0], n[1]], [-n[1], n[0]]]
-                mask[node, 0] = 1
-                value[node, 0] = -self.gap[faces[0], i]
-            else:
-                self._pin(faces, i, node, free, mask, value)
+        stuck = (trial.contact == STUCK).any(axis=0) & (count > 0)
+        self._hold_stuck(trial, displacement, np.nonzero(stuck)[0], mask, value)
+        alone = (count == 1) & ~stuck & ~mask[self.nodes].any(axis=1)
+        places = np.nonzero(alone)[0]
+        faces = held[:, places].argmax(axis=0)
+        normal, nodes = self.normal[faces, places], self.nodes[places]
+        turned[nodes] = 1
+        frames[nodes, 0] = normal
+        frames[nodes, 1] = np.column_stack([-normal[:, 1], normal[:, 0]])
+        mask[nodes, 0] = 1
+        value[nodes, 0] = -self.gap[faces, places]
+        for i in np.nonzero((count > 0) & ~stuck & ~alone)[0]:
+            self._pin(np.nonzero(held[:, i])[0], int(i), mask, value)
         return Constraints(mask, value, turned, frames)
 
-    def _pin(self, faces: np.ndarray, i: int, node: int, free: np.ndarray, mask: np.ndarray, value: FloatArray) -> None:
+    def _hold_stuck(
+        self, trial: State, displacement: FloatArray, places: IndexArray, mask: MaskArray, value: FloatArray
+    ) -> None:
+        """Both freedoms go where the anchor stands, but for those that supports hold."""
+        nodes = self.nodes[places]
+        tools = (trial.contact[:, places] == STUCK).argmax(axis=0) // 2
+        target = trial.anchor[places] + trial.tool_displacement[tools]
+        missing = target - self._model.mesh.points[nodes] - displacement[nodes]
+        value[nodes] = np.where(mask[nodes] == 1, value[nodes], missing)
+        mask[nodes] = 1
+
+    def _pin(self, faces: IndexArray, i: int, mask: MaskArray, value: FloatArray) -> None:
         """Two faces, or a face and a support: both freedoms follow from the gaps."""
+        node = self.nodes[i]
+        free = mask[node] == 0
         axes, gaps = self.normal[faces, i], self.gap[faces, i]
         rest = -gaps - axes[:, ~free] @ value[node, ~free]
         value[node, free] = np.linalg.lstsq(axes[:, free], rest, rcond=None)[0]

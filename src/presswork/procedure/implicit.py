@@ -23,7 +23,7 @@ GROWTH = 1.5
 TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
 
 
-class GaveUp(Exception):
+class GaveUpError(Exception):
     """No increment, however small, could be solved; the converged state is kept."""
 
 
@@ -89,7 +89,7 @@ class ImplicitProcedure:
         return float(1.0 - done / durations.sum())
 
     def advance(self) -> Iterator[IncrementReport]:
-        """Compute increment after increment; self.state is converged at each yield. Raises GaveUp."""
+        """Compute increment after increment; self.state is converged at each yield. Raises GaveUpError."""
         while int(self.state.progress[STAGE]) < len(self.model.stages):
             yield self._next_increment()
 
@@ -112,10 +112,10 @@ class ImplicitProcedure:
             cutbacks.append(f"{step:.3g} of the stage: {outcome.reason}")
             size = step * outcome.factor
             if size < settings.min_increment:
-                raise GaveUp(
-                    f"stage {self.model.stages[stage].name!r} at {fraction_n:.4%}: even an increment of {step:.1e} of the stage "
-                    f"finds no equilibrium ({outcome.reason}). Try a finer mesh where cells are most distorted, a smaller "
-                    "tool step per stage, or look at the last saved step for cells that have folded"
+                raise GaveUpError(
+                    f"stage {self.model.stages[stage].name!r} at {fraction_n:.2%}: even an increment of {step:.1e} of the "
+                    f"stage finds no equilibrium ({outcome.reason}). Try a finer mesh where cells are most distorted, or "
+                    "look at the last saved step for cells that have folded"
                 )
         self._commit(trial, stage, fraction_n, fraction, size, len(outcome.log), len(cutbacks))
         return IncrementReport(
@@ -133,11 +133,13 @@ class ImplicitProcedure:
         return at_target or bool(every and int(self.state.progress[INCREMENTS]) % every == 0)
 
     def _attempt(self, stage: int, fraction_n: float, fraction: float) -> tuple[State, Converged | Failed]:
-        trial = self.state.copy()
+        trial = self.state.duplicate()
         motion = self._motion(self.model.stages[stage].tool_motion)
         trial.tool_displacement = self.tool_base(stage) + fraction * motion
         last = float(self.state.progress[LAST])
-        guess = self.state.increment * ((fraction - fraction_n) / last) if last > 0 else np.zeros_like(self.state.increment)
+        guess = (
+            self.state.increment * ((fraction - fraction_n) / last) if last > 0 else np.zeros_like(self.state.increment)
+        )
         outcome = self.equilibrium.solve(self.state, trial, Step(stage, fraction_n, fraction), guess)
         return trial, outcome
 
@@ -148,7 +150,10 @@ class ImplicitProcedure:
         settings = self.model.solver
         self.contact.settle(trial)
         trial.work[0] += 0.5 * float(
-            ((self.state.reaction + trial.reaction + self.state.external_force + trial.external_force) * trial.increment).sum()
+            (
+                (self.state.reaction + trial.reaction + self.state.external_force + trial.external_force)
+                * trial.increment
+            ).sum()
         )
         trial.work[1] += plastic_work_of_increment(self.mechanics, self.state, trial)
         p = trial.progress

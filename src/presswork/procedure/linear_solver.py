@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sparse direct solvers behind one small interface: analyse once per pattern, factorise, solve.
 
-MKL PARDISO where it is installed (x86-64), SciPy's SuperLU elsewhere. PARDISO runs in its reproducible mode, so that the
-same matrix gives the same bits with any number of threads.
+MKL PARDISO where it is installed (x86-64), SciPy's SuperLU elsewhere. PARDISO runs in its reproducible mode, so that
+the same matrix gives the same bits with any number of threads.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
+from numpy.typing import NDArray
 
 from presswork.model import FloatArray, IntArray
 
@@ -73,7 +74,7 @@ def _integer(value: int) -> ctypes.Array[ctypes.c_int]:
     return (ctypes.c_int * 1)(value)
 
 
-def _release(pardiso: Any, handle: IntArray, matrix_type: int, n: int) -> None:
+def _release(pardiso: Any, handle: NDArray[np.int64], matrix_type: int, n: int) -> None:
     """Give PARDISO's memory back."""
     head = [_integer(v) for v in (1, 1, matrix_type, -1, n)]
     settings = np.zeros(64, dtype=np.int32)

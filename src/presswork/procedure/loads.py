@@ -10,9 +10,12 @@ import numpy as np
 from presswork.mesh.edges import GAUSS_3, edge_shape_functions
 from presswork.model import FloatArray, IntArray, Model
 
+
 @dataclass(frozen=True)
 class AppliedLoads:
-    """Nodal force (n_points, 2) [N] and, for pressures, the stiffness to subtract: node pairs (n, 2), blocks (n, 2, 2)."""
+    """Nodal force (n_points, 2) [N] and, for pressures, the stiffness to subtract: node pairs (n, 2), blocks (n, 2,
+    2).
+    """
 
     force: FloatArray
     pairs: IntArray
@@ -20,7 +23,9 @@ class AppliedLoads:
 
 
 def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float) -> AppliedLoads:
-    """Return the loads at a fraction of a stage on the deformed points; loads grow linearly and end with their stage."""
+    """Return the loads at a fraction of a stage on the deformed points; loads grow linearly and end with their
+    stage.
+    """
     force = np.zeros_like(points)
     pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 2, 2))]
     for load in model.stages[stage].forces:

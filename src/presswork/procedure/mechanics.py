@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
-from presswork.model import FloatArray, Material, Model, SolverSettings
+from presswork.model import FloatArray, MaskArray, Material, Model, SolverSettings
 from presswork.procedure.timing import Timing
 from presswork.state import State
 
@@ -75,7 +75,8 @@ class Mechanics:
     ) -> FloatArray | TurnedInsideOut:
         """Return the internal nodal force (n_points, 2) [N] after `increment` (n_points, 2) [mm] from state_n.
 
-        Fills the trial state's stress, history and volumes and, if asked, the element stiffnesses. Does not touch state_n.
+        Fills the trial state's stress, history and volumes and, if asked, the element stiffnesses. Does not touch
+        state_n.
         """
         started = perf_counter()
         model = self._model
@@ -109,7 +110,7 @@ class Mechanics:
         self._timing.add("assembly", started)
         return force
 
-    def assemble_stiffness(self, turned: np.ndarray, frames: FloatArray, data: FloatArray) -> None:
+    def assemble_stiffness(self, turned: MaskArray, frames: FloatArray, data: FloatArray) -> None:
         """Fill `data` (nnz) with the stiffness of the last evaluation; turned nodes use their own frames."""
         started = perf_counter()
         self.assembler.assemble_matrix(self._stiffness, turned, frames, data)

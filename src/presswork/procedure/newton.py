@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from presswork.model import FloatArray, Model
+from presswork.model import BoolArray, FloatArray, Model
 from presswork.procedure.contact import Constraints, Contact
 from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
 from presswork.procedure.loads import AppliedLoads, evaluate_loads
@@ -94,7 +94,7 @@ class Equilibrium:
             self._supported[nodes] |= np.asarray(support.fix)
         self._identity = np.tile(np.eye(2), (n, 1, 1))
 
-    def fixed(self, stage: int) -> np.ndarray:
+    def fixed(self, stage: int) -> BoolArray:
         """Return the components that supports and prescribed displacements hold in a stage (n_points, 2)."""
         fixed = self._supported.copy()
         for p in self._model.stages[stage].prescribed:

@@ -12,11 +12,11 @@ from presswork.model import FloatArray, IntArray, Model
 from presswork.state import State
 
 
-
 def effective_stress(stress: FloatArray) -> FloatArray:
     """Return the von Mises stress of xx, yy, zz, xy (..., 4)."""
     sxx, syy, szz, sxy = np.moveaxis(stress, -1, 0)
-    return np.sqrt(0.5 * ((sxx - syy) ** 2 + (syy - szz) ** 2 + (szz - sxx) ** 2) + 3 * sxy**2)
+    squares: FloatArray = 0.5 * ((sxx - syy) ** 2 + (syy - szz) ** 2 + (szz - sxx) ** 2) + 3 * sxy**2
+    return np.asarray(np.sqrt(squares))
 
 
 def cell_fields(state: State) -> dict[str, FloatArray]:
@@ -44,7 +44,9 @@ def point_fields(model: Model, state: State, contact: ContactForces) -> dict[str
 
 
 class ContactForces:
-    """Nodes in contact with their nodal push and drag [N]; normal points into the workpiece, tangent a quarter turn on."""
+    """Nodes in contact with their nodal push and drag [N]; normal points into the workpiece, tangent a quarter turn
+    on.
+    """
 
     def __init__(self, nodes: IntArray, normal: FloatArray, reaction: FloatArray) -> None:
         self.nodes = nodes
@@ -57,9 +59,9 @@ class ContactForces:
 def contact_stress(model: Model, state: State, contact: ContactForces) -> tuple[FloatArray, FloatArray]:
     """Return pressure and shear stress of the tools on the nodes (n_points,) [MPa], zero where there is no contact.
 
-    Nodal forces f become stresses p through int N_a N_b dA p_b = f_a over the edges in contact; the matrix is lumped for
-    straight edges and consistent for curved ones, whose vertices may carry no lumped share. A node with no edge wholly in
-    contact takes its share of the edges beside it.
+    Nodal forces f become stresses p through int N_a N_b dA p_b = f_a over the edges in contact; the matrix is lumped
+    for straight edges and consistent for curved ones, whose vertices may carry no lumped share. A node with no edge
+    wholly in contact takes its share of the edges beside it.
     """
     n = len(model.mesh.points)
     pressure, shear = np.zeros(n), np.zeros(n)

@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of the results, with matplotlib: pip install "presswork[plot]"."""
 
-from presswork.view.all_plots import plot_all
+from presswork.view.all_plots import FIELDS, plot_all
 from presswork.view.history_plot import plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import plot_contours, plot_mesh, plot_mesh_and_contours
 
-__all__ = ["plot_all", "plot_contours", "plot_history", "plot_interface", "plot_mesh", "plot_mesh_and_contours"]
+__all__ = [
+    "FIELDS",
+    "plot_all",
+    "plot_contours",
+    "plot_history",
+    "plot_interface",
+    "plot_mesh",
+    "plot_mesh_and_contours",
+]

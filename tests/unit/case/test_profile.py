@@ -62,7 +62,7 @@ def test_distance_to_an_arc_follows_its_turn() -> None:
 
 def test_outwards_is_the_gradient_of_the_distance() -> None:
     segments = build_segments(CORNER, closed=False)
-    points = np.array([[9.0, -10.0], [20.0, 3.0], [10.1, 0.0], [12.0, -2.0], [11.0, -0.5]])
+    points = np.array([[9.0, -10.0], [20.0, 3.0], [10.1, 0.0], [12.0, -1.5], [11.0, -0.5]])
     place = measure_distance(points, segments)
     step = 1e-6
     for axis in range(2):

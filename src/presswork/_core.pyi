@@ -1,0 +1,135 @@
+"""Compiled kernels: elements, materials, contact and assembly."""
+
+from collections.abc import Sequence
+import enum
+from typing import Annotated
+
+import numpy
+from numpy.typing import NDArray
+
+
+pack_width: int = 8
+
+def set_threads(n: int) -> None:
+    """Set the number of threads of every loop."""
+
+def max_threads() -> int:
+    """Number of threads that loops use."""
+
+class StrainMeasure(enum.Enum):
+    """Strain of an increment as a function of its stretch U."""
+
+    log = 0
+
+    stretch = 1
+
+    green_lagrange = 2
+
+    small = 3
+
+def measure_increments(F: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], measure: StrainMeasure) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Strain (n, 4: xx, yy, zz, xy), rotation (n, 2: cosine, sine) and d strain / d l* (n, 4, 5) of increments F (n, 5).
+    """
+
+class HardeningLaw(enum.Enum):
+    """Flow stress against equivalent plastic strain."""
+
+    linear = 0
+
+    swift = 1
+
+    ludwik = 2
+
+    voce = 3
+
+    hockett_sherby = 4
+
+    table = 5
+
+class Integrator(enum.Enum):
+    """Stress integrator of the von Mises law."""
+
+    backward_euler = 0
+
+    radial_return = 1
+
+    direct = 2
+
+    tangent_radial_return = 3
+
+    secant = 4
+
+    substepping = 5
+
+class Modulus(enum.Enum):
+    """Derivative of the integrator, or the rate equation's matrix."""
+
+    consistent = 0
+
+    continuum = 1
+
+class VonMises:
+    """Isotropic elasticity with von Mises plasticity; stresses in MPa."""
+
+    def __init__(self, young: float, poisson: float, hardening: HardeningLaw, parameters: Sequence[float], *, integrator: Integrator = Integrator.backward_euler, substeps: int = 10, modulus: Modulus = Modulus.consistent) -> None: ...
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """Flow stress and its slope [MPa] at equivalent plastic strains (n)."""
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Advance points by strain increments (n, 4); returns stress (n, 4), eqps (n) and tangent (n, 4, 4).
+        """
+
+class TangentKind(enum.Enum):
+    """Which tangent an element builds."""
+
+    none = 0
+
+    consistent = 1
+
+    thesis = 2
+
+class PointSettings:
+    """Kinematics and tangent of an integration point."""
+
+    def __init__(self, *, measure: StrainMeasure = StrainMeasure.log, tangent: TangentKind = TangentKind.consistent, green_lagrange_matrix: bool = False, k_e: bool = True, k_u: bool = True, k_v: bool = False) -> None: ...
+
+def element_sizes(element: str) -> tuple[int, int]:
+    """Number of nodes and of integration points of an element."""
+
+def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False) -> int:
+    """
+    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. Returns the index of a cell turned inside out, or -1.
+    """
+
+def touch_profile(segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Gap (n) and normal (n, 2) of points to a tool profile, and those of the second face where a point lies in an inner corner (infinite elsewhere).
+    """
+
+class Assembler:
+    """Sparsity pattern and scatter of element arrays, two freedoms a node."""
+
+    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool) -> None: ...
+
+    @property
+    def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
+    @property
+    def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
+    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """
+        Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
+        """
+
+    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Add 2x2 blocks at node pairs."""
+
+    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+        """Nodal force (n_nodes, 2) of packed element forces."""
+
+    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Prescribe the masked freedoms in the matrix and the right-hand side."""
