@@ -7,6 +7,7 @@ import hashlib
 import logging
 import platform
 import resource
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -98,10 +99,11 @@ def run_model(
 
 
 def fingerprint(model: Model) -> str:
-    """Return a digest of what a checkpoint depends on: the case but for its output settings and tolerances of looks."""
+    """Return a digest of what a checkpoint depends on: everything but the title and the output settings."""
     digest = hashlib.sha256()
-    for item in (model.analysis, model.depth, model.materials, model.tools, model.supports, model.stages, model.solver):
-        digest.update(repr(item).encode())
+    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        parts = (model.analysis, model.depth, model.materials, model.tools, model.supports, model.stages, model.solver)
+        digest.update(repr(parts).encode())
     digest.update(np.ascontiguousarray(model.mesh.points).tobytes())
     for block in model.mesh.blocks:
         digest.update(block.element.encode() + np.ascontiguousarray(block.connectivity).tobytes())
@@ -267,7 +269,10 @@ class _Run:
                 f"{self.folder / CHECKPOINT} belongs to another case: mesh, materials, tools, stages or solver "
                 "settings differ. Resume with the case as it was (case.toml beside it), or use --overwrite"
             )
-        self.procedure.state.load_arrays(arrays)
+        try:
+            self.procedure.state.load_arrays(arrays)
+        except ValueError as error:
+            raise OutputError(f"{self.folder / CHECKPOINT}: {error}; use --overwrite to start anew") from error
         self.saved_steps = int(meta["saved_steps"])
         self.history.truncate(int(meta["increments"]))
         truncate_steps(self.folder / RESULTS, self.saved_steps)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from presswork import _core
 from presswork.model import FloatArray, Model
-from presswork.results.whole_file import OutputError
 
 ContactArray = NDArray[np.int8]
 
@@ -95,10 +94,10 @@ class State:
     def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
         """Fill this State from a checkpoint's arrays.
 
-        Raises OutputError if they are those of another model.
+        Raises ValueError if they are those of another model.
         """
         own = self.to_arrays()
         if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
-            raise OutputError("the checkpoint belongs to another case: its arrays do not fit this mesh and these tools")
+            raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh and these tools")
         for name, target in own.items():
             target[...] = arrays[name]

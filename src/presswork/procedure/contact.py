@@ -173,6 +173,8 @@ class Contact:
 
     def forces(self, state: State, fixed: BoolArray) -> ContactForces:
         """Return the nodes in contact with their push and drag; the normal is that of the first face held."""
+        if not self._model.tools:
+            return ContactForces(np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2)))
         self.search(state, state.displacement)
         held = state.contact > 0
         nodes = np.nonzero(held.any(axis=0))[0]
@@ -182,6 +184,8 @@ class Contact:
 
     def constrain(self, trial: State, displacement: FloatArray, supports: Constraints) -> Constraints:
         """Return the supports' constraints together with those of the held nodes."""
+        if not self._model.tools:
+            return supports
         mask, value = supports.mask.copy(), supports.value.copy()
         turned, frames = supports.turned.copy(), supports.frames.copy()
         held = trial.contact > 0

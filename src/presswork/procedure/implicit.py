@@ -6,6 +6,7 @@ It advances the converged State an increment at a time and knows nothing of file
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -20,6 +21,8 @@ from presswork.procedure.timing import Timing
 from presswork.state import State
 
 GROWTH = 1.5
+ENOUGH_FOR_THREADS = 5000
+"""Freedoms below which waking a second thread costs more than it gives."""
 TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
 
 
@@ -46,7 +49,8 @@ class ImplicitProcedure:
     """Advances one model through its stages."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
-        threads = threads or _core.max_threads()
+        freedoms = 2 * len(model.mesh.points)
+        threads = threads or (os.cpu_count() or 1 if freedoms > ENOUGH_FOR_THREADS else 1)
         _core.set_threads(threads)
         self.model = model
         self.timing = Timing()

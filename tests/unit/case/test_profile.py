@@ -90,3 +90,12 @@ def test_reversing_twice_gives_the_profile_back() -> None:
 def test_profile_that_cannot_be_drawn_is_refused(profile: tuple[ProfilePoint, ...], fragment: str) -> None:
     with pytest.raises(ProfileError, match=fragment):
         build_segments(profile, closed=False)
+
+
+def test_closed_profile_joins_its_ends() -> None:
+    profile = [ProfilePoint(to=point) for point in ((0, 0), (4, 0), (4, 3))]
+    assert len(build_segments(profile, closed=False)) == 2
+    closed = build_segments(profile, closed=True)
+    assert len(closed) == 3
+    assert measure_distance(np.array([[3.0, 1.0]]), closed).distance[0] > 0.0
+    assert measure_distance(np.array([[9.0, 9.0]]), closed).beside[0]

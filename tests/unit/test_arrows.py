@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The layout shows the architecture: an include or import that runs backwards fails here."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+CPP_ROOMS = {
+    "tensor": set(),
+    "reference": {"tensor"},
+    "kinematics": {"tensor"},
+    "material": {"tensor"},
+    "element": {"tensor", "reference", "kinematics", "material"},
+    "contact": {"tensor", "reference"},
+    "assembly": {"tensor", "element", "contact"},
+}
+
+PYTHON_ROOMS = {
+    "model": set(),
+    "mesh": {"model"},
+    "state": {"model"},
+    "case": {"model", "mesh"},
+    "examples": {"case"},
+    "results": {"model", "mesh", "state"},
+    "procedure": {"model", "mesh", "state", "results"},
+    "post": {"model", "results"},
+    "view": {"model", "results", "post"},
+    "run": {"model", "procedure", "results"},
+    "cli": {"case", "examples", "model", "results", "run", "view"},
+}
+"""Room: the rooms it may import from, beside itself and _core. case may name examples in errors, never import them."""
+
+
+def python_files() -> list[Path]:
+    package = ROOT / "src" / "presswork"
+    return [p for p in sorted(package.rglob("*.py")) if p != package / "__init__.py"]
+
+
+def imports_of(path: Path) -> set[str]:
+    """Rooms of presswork that a file imports, at whatever depth in the file."""
+    rooms = set()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "presswork":
+            parts = node.module.split(".")
+            rooms |= {parts[1]} if len(parts) > 1 else {alias.name for alias in node.names}
+        elif isinstance(node, ast.Import):
+            rooms |= {a.name.split(".")[1] for a in node.names if a.name.startswith("presswork.")}
+    return rooms
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "cpp").rglob("*.[hc]pp")), ids=lambda p: p.name)
+def test_includes_run_forwards(path: Path) -> None:
+    room = path.relative_to(ROOT / "cpp").parts[0]
+    included = {m.split("/")[0] for m in re.findall(r'#include "([^"]+)"', path.read_text("utf-8"))}
+    assert included <= CPP_ROOMS[room] | {room}
+
+
+@pytest.mark.parametrize("path", python_files(), ids=lambda p: str(p.relative_to(ROOT / "src" / "presswork")))
+def test_imports_run_forwards(path: Path) -> None:
+    room = path.relative_to(ROOT / "src" / "presswork").parts[0].removesuffix(".py")
+    public = {"Case", "CaseError", "OutputError", "Result", "build_model", "__version__"}
+    allowed = PYTHON_ROOMS[room] | {room, "_core"} | (public if room in {"cli", "run"} else set())
+    assert imports_of(path) <= allowed
