@@ -49,6 +49,8 @@ class State:
     """[time, stage, fraction of stage, increments, last increment, next size, iterations, cut-backs]."""
     work: FloatArray
     """[external work, plastic work] [N mm]."""
+    peak_force: FloatArray
+    """Largest nodal force so far (1,) [N]: what a residual is small beside once the load is taken off."""
 
     @classmethod
     def at_rest(cls, model: Model, n_candidates: int) -> State:
@@ -70,6 +72,7 @@ class State:
             volume=[np.zeros(s) for s in sizes],
             progress=np.zeros(8),
             work=np.zeros(2),
+            peak_force=np.zeros(1),
         )
 
     def duplicate(self) -> State:

@@ -7,7 +7,7 @@ rest: so the converged answer does not depend on the way the iteration took. A h
 is no penalty: the tangent stays as well conditioned as the workpiece itself, and the gap of a held node is zero.
 
 What prevents chatter: a node lets go only near equilibrium and only if it pulls with more than RELEASE of the largest
-contact force; and a node that has changed its state MAX_CHANGES times in an increment keeps hold for the rest of it.
+contact force (or `floor`, where all forces vanish); and a node that has changed its state MAX_CHANGES times in an increment keeps hold for the rest of it.
 
 Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
 """
@@ -111,7 +111,7 @@ class Contact:
             keep = faces[np.argsort(self.gap[faces, node])[:2]]
             contact[np.setdiff1d(faces, keep), node] = 0
 
-    def update(self, trial: State, reaction: FloatArray, fixed: BoolArray, *, near: bool) -> int:
+    def update(self, trial: State, reaction: FloatArray, fixed: BoolArray, *, near: bool, floor: float) -> int:
         """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes."""
         if not len(self.nodes):
             return 0
@@ -123,7 +123,7 @@ class Contact:
         if near:
             push = self.normal_forces(trial, reaction, fixed)
             largest = float(np.abs(push).max(initial=0.0))
-            pulls = (push[:, self._leader] < -RELEASE * largest) & (before > 0) & (trial.contact > 0)
+            pulls = (push[:, self._leader] < -max(RELEASE * largest, floor)) & (before > 0) & (trial.contact > 0)
             trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
         changed = (before != trial.contact).any(axis=0)
         self._changes[changed] += 1

@@ -21,6 +21,10 @@ NEAR = 0.1
 OVERSHOOT = 0.8
 """Work left along a correction, over that at its start, above which the correction is shortened."""
 SMALLEST_PART = 0.1
+UNLOADED = 1e-2
+"""Forces below this part of the largest so far count as nothing: residuals are measured against no less."""
+RELEASED = 1e-6
+"""A pull below this part of the largest force so far lets no node go."""
 STAGNANT = 1e-2
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 
@@ -61,6 +65,11 @@ class _Point:
     internal: FloatArray
     loads: AppliedLoads
     reaction: FloatArray
+
+    @property
+    def largest_force(self) -> float:
+        """Largest nodal force, internal or applied [N]."""
+        return max(float(np.abs(self.internal).max()), float(np.abs(self.loads.force).max()))
 
 
 @dataclass(frozen=True)
@@ -115,6 +124,7 @@ class Equilibrium:
         settings = self._model.solver
         log = IterationLog()
         fixed = self.fixed(step.stage)
+        peak = float(state_n.peak_force[0])
         self._contact.begin_increment()
         increment, point = guess, self._evaluate(state_n, trial, step, guess, with_stiffness=True)
         if isinstance(point, TurnedInsideOut):
@@ -128,7 +138,7 @@ class Equilibrium:
             started = perf_counter()
             self._contact.search(trial, point.displacement)
             near = iteration > 0 and log.residual[-1] < NEAR
-            changes = self._contact.update(trial, point.reaction, fixed, near=near)
+            changes = self._contact.update(trial, point.reaction, fixed, near=near, floor=RELEASED * peak)
             constraints = self._contact.constrain(trial, point.displacement, self._supports(step, increment))
             self._timing.add("contact", started)
             rhs = self._turn(constraints, -point.reaction)
@@ -136,10 +146,11 @@ class Equilibrium:
 
             # 2. converged?
             missing = float(np.abs(constraints.value).max())
-            self._note(log, rhs, point, max(size, missing), increment, changes)
+            self._note(log, rhs, max(point.largest_force, UNLOADED * peak), max(size, missing), increment, changes)
             if iteration > 0 and changes == 0 and self._has_converged(log):
                 trial.displacement, trial.increment = point.displacement, increment
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
+                trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
             if iteration == settings.max_iterations or self._is_hopeless(log):
                 break
@@ -238,11 +249,9 @@ class Equilibrium:
 
     @staticmethod
     def _note(
-        log: IterationLog, rhs: FloatArray, point: _Point, size: float, increment: FloatArray, changes: int
+        log: IterationLog, rhs: FloatArray, scale: float, size: float, increment: FloatArray, changes: int
     ) -> None:
-        scale = max(float(np.abs(point.internal).max()), float(np.abs(point.loads.force).max()))
-        largest = float(np.abs(rhs).max())
-        log.residual.append(largest / scale if scale > 0 else 0.0)
+        log.residual.append(float(np.abs(rhs).max()) / scale if scale > 0 else 0.0)
         moved = float(np.abs(increment).max())
         log.correction.append(size / moved if moved > 0 else (np.inf if size > 0 else 0.0))
         log.contact_changes.append(changes)

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tool profiles: gaps, normals, corners; and nodes that are held, pushed and let go."""
+
+import numpy as np
+import pytest
+
+from presswork import Case, _core, build_model
+from presswork.procedure.implicit import ImplicitProcedure
+
+FLOOR = np.array([[0.0, 0, 10, 0, 0, 0, 0]])
+L_SHAPE = np.array([[0.0, 10, 0, 0, 0, 0, 0], [0.0, 0, 10, 0, 0, 0, 0]])  # down a wall, along a floor: an inner corner
+EDGE = np.array([[0.0, 0, 5, 0, 0, 0, 0], [5.0, 0, 5, -5, 0, 0, 0]])  # along a top, down a side: an outer corner
+HILL = np.array([[-1.0, 0, 1, 0, 0, 0, -1]])  # upper half circle, run clockwise: metal below
+
+
+def touch(segments, *points):
+    gap, normal, second_gap, second_normal = _core.touch_profile(segments, np.array(points, dtype=float))
+    return gap, normal, second_gap, second_normal
+
+
+def test_gap_is_the_signed_distance_from_a_line() -> None:
+    gap, normal, second, _ = touch(FLOOR, [3, 2], [3, -0.5])
+    np.testing.assert_allclose(gap, [2, -0.5])
+    np.testing.assert_allclose(normal, [[0, 1], [0, 1]])
+    assert np.isinf(second).all()
+
+
+def test_there_is_no_tool_beyond_an_open_end() -> None:
+    assert np.isinf(touch(FLOOR, [10.5, -0.5])[0]).all()
+
+
+def test_gap_and_normal_of_an_arc_point_away_from_its_metal() -> None:
+    gap, normal, _, _ = touch(HILL, [0, 1.5], [0.6, 0.0 + 0.8 * 0.9])
+    np.testing.assert_allclose(gap, [0.5, np.hypot(0.6, 0.72) - 1])
+    np.testing.assert_allclose(normal[0], [0, 1])
+
+
+def test_a_hollow_arc_holds_what_is_inside_it() -> None:
+    hollow = np.array([[-1.0, 0, 1, 0, 0, 0, 1]])  # lower half circle, run counter-clockwise: free above
+    gap, normal, _, _ = touch(hollow, [0, -0.75], [0, -1.25])
+    np.testing.assert_allclose(gap, [0.25, -0.25])
+    np.testing.assert_allclose(normal, [[0, 1], [0, 1]])
+
+
+def test_a_point_behind_an_inner_corner_sees_both_faces() -> None:
+    gap, normal, second_gap, second_normal = touch(L_SHAPE, [-0.1, -0.2], [0, 0], [3, -0.2])
+    np.testing.assert_allclose(gap[:2], [-0.1, 0])
+    np.testing.assert_allclose(normal[0], [1, 0])
+    np.testing.assert_allclose(second_gap[:2], [-0.2, 0])
+    np.testing.assert_allclose(second_normal[0], [0, 1])
+    assert gap[2] == pytest.approx(-0.2)
+    assert np.isinf(second_gap[2])
+
+
+def test_the_normal_turns_round_an_outer_corner() -> None:
+    gap, normal, _, _ = touch(EDGE, [5.3, 0.4], [5.3, -1])
+    np.testing.assert_allclose(gap, [0.5, 0.3])
+    np.testing.assert_allclose(normal, [[0.6, 0.8], [1, 0]], atol=1e-12)
+
+
+def block_case(**changes) -> Case:
+    """A 10 x 15 mm quarter billet under a frictionless punch."""
+    case = {
+        "title": "block",
+        "analysis": "axisymmetric",
+        "workpiece": {
+            "material": "steel",
+            "element": "quad4_fbar",
+            "mesh": {"kind": "rectangle", "size": [10, 15], "cells": [4, 4], "pattern": "quad"},
+        },
+        "materials": {
+            "steel": {
+                "young": 200e3,
+                "poisson": 0.3,
+                "hardening": {"law": "linear", "yield_stress": 700, "modulus": 300},
+            }
+        },
+        "tools": {"punch": {"profile": [[0, 15], [30, 15]], "contact": "frictionless"}},
+        "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
+        "stages": [{"name": "press", "tools": {"punch": {"stroke": 3, "direction": [0, -1]}}}],
+    }
+    return Case(**{**case, **changes})
+
+
+def advance(case: Case) -> ImplicitProcedure:
+    procedure = ImplicitProcedure(build_model(case), threads=1)
+    for _ in procedure.advance():
+        pass
+    return procedure
+
+
+def tool_force(procedure: ImplicitProcedure) -> np.ndarray:
+    stage = len(procedure.model.stages) - 1
+    procedure.contact.search(procedure.state, procedure.state.displacement)
+    return procedure.contact.tool_forces(procedure.state, procedure.equilibrium.fixed(stage))
+
+
+def test_frictionless_punch_compresses_without_barrelling() -> None:
+    procedure = advance(block_case())
+    stress = np.concatenate([s.reshape(-1, 4) for s in procedure.state.stress])
+    axial = stress[:, 1]
+    np.testing.assert_allclose(axial, axial[0], rtol=1e-6)
+    np.testing.assert_allclose(stress[:, [0, 2, 3]], 0.0, atol=1e-4 * abs(axial[0]))
+    radius = 10 + procedure.state.displacement[procedure.model.mesh.node_sets["right"], 0]
+    np.testing.assert_allclose(radius, radius[0], rtol=1e-8)
+    assert tool_force(procedure)[0, 1] == pytest.approx(-axial[0] * np.pi * radius[0] ** 2, rel=1e-6)
+
+
+def test_a_node_lets_go_when_the_punch_withdraws() -> None:
+    stages = [
+        {"name": "press", "tools": {"punch": {"stroke": 3, "direction": [0, -1]}}},
+        {"name": "withdraw", "tools": {"punch": {"stroke": 5, "direction": [0, 1]}}},
+    ]
+    procedure = advance(block_case(stages=stages))
+    assert not procedure.state.contact.any()
+    assert np.abs(tool_force(procedure)).max() == 0.0
+    stress = np.concatenate([s.reshape(-1, 4) for s in procedure.state.stress])
+    assert np.abs(stress).max() < 1.0, "a homogeneously pressed block springs back free of stress"
+
+
+def test_a_corner_node_is_held_by_both_faces() -> None:
+    """A block pressed into a container: confined compression, wall and floor one profile with an inner corner."""
+    tools = {
+        "punch": {"profile": [[-5, 10], [30, 10]], "contact": "frictionless"},
+        "container": {"profile": [[-1, 0], [10, 0], [10, 20]], "contact": "frictionless"},
+    }
+    workpiece = {
+        "material": "steel",
+        "element": "quad4_fbar",
+        "mesh": {"kind": "rectangle", "size": [10, 10], "cells": [4, 4], "pattern": "quad"},
+    }
+    case = block_case(
+        analysis="plane_strain",
+        workpiece=workpiece,
+        tools=tools,
+        boundary={"middle": {"set": "left", "fix": ["x"]}},
+        stages=[{"name": "press", "tools": {"punch": {"stroke": 0.05, "direction": [0, -1]}}}],
+    )
+    procedure = advance(case)
+    corner = procedure.model.mesh.points.tolist().index([10.0, 0.0])
+    place = procedure.contact.nodes.tolist().index(corner)
+    assert (procedure.state.contact[2:, place] > 0).sum() == 2
+    np.testing.assert_allclose(procedure.state.displacement[corner], 0.0, atol=1e-9)
+    bulk, shear = 200e3 / (3 * 0.4), 200e3 / 2.6
+    strain = np.log(1 - 0.05 / 10)  # uniaxial strain: mean stress is elastic, the deviator sits on the yield surface
+    stress = procedure.state.stress[0].reshape(-1, 4)
+    np.testing.assert_allclose(stress[:, :3].mean(axis=1), bulk * strain, rtol=1e-6)
+    plastic = (2 * shear * abs(strain) - 700) / (3 * shear + 300)
+    assert plastic > 0
+    np.testing.assert_allclose(procedure.state.eqps[0], plastic, rtol=1e-6)
+
+
+def test_held_nodes_lie_on_the_tool() -> None:
+    tools = {
+        "punch": {
+            "profile": [{"to": [-20, 35]}, {"to": [20, 35], "centre": [0, 35], "turn": "left"}],
+            "contact": "frictionless",
+        }
+    }
+    case = block_case(tools=tools)
+    procedure = advance(case)
+    procedure.contact.search(procedure.state, procedure.state.displacement)
+    held = procedure.state.contact > 0
+    assert held.sum() >= 4
+    assert np.abs(procedure.contact.gap[held]).max() < 1e-4
+    assert procedure.contact.gap[0].min() > -1e-4, "no boundary node is inside the tool"
+    push = procedure.contact.normal_forces(procedure.state, procedure.state.reaction, procedure.equilibrium.fixed(0))
+    assert push[held].min() > -1e-3 * push.max()
+
+
+@pytest.mark.parametrize("step", [0.005, 0.02, 0.05])
+def test_no_node_passes_through_a_tool_at_any_increment_size(step) -> None:
+    tools = {"punch": {"profile": [[0, 15], [30, 15]], "contact": "sticking"}}
+    stages = [{"name": "press", "tools": {"punch": {"stroke": 9, "direction": [0, -1]}}}]
+    solver = {"initial_increment": step, "max_increment": step, "max_iterations": 40}
+    procedure = advance(block_case(tools=tools, stages=stages, solver=solver))
+    procedure.contact.search(procedure.state, procedure.state.displacement)
+    assert procedure.contact.gap.min() > -procedure.contact.tolerance
+    assert (procedure.state.contact > 0).any(axis=0).sum() > 5, "the side has folded onto the punch"
