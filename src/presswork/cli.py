@@ -112,11 +112,18 @@ def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads:
     return outcome
 
 
-def _draw(result: Result, out: Path | None, *, quiet: bool = False, fields: list[str] | None = None) -> None:
+def _draw(
+    result: Result,
+    out: Path | None,
+    *,
+    quiet: bool = False,
+    fields: list[str] | None = None,
+    steps: list[int] | None = None,
+) -> None:
     from presswork.view import FIELDS, plot_all
 
     try:
-        paths = plot_all(result, out, fields or FIELDS)
+        paths = plot_all(result, out, fields or FIELDS, steps or "last")
     except ImportError as error:
         console.print(f"no pictures: {error}", markup=False)
         return
@@ -136,13 +143,14 @@ def plot(
     field: Annotated[
         list[str] | None, typer.Option(help="Fields to draw; default: effective stress and strain.")
     ] = None,
+    step: Annotated[list[int] | None, typer.Option(help="Saved steps to draw, from 0, or from the end: -1.")] = None,
     out: Annotated[Path | None, typer.Option(help="Where to write; default: DIR/plots.")] = None,
 ) -> None:
     """Draw PNG pictures of results: mesh with fields, history, contact stress along the interface."""
     try:
         for folder in folders:
             target = out / folder.name if out and len(folders) > 1 else out
-            _draw(Result(folder), target, fields=field)
+            _draw(Result(folder), target, fields=field, steps=step)
     except OutputError as error:
         raise _refuse(str(error)) from error
 

@@ -101,7 +101,7 @@ def test_substepping_converges_to_the_exact_answer():
 
 def test_integrators_rank_as_krieg_and_krieg_found():
     """Krieg & Krieg: secant is best for small increments, radial return for large ones; tangent is worst when large."""
-    psi0 = np.arange(5.0, 180.0, 5.0)
+    psi0 = np.arange(5.0, 91.0, 5.0)  # beyond 90 degrees the stress first goes inside the yield surface
 
     def mean_error(integrator, size):
         q = np.full(psi0.shape, size)

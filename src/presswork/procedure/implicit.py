@@ -116,10 +116,10 @@ class ImplicitProcedure:
             cutbacks.append(f"{step:.3g} of the stage: {outcome.reason}")
             size = step * outcome.factor
             if size < settings.min_increment:
+                where = f"stage {self.model.stages[stage].name!r} at {fraction_n:.2%}"
                 raise GaveUpError(
-                    f"stage {self.model.stages[stage].name!r} at {fraction_n:.2%}: even an increment of {step:.1e} of the "
-                    f"stage finds no equilibrium ({outcome.reason}). Try a finer mesh where cells are most distorted, or "
-                    "look at the last saved step for cells that have folded"
+                    f"{where}: even an increment of {step:.1e} of the stage finds no equilibrium ({outcome.reason}). "
+                    "Try a finer mesh where cells are most distorted, or look at the last saved step for folded cells"
                 )
         self._commit(trial, stage, fraction_n, fraction, size, len(outcome.log), len(cutbacks))
         return IncrementReport(

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.linalg as spl
 
 from presswork.mesh.edges import GAUSS_3, edge_shape_functions
 from presswork.model import FloatArray, IntArray, Model
@@ -59,9 +57,9 @@ class ContactForces:
 def contact_stress(model: Model, state: State, contact: ContactForces) -> tuple[FloatArray, FloatArray]:
     """Return pressure and shear stress of the tools on the nodes (n_points,) [MPa], zero where there is no contact.
 
-    Nodal forces f become stresses p through int N_a N_b dA p_b = f_a over the edges in contact; the matrix is lumped
-    for straight edges and consistent for curved ones, whose vertices may carry no lumped share. A node with no edge
-    wholly in contact takes its share of the edges beside it.
+    A nodal force is divided by the node's share of the edges in contact, int N_a dA: exact for a uniform stress. A node
+    with no edge wholly in contact takes its share of the edges beside it; a vertex on the axis, whose share of a
+    quadratic edge is nothing, takes the stress of the mid-side next to it.
     """
     n = len(model.mesh.points)
     pressure, shear = np.zeros(n), np.zeros(n)
@@ -73,24 +71,25 @@ def contact_stress(model: Model, state: State, contact: ContactForces) -> tuple[
     whole = edges[held[edges].all(axis=1)]
     alone = np.setdiff1d(contact.nodes, whole)
     edges = np.concatenate([whole, edges[np.isin(edges, alone).any(axis=1)]])
-    matrix = _edge_matrix(model, model.mesh.points + state.displacement, edges)
-    own = matrix[contact.nodes][:, contact.nodes].tocsc()
-    pressure[contact.nodes] = spl.spsolve(own, contact.push)
-    shear[contact.nodes] = spl.spsolve(own, contact.drag)
+    share = edge_shares(model, model.mesh.points + state.displacement, edges)
+    area = share[contact.nodes]
+    empty = area < 1e-9 * area.max()
+    area[empty] = np.inf
+    pressure[contact.nodes], shear[contact.nodes] = contact.push / area, contact.drag / area
+    for node in contact.nodes[empty]:
+        beside = whole[(whole[:, :2] == node).any(axis=1), -1]
+        if len(beside):
+            pressure[node], shear[node] = pressure[beside[0]], shear[beside[0]]
     return pressure, shear
 
 
-def _edge_matrix(model: Model, points: FloatArray, edges: IntArray) -> sp.csr_matrix:
-    """Return int N_a N_b dA over the edges, (n_points, n_points)."""
-    k = edges.shape[1]
+def edge_shares(model: Model, points: FloatArray, edges: IntArray) -> FloatArray:
+    """Return int N_a dA of every node over the edges, (n_points,) [mm2]; whole rings in axisymmetry."""
     x = points[edges]
-    mass = np.zeros((len(edges), k, k))
+    share = np.zeros(len(points))
     for s, weight in GAUSS_3:
-        N, dN = edge_shape_functions(k, s)
+        N, dN = edge_shape_functions(edges.shape[1], s)
         length = np.linalg.norm(np.einsum("a,eai->ei", dN, x), axis=1)
         thickness = 2 * np.pi * (x[:, :, 0] @ N) if model.analysis == "axisymmetric" else model.depth
-        mass += np.einsum("e,a,b->eab", weight * length * thickness, N, N)
-    if k == 2:
-        mass = mass.sum(axis=2)[:, :, None] * np.eye(k)
-    rows, columns = np.repeat(edges, k, axis=1).ravel(), np.tile(edges, (1, k)).ravel()
-    return sp.csr_matrix((mass.ravel(), (rows, columns)), shape=(len(points), len(points)))
+        np.add.at(share, edges, np.einsum("e,a->ea", weight * length * thickness, N))
+    return share

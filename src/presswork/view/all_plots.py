@@ -49,7 +49,7 @@ def plot_all(
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
             paths.append(_save(contours, folder / f"contours_{field}_{step:03d}.png"))
             paths.append(_save(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
-    return [*paths, *_plot_forces(result, folder), *_plot_interfaces(result, folder)]
+    return [*paths, *_plot_forces(result, folder), *_plot_interfaces(result, folder, steps)]
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:
@@ -61,11 +61,12 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
     return [_save(figure, folder / "force_stroke.png")]
 
 
-def _plot_interfaces(result: Result, folder: Path) -> list[Path]:
-    """Write the contact stress of every tool that the body touches, if it was saved."""
+def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequence[int]) -> list[Path]:
+    """Write the contact stress of every tool that the body touches, if it was saved, at these steps or at six."""
     if not {"contact_pressure", "contact_shear"} <= set(result.field_names):
         return []
-    figures = {tool: plot_interface(result, tool, figure=_new_figure()) for tool in result.tools}
+    chosen = None if steps == "last" else steps
+    figures = {tool: plot_interface(result, tool, chosen, figure=_new_figure()) for tool in result.tools}
     return [_save(figure, folder / f"interface_{tool}.png") for tool, figure in figures.items() if figure.axes[0].lines]
 
 

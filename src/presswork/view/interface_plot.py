@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
@@ -52,7 +53,8 @@ def plot_interface(
         title = f"{progress.tool} stroke,\n{progress.direction} reduction" if progress else "time"
         figure.legend(loc="outside right upper", frameon=False, title=title, alignment="left")
     what = f"contact with {tool}" if tool else "contact"
-    figure.suptitle(", ".join(part for part in (str(result.info.get("title", "")), what) if part))
+    lines = [*textwrap.wrap(str(result.info.get("title", "")), 60), what]
+    upper.set_title("\n".join(lines), loc="left", fontsize="medium")
     return figure
 
 
