@@ -107,7 +107,7 @@ class ImplicitProcedure:
         cutbacks: list[str] = []
         while True:
             step = min(size, target - fraction_n)
-            if step < target - fraction_n < 2 * step:
+            if step * (1 + 1e-9) < target - fraction_n < 2 * step:
                 step = 0.5 * (target - fraction_n)
             fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
             trial, outcome = self._attempt(stage, fraction_n, fraction)

@@ -106,7 +106,7 @@ class Pardiso:
         self._analysed = False
         self._finalizer = weakref.finalize(self, _release, self._pardiso, self._handle, self._type, self._n)
         self._iparm = np.zeros(64, dtype=np.int32)
-        settings = {0: 1, 1: 2, 7: 1, 9: 8 if symmetric else 13, 10: 0 if symmetric else 1, 17: -1, 20: 1, 34: 1}
+        settings = {0: 1, 1: 2, 7: 0, 9: 8 if symmetric else 13, 10: 0 if symmetric else 1, 17: -1, 20: 1, 34: 1}
         for position, value in settings.items():
             self._iparm[position] = value
 
