@@ -65,7 +65,9 @@ class Run:
 
 def run_timed(command: list[str], folder: Path, limit: float) -> tuple[int, float, float]:
     """Run single-threaded and return exit status, user and wall seconds; status -9 if stopped at the time limit."""
-    threads = {k: "1" for k in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "CCX_NPROC_STIFFNESS", "CCX_NPROC_EQUATION_SOLVER")}
+    threads = {
+        k: "1" for k in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "CCX_NPROC_STIFFNESS", "CCX_NPROC_EQUATION_SOLVER")
+    }
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     started = perf_counter()
     with (folder / "screen.txt").open("w") as screen:
@@ -214,13 +216,80 @@ def check_wedge(ccx: str, limit: float) -> bool:
     return abs(error) < 0.1
 
 
+def describe_forces(label: str, run: Run) -> None:
+    print(f"{label:34s}" + "".join(f"{run.force_at(r):9.1f}" for r in REDUCTIONS))
+
+
+def median_run(runs: list[Run]) -> Run:
+    return sorted(runs, key=lambda r: r.user)[len(runs) // 2]
+
+
+def compare(ccx: str, arguments: argparse.Namespace, element: str, cells: tuple[int, int], folding: bool) -> dict:
+    """Run one pair; presswork several times, CalculiX once."""
+    deck = Deck(folding, arguments.friction, arguments.contact_stiffness, arguments.stick_slope)
+    mine = [run_presswork(element, cells, folding, arguments.limit) for _ in range(arguments.repeats)]
+    keep = arguments.keep / f"{element}_{cells[0]}x{cells[1]}_{folding}" if arguments.keep else None
+    theirs = run_calculix(ccx, element, cells, deck, arguments.limit, keep)
+    middle = median_run(mine)
+    users = [r.user for r in mine]
+    name = f"{cells[0]}x{cells[1]} {element} | {CARDS[element]}" + ("" if folding else ", no fold")
+    print(f"\n{name}")
+    for who, r in (("presswork", middle), ("CalculiX", theirs)):
+        print(
+            f"  {who:10s} {r.status:28s} user {r.user:7.2f} s  wall {r.wall:7.2f} s  "
+            f"{r.increments:4d} increments {r.iterations:5d} linear solves"
+        )
+    print(
+        f"  presswork user of {len(users)}: {min(users):.2f} to {max(users):.2f} s, median {statistics.median(users):.2f}"
+    )
+    print(f"  ratio of user times CalculiX / presswork {theirs.user / middle.user:.1f}")
+    print(f"  {'force [kN] at reduction [%]':32s}" + "".join(f"{r:9d}" for r in REDUCTIONS))
+    describe_forces("  presswork", middle)
+    describe_forces("  CalculiX", theirs)
+    differences = [100 * (middle.force_at(r) / theirs.force_at(r) - 1) for r in REDUCTIONS]
+    print(f"  {'difference [%]':32s}" + "".join(f"{d:+9.2f}" for d in differences))
+    return {
+        "pair": name,
+        "folding": folding,
+        "presswork": {"status": middle.status, "user": users, "wall": middle.wall, "increments": middle.increments,
+                      "solves": middle.iterations, "force_kN": [middle.force_at(r) for r in REDUCTIONS]},
+        "calculix": {"status": theirs.status, "user": theirs.user, "wall": theirs.wall,
+                     "increments": theirs.increments, "solves": theirs.iterations,
+                     "force_kN": [theirs.force_at(r) for r in REDUCTIONS]},
+        "difference_percent": differences,
+    }  # fmt: skip
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--pairs", nargs="+", default=list(PAIRS), metavar="CELLS:ELEMENT", help="e.g. 15x22:quad8_2x2")
+    parser.add_argument("--no-folding", action="store_true", help="without contact of the side, instead of with it")
+    parser.add_argument("--both", action="store_true", help="with and without contact of the side")
+    parser.add_argument("--friction", type=float, default=Deck.friction)
+    parser.add_argument("--contact-stiffness", type=float, default=Deck.contact_stiffness, help="[MPa/mm]")
+    parser.add_argument("--stick-slope", type=float, default=Deck.stick_slope, help="[MPa/mm]")
+    parser.add_argument("--repeats", type=int, default=3, help="presswork runs per mesh; the median counts")
+    parser.add_argument("--limit", type=float, default=300.0, help="seconds for one run")
+    parser.add_argument("--keep", type=Path, help="keep CalculiX's files in this folder")
+    parser.add_argument("--check", action="store_true", help="only check the factor of the wedge's force")
+    parser.add_argument("--json", type=Path, help="write the figures here")
+    arguments = parser.parse_args()
+    ccx = shutil.which("ccx")
+    if ccx is None:
+        print("CalculiX (ccx) is not installed: skipped. On Debian: apt-get install calculix-ccx")
+        return 0
+    if not check_wedge(ccx, arguments.limit):
+        return 1
+    results = []
+    for pair in () if arguments.check else arguments.pairs:
+        size, element = pair.split(":")
+        cells = (int(size.split("x")[0]), int(size.split("x")[1]))
+        for folding in (True, False) if arguments.both else (not arguments.no_folding,):
+            results.append(compare(ccx, arguments, element, cells, folding))
+    if arguments.json and results:
+        arguments.json.write_text(json.dumps(results, indent=1))
+    return 0
+
+
 if __name__ == "__main__":
-    import time
-    ccx = "/usr/bin/ccx"
-    print(check_wedge(ccx, 100))
-    for f in (False, True):
-        for el in ("quad4", "quad8_2x2"):
-            r = run_calculix(ccx, el, (15, 22), Deck(folding=f), 200, Path(f"/tmp/ccxk/{el}_{f}"))
-            print(el, f, r.status, r.user, r.wall, r.increments, r.iterations, [r.force_at(x) for x in REDUCTIONS])
-            p = run_presswork(el, (15, 22), f, 200)
-            print(el, f, p.status, p.user, p.wall, p.increments, p.iterations, [p.force_at(x) for x in REDUCTIONS])
+    sys.exit(main())

@@ -263,8 +263,9 @@ class Equilibrium:
         return residual <= settings.force_tolerance and small
 
     def _is_hopeless(self, log: IterationLog) -> bool:
-        """Five iterations of full Newton without coming closer than the best before them."""
-        r = log.residual
+        """Five iterations of full Newton with its own tangent that come no closer than the best before them."""
+        r, settings = log.residual, self._model.solver
         if not np.isfinite(r[-1]):
             return True
-        return self._model.solver.newton == "full" and len(r) > 8 and min(r[-5:]) > min(r[:-5])
+        quadratic = settings.newton == "full" and settings.tangent == "consistent"
+        return quadratic and len(r) > 8 and min(r[-5:]) > min(r[:-5])
