@@ -201,16 +201,27 @@ void Assembler::assemble_vector(const std::vector<const double*>& element_force,
 void Assembler::constrain(const std::uint8_t* mask, const double* value, double scale, double* data,
                           double* rhs) const {
   const int n = 2 * n_nodes_;
-  for (int row = 0; row < n; ++row)
+  // columns of prescribed freedoms leave the free rows
+#pragma omp parallel for schedule(static)
+  for (int row = 0; row < n; ++row) {
+    if (mask[row]) continue;
     for (int at = indptr_[row]; at < indptr_[row + 1]; ++at) {
       const int column = indices_[at];
-      if (!mask[row] && !mask[column]) continue;
-      if (mask[column] && !mask[row]) rhs[row] -= data[at] * value[column];
-      if (symmetric_ && mask[row] && !mask[column]) rhs[column] -= data[at] * value[row];
+      if (!mask[column]) continue;
+      rhs[row] -= data[at] * value[column];
+      data[at] = 0.0;
+    }
+  }
+  // rows of prescribed freedoms; above the diagonal of a symmetric matrix they stand for columns too
+  for (int row = 0; row < n; ++row) {
+    if (!mask[row]) continue;
+    for (int at = indptr_[row]; at < indptr_[row + 1]; ++at) {
+      const int column = indices_[at];
+      if (symmetric_ && !mask[column]) rhs[column] -= data[at] * value[row];
       data[at] = row == column ? scale : 0.0;
     }
-  for (int row = 0; row < n; ++row)
-    if (mask[row]) rhs[row] = scale * value[row];
+    rhs[row] = scale * value[row];
+  }
 }
 
 }  // namespace presswork

@@ -35,9 +35,7 @@ def pull(law, log_strain, solver, mesh=None):
     material = Material(law, YOUNG, POISSON, Hardening(law, np.array(LAWS[law][0])))
     supports = (Support("left", (True, False)), Support("bottom", (False, True)))
     motion = PrescribedDisplacement("top", 1, H0 * np.expm1(log_strain))
-    model = make_model(
-        mesh, material, analysis="axisymmetric", supports=supports, prescribed=[motion], solver=solver
-    )
+    model = make_model(mesh, material, analysis="axisymmetric", supports=supports, prescribed=[motion], solver=solver)
     return run(model)
 
 

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Full Newton with the consistent tangent converges quadratically on logged steps of the upsetting example.
+
+Near the solution r_(k+1) = C r_k^2, so the order log(r_(k+1)/r_k) / log(r_k/r_(k-1)) tends to 2. The symmetric part of the
+tangent, which is the default, gives a linear rate.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.resources import files
+from itertools import islice
+
+import numpy as np
+import pytest
+from problems import ELEMENTS
+
+from presswork.case import Case, build_model
+from presswork.procedure.implicit import ImplicitProcedure
+
+EXAMPLE = files("presswork.examples") / "upsetting_4cst.toml"
+FLOOR = 1e-11
+"""Relative residual above which rounding plays no part: the last ones stand at some 1e-13."""
+
+
+@cache
+def residuals(element, symmetric):
+    """Relative residuals of every iteration, of increments 3 to 8 of upsetting with 8 x 12 cells."""
+    pattern = "crossed" if element.startswith("tri") else "quad"
+    changes = [
+        f'workpiece.element="{element}"',
+        f'workpiece.mesh.pattern="{pattern}"',
+        "workpiece.mesh.cells=[8,12]",
+        "solver.force_tolerance=1e-12",
+        f"solver.symmetric={str(symmetric).lower()}",
+        "solver.initial_increment=0.005",
+        "solver.max_increment=0.005",
+    ]
+    procedure = ImplicitProcedure(build_model(Case.from_toml(EXAMPLE, changes)), threads=1)
+    reports = list(islice(procedure.advance(), 8))[2:]
+    assert any(e.max() > 0.01 for e in procedure.state.eqps)
+    return [np.array(r.log.residual) for r in reports if sum(r.log.contact_changes) == 0 and not r.cutbacks]
+
+
+def orders(histories):
+    """Order from the last three residuals above the floor of each step, where the first of them is small."""
+    found = []
+    for r in histories:
+        above = r[r > FLOOR][-3:]
+        if len(above) == 3 and above[0] < 0.05:
+            found.append(np.log(above[2] / above[1]) / np.log(above[1] / above[0]))
+    return found
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_full_newton_converges_quadratically_on_a_logged_step_of_upsetting(element):
+    found = orders(residuals(element, symmetric=False))
+    assert len(found) >= 3
+    assert np.median(found) > 1.75
+
+
+def test_symmetric_part_of_the_tangent_converges_linearly_but_fast():
+    """What is left out is the pressure's effect through the change of volume: each iteration gains a factor of 20."""
+    histories = residuals("tri3", symmetric=True)
+    rates = [r[1:] / r[:-1] for r in (h[(h > FLOOR) & (h < 1e-4)] for h in histories) if len(r) > 1]
+    assert np.median(np.concatenate(rates)) < 0.05
+    assert np.median(orders(histories)) < 1.5
