@@ -160,8 +160,8 @@ class Deck:
 
     folding: bool = True
     friction: float = 1.0
-    contact_stiffness: float = 1e6
-    stick_slope: float = 1e4
+    contact_stiffness: float = 5e4
+    stick_slope: float = 1e3
     elastic: bool = False
     frictionless: bool = False
     stroke: float = 9.0

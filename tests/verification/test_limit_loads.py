@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plane-strain limit loads of a perfectly plastic body: (2 + pi) k = 2.9685 s0 on the punch and on the ligament.
 
-Prandtl's punch (smooth, rigid, half-width 1, on a body 10 x 10) and the deep double-edge notched bar of Nagtegaal, Parks &
-Rice (1974; half-ligament 1, half-width 10), whose limit stress on the net section is the same. Cells are graded to the
-punch's edge and the notch's tip. s0/E = 1e-7, so that no cell changes its shape. The load is read at a displacement of
-300 s0/E and again at 3000 s0/E: an element that does not lock has reached its limit at the first and stays there, one that
-locks goes on rising.
+Prandtl's punch (smooth, rigid, half-width 1, on a body 10 x 10) and the deep double-edge notched bar of Nagtegaal,
+Parks & Rice (1974; half-ligament 1, half-width 10), whose limit stress on the net section is the same. Cells are graded
+to the punch's edge and the notch's tip. s0/E = 1e-7, so that no cell changes its shape. The load is read at a
+displacement of 300 s0/E and again at 3000 s0/E: an element that does not lock has reached its limit at the first and
+stays there, one that locks goes on rising.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Full Newton with the consistent tangent converges quadratically on logged steps of the upsetting example.
 
-Near the solution r_(k+1) = C r_k^2, so the order log(r_(k+1)/r_k) / log(r_k/r_(k-1)) tends to 2. The symmetric part of the
-tangent, which is the default, gives a linear rate.
+Near the solution r_(k+1) = C r_k^2, so the order log(r_(k+1)/r_k) / log(r_k/r_(k-1)) tends to 2. The symmetric part of
+the tangent, which is the default, gives a linear rate.
 """
 
 from __future__ import annotations
@@ -43,12 +43,16 @@ def residuals(element, symmetric):
 
 
 def orders(histories):
-    """Order from the last three residuals above the floor of each step, where the first of them is small."""
+    """Order of each step from its last three residuals above the floor, or with the first one below it in addition.
+
+    Rounding can only raise a residual, so that both are lower bounds of the order; the larger is taken.
+    """
     found = []
     for r in histories:
-        above = r[r > FLOOR][-3:]
-        if len(above) == 3 and above[0] < 0.05:
-            found.append(np.log(above[2] / above[1]) / np.log(above[1] / above[0]))
+        last = int(np.argmax(r < FLOOR)) if (r < FLOOR).any() else len(r) - 1
+        triples = [r[k - 2 : k + 1] for k in (last - 1, last) if k >= 2 and r[k - 2] < 0.05]
+        if triples:
+            found.append(max(np.log(c / b) / np.log(b / a) for a, b, c in triples))
     return found
 
 
@@ -60,8 +64,8 @@ def test_full_newton_converges_quadratically_on_a_logged_step_of_upsetting(eleme
 
 
 def test_symmetric_part_of_the_tangent_converges_linearly_but_fast():
-    """What is left out is the pressure's effect through the change of volume: each iteration gains a factor of 20."""
+    """What is left out is small: near the solution each iteration gains a factor of about 100."""
     histories = residuals("tri3", symmetric=True)
     rates = [r[1:] / r[:-1] for r in (h[(h > FLOOR) & (h < 1e-4)] for h in histories) if len(r) > 1]
-    assert np.median(np.concatenate(rates)) < 0.05
+    assert np.median(np.concatenate(rates)) < 0.03
     assert np.median(orders(histories)) < 1.5

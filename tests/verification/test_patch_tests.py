@@ -20,7 +20,6 @@ from problems import (
     run,
 )
 
-
 YOUNG, POISSON = 200e3, 0.3
 LAMBDA = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
 MU = YOUNG / (2 * (1 + POISSON))

@@ -2,9 +2,10 @@
 """Elastic and elastic-plastic simple shear against the closed forms of three objective rates.
 
 The update turns the stress by the rotation of each increment's own polar decomposition. In simple shear that rotation
-tends to W dt, half the shear increment: so the answer tends to the Jaumann closed form, not to the Green-Naghdi one, which
-needs the rotation of the whole deformation. One increment of any size from the unstressed state gives 2 mu ln V, which is
-the closed form of the logarithmic rate. In metals the elastic strains are so small that the three agree: quantified below.
+tends to W dt, half the shear increment: so the answer tends to the Jaumann closed form, not to the Green-Naghdi one,
+which needs the rotation of the whole deformation. One increment of any size from the unstressed state gives 2 mu ln V,
+which is the closed form of the logarithmic rate. In metals the elastic strains are so small that the three agree:
+quantified below.
 Table: tests/data/simple_shear_rates.csv.
 """
 
@@ -78,8 +79,8 @@ def test_one_increment_of_simple_shear_gives_the_logarithmic_rate(shear):
 def shear_point(law, shear, increments, rate):
     """Stress (2, 2) of one material point in simple shear: the program's update, or the same with the total rotation.
 
-    rate "incremental": turn by the R of each increment. "green_naghdi": keep the stress in the frame of the total R, and
-    bring each increment's ln U, taken at its middle, into it.
+    rate "incremental": turn by the R of each increment. "green_naghdi": keep the stress in the frame of the total R,
+    and bring each increment's ln U, taken at its middle, into it.
     """
     stress, eqps = np.zeros((1, 4)), np.zeros(1)
     step = shear / increments
@@ -128,7 +129,7 @@ def test_total_rotation_would_give_green_naghdi():
 
 @pytest.mark.parametrize("shear", [0.5, 1.0, 2.0])
 def test_rates_agree_for_metals(shear):
-    """Yield at 0.35 % elastic strain, the thesis's steel: the shear stress agrees to (s/mu)^2, the normal ones to s/mu."""
+    """The thesis's steel, which yields at 0.35 %: with s the shear stress, s/mu bounds what the rates differ by."""
     law = make_law(700.0, 300.0)
     ours, total = (shear_point(law, shear, 1000, rate) for rate in ("incremental", "green_naghdi"))
     small = abs(total[0, 1]) / MU

@@ -3,8 +3,8 @@
 
 Elastic: Lame. Perfectly plastic with the front at c (tests/data/thick_cylinder_sphere.csv):
   sphere    p = 2 s0 [ln(c/a) + (1 - c^3/b^3)/3], exact for von Mises and any nu;
-  cylinder  p = Y [ln(c/a) + (1 - c^2/b^2)/2], Y = 2 s0/sqrt(3) (Hill 1950). Hill's answer is Tresca's; von Mises gives the
-            same as nu -> 1/2, where sigma_zz lies midway: nu = 0.499 is used for rates, nu = 0.3 for the table.
+  cylinder  p = Y [ln(c/a) + (1 - c^2/b^2)/2], Y = 2 s0/sqrt(3) (Hill 1950). Hill's answer is Tresca's; von Mises gives
+            the same as nu -> 1/2, where sigma_zz lies midway: nu = 0.499 is used for rates, nu = 0.3 for the table.
 The yield stress is 2.4 MPa for E = 210 GPa, a hundredth of the table's, so that what is of second order in the strains,
 which the closed forms leave out, is of order 1e-5 of the answer; the table is scaled by the same factor.
 """
