@@ -18,7 +18,7 @@ import test_patch_tests as patch
 import test_simple_shear_closed_form as shear
 import test_thick_cylinder_and_sphere as ring
 import test_uniaxial_closed_form as uniaxial
-from problems import ELEMENTS, block_mesh, distort, fit_rate, fixed_increments
+from problems import ELEMENTS, fit_rate, fixed_increments
 
 
 def print_patch() -> None:
@@ -27,11 +27,6 @@ def print_patch() -> None:
         stress = patch.squeeze_ring(patch.patch(element, "axisymmetric")).state.stress[0]
         error = np.abs(stress - patch.AXISYMMETRIC_STRESS).max() / np.abs(patch.AXISYMMETRIC_STRESS).max()
         print(f"patch test, axisymmetric, 30 %, {element:12s} error {error:.1e}")
-    errors = []
-    for n in (8, 16, 32):
-        mesh = distort(block_mesh("quad4_1pt", (n, n), origin=(5.0, -2.0), size=(8.0, 6.0)), 0.9 / n)
-        errors.append(np.sqrt(((patch.squeeze_ring(mesh).state.stress[0] - patch.AXISYMMETRIC_STRESS) ** 2).mean()))
-    print(f"patch test, axisymmetric, quad4_1pt, rate {fit_rate([1 / 8, 1 / 16, 1 / 32], errors).rate:.2f}")
 
 
 def print_uniaxial() -> None:

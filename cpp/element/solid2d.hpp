@@ -8,8 +8,8 @@
 // fbar (de Souza Neto et al. 1996, with the element's volume average in place of the centroid): the stress is that of
 // F (Jbar/J)^(1/3), in plane strain of the in-plane part times (Jbar/J)^(1/2); Jbar = v(t+dt)/v(t) of the element.
 // one_point (Flanagan & Belytschko 1981): centroid stress, and hourglass forces Q = R Q_n + k gamma.du on the hourglass
-// vector gamma at t, k = fraction * G_now * V * sum |grad N|^2 / 2 with G_now = G before first yield, then
-// flow + slope/3, so that the control stays weak beside plastic flow.
+// vector gamma, k = 2 fraction * G_now * V * sum |grad N|^2 with G_now = G before first yield, then flow + slope/3, so
+// that the control stays weak beside plastic flow. In axisymmetry gradients and N/r are the element's volume averages.
 //
 // Elements are taken pack_width at a time; lane l of pack p is element p*pack_width + l. The last pack repeats the last
 // element. Element matrices are written as [pack][row][column][lane], forces as [pack][row][lane]; row = 2 node +
@@ -53,10 +53,9 @@ struct Solid2d {
   using T = Pack;
 
   struct PointGeometry {
-    T grad[nodes][2];  // at t
+    T grad[nodes][2], hoop[nodes];  // at t: gradients and N/r (zero in plane strain)
     T F[5];
     T volume_t, jacobian;
-    T radius_t;
   };
 
   static const ShapeTable<cell, n_points>& table() {
@@ -64,49 +63,85 @@ struct Solid2d {
     return shared;
   }
 
-  // Gradients at t, F and volumes of one point; true in lanes where the point is turned inside out.
-  static Pack::Mask measure_point(const BlockView& b, const T x[][2], const T du[][2], int q, PointGeometry& g) {
+  // Gradients, N/r and volume of one point at t; true in lanes where the cell is turned inside out there.
+  static Pack::Mask measure_reference(const BlockView& b, const T x[][2], int q, PointGeometry& g) {
     const auto& shape = table();
+    T det;
+    gradients_at(x, shape.dN[q], g.grad, det);
+    T thickness(b.depth), inv_r(0.0);
+    if (b.axisymmetric) {
+      T r(0.0);
+      for (int a = 0; a < nodes; ++a) r += T(shape.N[q][a]) * x[a][0];
+      thickness = T(2.0 * std::numbers::pi) * r;
+      inv_r = T(1.0) / r;
+    }
+    for (int a = 0; a < nodes; ++a) g.hoop[a] = T(shape.N[q][a]) * inv_r;
+    g.volume_t = T(shape.weight[q]) * det * thickness;
+    return !(det > T(0.0));
+  }
+
+  // The same for the one point of an axisymmetric quadrilateral: volume averages, so that a homogeneous stress is in
+  // equilibrium in cells of any shape, which the centroid's values do not give.
+  static Pack::Mask measure_mean(const T x[][2], PointGeometry& g) {
+    static const ShapeTable<cell, 4> rule;
+    T V(0.0), worst(1.0);
+    for (int a = 0; a < nodes; ++a) g.grad[a][0] = g.grad[a][1] = g.hoop[a] = T(0.0);
+    for (int p = 0; p < 4; ++p) {
+      T grad[nodes][2], det, r(0.0);
+      gradients_at(x, rule.dN[p], grad, det);
+      for (int a = 0; a < nodes; ++a) r += T(rule.N[p][a]) * x[a][0];
+      T area = T(2.0 * std::numbers::pi * rule.weight[p]) * det, volume = area * r;
+      for (int a = 0; a < nodes; ++a) {
+        for (int i = 0; i < 2; ++i) g.grad[a][i] += volume * grad[a][i];
+        g.hoop[a] += area * T(rule.N[p][a]);
+      }
+      V += volume;
+      worst = smaller(worst, det);
+    }
+    T inv = T(1.0) / V;
+    for (int a = 0; a < nodes; ++a) g.grad[a][0] *= inv, g.grad[a][1] *= inv, g.hoop[a] *= inv;
+    g.volume_t = V;
+    return !(worst > T(0.0));
+  }
+
+  static void gradients_at(const T x[][2], const double dN[][2], T grad[][2], T& det) {
     T j00(0.0), j01(0.0), j10(0.0), j11(0.0);
     for (int a = 0; a < nodes; ++a) {
-      T nx(shape.dN[q][a][0]), ny(shape.dN[q][a][1]);
+      T nx(dN[a][0]), ny(dN[a][1]);
       j00 += nx * x[a][0], j01 += nx * x[a][1], j10 += ny * x[a][0], j11 += ny * x[a][1];
     }
-    T det = j00 * j11 - j01 * j10;
+    det = j00 * j11 - j01 * j10;
     T inv = T(1.0) / det;
-    g.F[0] = T(1.0), g.F[1] = T(0.0), g.F[2] = T(0.0), g.F[3] = T(1.0), g.F[4] = T(1.0);
-    T r(0.0), dr(0.0);
     for (int a = 0; a < nodes; ++a) {
-      T nx(shape.dN[q][a][0]), ny(shape.dN[q][a][1]);
-      g.grad[a][0] = (j11 * nx - j01 * ny) * inv;
-      g.grad[a][1] = (j00 * ny - j10 * nx) * inv;
-      g.F[0] += du[a][0] * g.grad[a][0], g.F[1] += du[a][0] * g.grad[a][1];
-      g.F[2] += du[a][1] * g.grad[a][0], g.F[3] += du[a][1] * g.grad[a][1];
-      r += T(shape.N[q][a]) * x[a][0], dr += T(shape.N[q][a]) * du[a][0];
+      T nx(dN[a][0]), ny(dN[a][1]);
+      grad[a][0] = (j11 * nx - j01 * ny) * inv;
+      grad[a][1] = (j00 * ny - j10 * nx) * inv;
     }
-    T thickness(b.depth);
-    if (b.axisymmetric) {
-      g.F[4] = T(1.0) + dr / r;
-      thickness = T(2.0 * std::numbers::pi) * r;
+  }
+
+  // F of the increment; true in lanes where the point is turned inside out.
+  static Pack::Mask deform(const T du[][2], PointGeometry& g) {
+    T* F = g.F;
+    F[0] = F[3] = F[4] = T(1.0), F[1] = F[2] = T(0.0);
+    for (int a = 0; a < nodes; ++a) {
+      F[0] += du[a][0] * g.grad[a][0], F[1] += du[a][0] * g.grad[a][1];
+      F[2] += du[a][1] * g.grad[a][0], F[3] += du[a][1] * g.grad[a][1];
+      F[4] += du[a][0] * g.hoop[a];
     }
-    g.radius_t = r;
-    g.volume_t = T(shape.weight[q]) * det * thickness;
-    T plane = g.F[0] * g.F[3] - g.F[1] * g.F[2];
-    g.jacobian = plane * g.F[4];
+    T plane = F[0] * F[3] - F[1] * F[2];
+    g.jacobian = plane * F[4];
     // a trace of F that is not positive is a half turn: outside what an increment may do
-    T worst = smaller(smaller(plane, g.F[4]), smaller(det, g.F[0] + g.F[3]));
+    T worst = smaller(smaller(plane, F[4]), F[0] + F[3]);
     return !(worst > T(1e-6));
   }
 
-  // Gradients on the configuration at t+dt, and N/r (zero in plane strain).
-  static void push_forward(const BlockView& b, const PointGeometry& g, int q, T now[][3]) {
-    const auto& shape = table();
-    T inv = T(1.0) / (g.F[0] * g.F[3] - g.F[1] * g.F[2]);
-    T inv_r = b.axisymmetric ? T(1.0) / (g.radius_t * g.F[4]) : T(0.0);
+  // Gradients on the configuration at t+dt, and N/r there (zero in plane strain).
+  static void push_forward(const PointGeometry& g, T now[][3]) {
+    T inv = T(1.0) / (g.F[0] * g.F[3] - g.F[1] * g.F[2]), inv_hoop = T(1.0) / g.F[4];
     for (int a = 0; a < nodes; ++a) {
       now[a][0] = (g.grad[a][0] * g.F[3] - g.grad[a][1] * g.F[2]) * inv;
       now[a][1] = (g.grad[a][1] * g.F[0] - g.grad[a][0] * g.F[1]) * inv;
-      now[a][2] = T(shape.N[q][a]) * inv_r;
+      now[a][2] = g.hoop[a] * inv_hoop;
     }
   }
 
@@ -157,53 +192,58 @@ struct Solid2d {
   }
 
   static void add_hourglass(const VonMises& law, double fraction, const T x[][2], const T du[][2],
-                            const PointGeometry& g, T eqps_n, T Q[2], T* force, T* K) {
-    // 1. hourglass vector at t: orthogonal to every linear field
+                            const PointGeometry& g, const T now[][3], T eqps_n, T Q[2], T* force, T* K) {
+    // 1. hourglass vectors at t and at t+dt: orthogonal to every linear field there
     constexpr double h[4] = {1, -1, 1, -1};
-    T hx(0.0), hy(0.0), norm(0.0), gamma[4];
+    T at_t[2] = {T(0.0), T(0.0)}, at_end[2] = {T(0.0), T(0.0)}, norm(0.0), gamma[4], gamma_end[4];
+    for (int a = 0; a < 4; ++a)
+      for (int i = 0; i < 2; ++i) {
+        at_t[i] += T(h[a]) * x[a][i];
+        at_end[i] += T(h[a]) * (x[a][i] + du[a][i]);
+        norm += g.grad[a][i] * g.grad[a][i];
+      }
     for (int a = 0; a < 4; ++a) {
-      hx += T(h[a]) * x[a][0], hy += T(h[a]) * x[a][1];
-      norm += g.grad[a][0] * g.grad[a][0] + g.grad[a][1] * g.grad[a][1];
+      gamma[a] = T(0.25) * (T(h[a]) - at_t[0] * g.grad[a][0] - at_t[1] * g.grad[a][1]);
+      gamma_end[a] = T(0.25) * (T(h[a]) - at_end[0] * now[a][0] - at_end[1] * now[a][1]);
     }
-    for (int a = 0; a < 4; ++a) gamma[a] = T(0.25) * (T(h[a]) - hx * g.grad[a][0] - hy * g.grad[a][1]);
     // 2. modulus now
     T flow, slope;
     law.hardening.evaluate(eqps_n, flow, slope);
     T modulus = select(eqps_n > T(0.0), flow + slope * T(1.0 / 3), T(law.shear_modulus()));
-    T k = T(0.5 * fraction) * modulus * g.volume_t * norm * T(4.0);
-    // 3. forces, turned with the material
+    T k = T(2.0 * fraction) * modulus * g.volume_t * norm;
+    // 3. forces, turned with the material; gamma at t+dt keeps the balance of moments
     T a = g.F[0] + g.F[3], b = g.F[2] - g.F[1], trace = square_root(a * a + b * b);
     T c = a / trace, s = b / trace;
     T turned[2] = {c * Q[0] - s * Q[1], s * Q[0] + c * Q[1]};
-    Q[0] = turned[0], Q[1] = turned[1];
-    for (int n = 0; n < 4; ++n)
-      for (int i = 0; i < 2; ++i) Q[i] += k * gamma[n] * du[n][i];
-    for (int n = 0; n < 4; ++n)
-      for (int i = 0; i < 2; ++i) force[2 * n + i] += gamma[n] * Q[i];
-    // 4. tangent: k gamma gamma, and the turning of the old forces (dtheta = a db - b da over a^2 + b^2)
+    for (int i = 0; i < 2; ++i) {
+      Q[i] = turned[i];
+      for (int n = 0; n < 4; ++n) Q[i] += k * gamma[n] * du[n][i];
+      for (int n = 0; n < 4; ++n) force[2 * n + i] += gamma_end[n] * Q[i];
+    }
+    // 4. tangent: dQ (stiffness, and turning: dtheta = (a db - b da) / (a^2 + b^2)) and d gamma_end = -B (gamma_end.du)
     if (!K) return;
     T inv = T(1.0) / (trace * trace);
-    for (int n = 0; n < 4; ++n)
-      for (int m = 0; m < 4; ++m) {
-        T kgg = k * gamma[n] * gamma[m];
-        T dtheta_x = (-a * g.grad[m][1] - b * g.grad[m][0]) * inv,
-          dtheta_y = (a * g.grad[m][0] - b * g.grad[m][1]) * inv;
-        K[(2 * n) * freedoms + 2 * m] += kgg - gamma[n] * turned[1] * dtheta_x;
-        K[(2 * n) * freedoms + 2 * m + 1] += -gamma[n] * turned[1] * dtheta_y;
-        K[(2 * n + 1) * freedoms + 2 * m] += gamma[n] * turned[0] * dtheta_x;
-        K[(2 * n + 1) * freedoms + 2 * m + 1] += kgg + gamma[n] * turned[0] * dtheta_y;
-      }
+    for (int m = 0; m < 4; ++m) {
+      const T dtheta[2] = {(-a * g.grad[m][1] - b * g.grad[m][0]) * inv, (a * g.grad[m][0] - b * g.grad[m][1]) * inv};
+      for (int n = 0; n < 4; ++n)
+        for (int j = 0; j < 2; ++j) {
+          T* column = K + 2 * n * freedoms + 2 * m + j;
+          column[0] += -gamma_end[n] * turned[1] * dtheta[j] - Q[0] * now[n][j] * gamma_end[m];
+          column[freedoms] += gamma_end[n] * turned[0] * dtheta[j] - Q[1] * now[n][j] * gamma_end[m];
+          column[j * freedoms] += k * gamma_end[n] * gamma[m];
+        }
+    }
   }
 
   // Element volume ratio Jbar, and (with stiffness) the mean divergence row of every freedom.
-  static T mean_dilatation(const BlockView& b, const PointGeometry* g, bool with_row, T* mean_div) {
+  static T mean_dilatation(const PointGeometry* g, bool with_row, T* mean_div) {
     T v(0.0), V(0.0);
     for (int q = 0; q < n_points; ++q) v += g[q].volume_t * g[q].jacobian, V += g[q].volume_t;
     if (with_row) {
       for (int i = 0; i < freedoms; ++i) mean_div[i] = T(0.0);
       for (int q = 0; q < n_points; ++q) {
         T now[nodes][3], weight = g[q].volume_t * g[q].jacobian / v;
-        push_forward(b, g[q], q, now);
+        push_forward(g[q], now);
         for (int a = 0; a < nodes; ++a) {
           mean_div[2 * a] += weight * (now[a][0] + now[a][2]);
           mean_div[2 * a + 1] += weight * now[a][1];
@@ -239,7 +279,13 @@ struct Solid2d {
     // 1. kinematics of every point, before anything is computed from it
     PointGeometry g[n_points];
     Pack::Mask bad{};
-    for (int q = 0; q < n_points; ++q) bad |= measure_point(b, x, du, q, g[q]);
+    for (int q = 0; q < n_points; ++q) {
+      bool measured = false;
+      if constexpr (treatment == Treatment::one_point)
+        if ((measured = b.axisymmetric)) bad |= measure_mean(x, g[q]);
+      if (!measured) bad |= measure_reference(b, x, q, g[q]);
+      bad |= deform(du, g[q]);
+    }
     for (int lane = 0; lane < pack_width; ++lane)
       if (bad[lane]) return cells[lane];
 
@@ -250,7 +296,7 @@ struct Solid2d {
     if (with_K)
       for (auto& k : K) k = T(0.0);
     T mean_div[freedoms], mean(1.0);
-    if constexpr (treatment == Treatment::fbar) mean = mean_dilatation(b, g, with_K, mean_div);
+    if constexpr (treatment == Treatment::fbar) mean = mean_dilatation(g, with_K, mean_div);
 
     // 2. stress, internal force and tangent point by point
     for (int q = 0; q < n_points; ++q) {
@@ -267,7 +313,7 @@ struct Solid2d {
       respond(settings, law, F, state, response);
 
       T now[nodes][3], dv = g[q].volume_t * g[q].jacobian;
-      push_forward(b, g[q], q, now);
+      push_forward(g[q], now);
       add_force(now, response.stress, dv, force);
       if (with_K) {
         add_stiffness(now, response.modulus, dv, K);
@@ -278,7 +324,7 @@ struct Solid2d {
         T Q[2];
         for (int lane = 0; lane < pack_width; ++lane)
           for (int i = 0; i < 2; ++i) Q[i].set(lane, b.hourglass_n[2 * cells[lane] + i]);
-        add_hourglass(law, b.hourglass_fraction, x, du, g[q], eqps_n, Q, force, with_K ? K : nullptr);
+        add_hourglass(law, b.hourglass_fraction, x, du, g[q], now, eqps_n, Q, force, with_K ? K : nullptr);
         for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane)
           for (int i = 0; i < 2; ++i) b.hourglass[2 * cells[lane] + i] = Q[i][lane];
       }

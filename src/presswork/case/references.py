@@ -22,6 +22,15 @@ def check_references(case: schema.Case) -> list[Problem]:
                 case.depth,
             )
         )
+    if case.solver.strain_measure == "small" and case.workpiece.element == "quad4_fbar":
+        problems.append(
+            Problem(
+                "solver.strain_measure",
+                "F-bar needs a strain whose trace is the change of volume, which the small strain's is not",
+                'take "log", or another element',
+                "small",
+            )
+        )
     names = [stage.name for stage in case.stages]
     unloads = False
     for index, stage in enumerate(case.stages):

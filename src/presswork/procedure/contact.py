@@ -47,6 +47,8 @@ class Contact:
         self._sticking = np.array([t.contact == "sticking" for t in model.tools], dtype=bool)
         boundary = model.mesh.boundary_edges if model.tools else np.zeros((0, 2))
         self.nodes: IntArray = np.unique(boundary).astype(np.int32)
+        quadratic = boundary if boundary.shape[1] == 3 else np.zeros((0, 3))
+        self._sides: IndexArray = np.searchsorted(self.nodes, quadratic)  # first, last, mid-side as places
         self._leader = self._find_leaders()
         points = model.mesh.points
         self.tolerance = 1e-6 * float(np.ptp(points, axis=0).max())
@@ -54,25 +56,30 @@ class Contact:
         self.normal = np.zeros((2 * len(model.tools), len(self.nodes), 2))
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
 
-    def _find_leaders(self) -> IntArray:
-        """Node whose reaction decides for each candidate: itself, but the mid-side for a vertex on the axis.
+    def _find_leaders(self) -> IndexArray:
+        """Place whose reaction decides for each candidate: its own, but the mid-side's for a vertex on the axis.
 
         On the axis a quadratic edge's vertex carries no share of a pressure (int N r dr = 0): its own reaction is
         noise.
         """
-        leader = np.arange(len(self.nodes), dtype=np.int32)
-        edges = self._model.mesh.boundary_edges
-        if not len(self.nodes):
-            return leader
-        if self._model.analysis != "axisymmetric" or edges.shape[1] != 3:
-            return leader
-        place = {int(node): i for i, node in enumerate(self.nodes)}
-        radius = self._model.mesh.points[:, 0]
-        for first, last, middle in edges:
-            for end, other in ((first, last), (last, first)):
-                if end in place and radius[end] < 1e-9 < radius[other]:
-                    leader[place[int(end)]] = place[int(middle)]
+        leader = np.arange(len(self.nodes))
+        if self._model.analysis == "axisymmetric":
+            radius = self._model.mesh.points[self.nodes, 0]
+            for end, other in ((0, 1), (1, 0)):
+                on_axis = (radius[self._sides[:, end]] < 1e-9) & (radius[self._sides[:, other]] > 1e-9)
+                leader[self._sides[on_axis, end]] = self._sides[on_axis, 2]
         return leader
+
+    def _judge(self, push: FloatArray) -> FloatArray:
+        """Return the push by which each candidate is judged (n_faces, n_candidates) [N].
+
+        A mid-side is judged with half the push of its ends, about the load of its edge: where a sticking surface ends,
+        nodal forces of quadratic elements alternate, and one that pulls by a little is no sign of lifting.
+        """
+        judged = push.copy()
+        first, last, middle = self._sides.T
+        judged[:, middle] += 0.5 * (push[:, first] + push[:, last])
+        return judged[:, self._leader]
 
     def search(self, state: State, displacement: FloatArray) -> None:
         """Find gap and normal of every candidate to every tool; tools stand at state.tool_displacement."""
@@ -124,7 +131,7 @@ class Contact:
         if near:
             push = self.normal_forces(trial, reaction, fixed)
             largest = float(np.abs(push).max(initial=0.0))
-            pulls = (push[:, self._leader] < -max(RELEASE * largest, floor)) & (before > 0) & (trial.contact > 0)
+            pulls = (self._judge(push) < -max(RELEASE * largest, floor)) & (before > 0) & (trial.contact > 0)
             trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
         changed = (before != trial.contact).any(axis=0)
         self._changes[changed] += 1

@@ -25,7 +25,7 @@ UNLOADED = 1e-2
 """Forces below this part of the largest so far count as nothing: residuals are measured against no less."""
 RELEASED = 1e-6
 """A pull below this part of the largest force so far lets no node go."""
-STAGNANT = 1e-2
+STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 
 

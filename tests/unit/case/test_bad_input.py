@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from presswork.case import Case, CaseError
+from presswork.case import Case, CaseError, build_model
 
 Fail = Callable[..., str]
 
@@ -199,3 +199,22 @@ def test_binary_case_file_is_refused(tmp_path: Path) -> None:
 def test_folder_in_place_of_a_case_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="cannot be read"):
         Case.from_toml(tmp_path)
+
+
+def test_fbar_with_the_small_strain_is_refused() -> None:
+    """Its trace is not the change of volume: the limit load of Prandtl's punch fell to 0.86 of what it must be."""
+    case = {
+        "title": "bad",
+        "analysis": "plane_strain",
+        "workpiece": {
+            "material": "steel",
+            "element": "quad4_fbar",
+            "mesh": {"kind": "rectangle", "size": [1, 1], "cells": [1, 1]},
+        },
+        "materials": {"steel": {"young": 1, "poisson": 0, "hardening": {"law": "linear", "yield_stress": 1}}},
+        "boundary": {"bottom": {"set": "bottom", "fix": ["x", "y"]}},
+        "stages": [{"name": "pull", "displacement": [{"set": "top", "component": "y", "value": 1}]}],
+        "solver": {"strain_measure": "small"},
+    }
+    with pytest.raises(CaseError, match=r'strain_measure = "small".*F-bar.*take "log"'):
+        build_model(Case(**case))
