@@ -27,7 +27,8 @@ ElementName = Literal[
 HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table"]
 Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
-ContactLaw = Literal["frictionless", "sticking"]
+ContactLaw = Literal["frictionless", "sticking", "shear", "coulomb", "coulomb_capped"]
+FrictionTangent = Literal["return_mapping", "bond", "residual"]
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,10 @@ class Tool:
     """Shape (n_segments, 7): x0, y0, x1, y1, centre x, centre y, turn; turn is 0 for a line, +1 for an arc that runs
     counter-clockwise, -1 clockwise. Directed so that the tool's metal is on the right, the workpiece on the left."""
     contact: ContactLaw
+    m: float = 0.0
+    """Friction factor of "shear" and "coulomb_capped", 0 to 1: tau = m k, k the shear flow stress."""
+    mu: float = 0.0
+    """Coefficient of friction of "coulomb" and "coulomb_capped"."""
     mirrored_across: tuple[bool, bool] = (False, False)
     """Plane strain: whether the whole tool is twice what is modelled, mirrored by a symmetry plane normal to x | y."""
 
@@ -165,6 +170,8 @@ class SolverSettings:
     """Factorise the symmetric part of the tangent (see docs/theory/solver.md for what it costs in iterations)."""
     pressure_stiffness: bool = True
     """K_t: the follower stiffness of pressures."""
+    friction_tangent: FrictionTangent = "return_mapping"
+    """What friction adds to the tangent; the answer does not depend on it."""
     line_search: bool = True
     force_tolerance: float = 1e-4
     """Largest out-of-balance force over the largest internal nodal force."""

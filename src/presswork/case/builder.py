@@ -56,7 +56,9 @@ def build_model(case: schema.Case) -> model.Model:
             model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix)) for entry in case.boundary.values()
         ),
         stages=tuple(_build_stage(stage) for stage in case.stages),
-        solver=build_solver(case.solver),
+        solver=build_solver(
+            case.solver, with_coulomb=any(t.contact.startswith("coulomb") for t in case.tools.values())
+        ),
         output=build_output(case.output),
         case_text=case.text,
     )

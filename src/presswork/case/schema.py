@@ -141,7 +141,11 @@ class Tool(Part):
         description="points [x, y], joined by lines; {to = [x, y], radius = 2} rounds a corner, "
         '{to = [x, y], centre = [x, y], turn = "left"} ends an arc'
     )
-    contact: model.ContactLaw = Field(description="what the workpiece does on the tool")
+    contact: model.ContactLaw = Field(
+        description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped (both)"
+    )
+    m: Number = Field(default=0.0, ge=0.0, le=1.0, description="friction factor of shear and coulomb_capped, 0 to 1")
+    mu: Number = Field(default=0.0, ge=0.0, description="coefficient of friction of coulomb and coulomb_capped")
     closed: bool = Field(default=False, description="join the last point to the first")
     free_side: Literal["auto", "left", "right"] = Field(
         default="auto",
@@ -152,6 +156,16 @@ class Tool(Part):
         description="plane strain: the whole tool is this one and its mirror image along x | y, so that its force "
         "counts twice; without it: wherever the profile reaches a symmetry plane",
     )
+
+    @model_validator(mode="after")
+    def _check_friction(self) -> Self:
+        needs = {"shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu")}.get(self.contact, ())
+        for key in needs:
+            if key not in self.model_fields_set:
+                raise fault("missing key", f'contact = "{self.contact}" needs {" and ".join(needs)}', key=key)
+        for key in {"m", "mu"} & self.model_fields_set - set(needs):
+            raise fault(f'has no meaning with contact = "{self.contact}"', "remove it, or choose a friction law", key=key)
+        return self
 
     @model_validator(mode="after")
     def _check_profile(self) -> Self:

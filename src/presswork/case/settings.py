@@ -40,8 +40,14 @@ class Solver(Part):
     )
     tangent: Literal["consistent", "thesis"] = Field(default=_SOLVER.tangent, description="tangent stiffness")
     terms: Terms = Field(default=Terms(), description='parts of the tangent with tangent = "thesis"')
-    symmetric: bool = Field(default=_SOLVER.symmetric, description="factorise the symmetric part of the tangent")
+    symmetric: bool | None = Field(
+        default=None,
+        description="factorise the symmetric part of the tangent; without it: unless Coulomb's law acts on a tool",
+    )
     pressure_stiffness: bool = Field(default=_SOLVER.pressure_stiffness, description="follower stiffness of pressures")
+    friction_tangent: model.FrictionTangent = Field(
+        default=_SOLVER.friction_tangent, description="what friction adds to the tangent; the answer does not depend on it"
+    )
     line_search: bool = Field(default=_SOLVER.line_search, description="shorten corrections that overshoot")
     force_tolerance: Number = Field(
         default=_SOLVER.force_tolerance, gt=0, lt=1, description="largest out-of-balance over largest nodal force"
@@ -98,9 +104,11 @@ class Output(Part):
     )
 
 
-def build_solver(solver: Solver) -> model.SolverSettings:
-    """Turn a case's solver settings into the Model's."""
+def build_solver(solver: Solver, *, with_coulomb: bool) -> model.SolverSettings:
+    """Turn a case's solver settings into the Model's; with Coulomb friction the tangent stays unsymmetric."""
     values = solver.model_dump(exclude={"terms"})
+    if solver.symmetric is None:
+        values["symmetric"] = not with_coulomb
     if "initial_increment" not in solver.model_fields_set:
         values["initial_increment"] = min(max(_SOLVER.initial_increment, solver.min_increment), solver.max_increment)
     return model.SolverSettings(**values, terms=model.TangentTerms(**solver.terms.model_dump()))

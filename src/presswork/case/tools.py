@@ -47,7 +47,7 @@ def build_tool(
     mirrored = _find_mirrors(segments, symmetry_planes, TOLERANCE * size)
     if tool.mirrored is not None:
         mirrored = ("x" in tool.mirrored, "y" in tool.mirrored)
-    return Tool(name=name, segments=segments, contact=tool.contact, mirrored_across=mirrored)
+    return Tool(name, segments, tool.contact, m=tool.m, mu=tool.mu, mirrored_across=mirrored)
 
 
 def _weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:

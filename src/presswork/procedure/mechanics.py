@@ -116,6 +116,16 @@ class Mechanics:
         self.assembler.assemble_matrix(self._stiffness, turned, frames, data)
         self._timing.add("assembly", started)
 
+    def nodal_flow_stress(self, state: State) -> FloatArray:
+        """Return the mean flow stress of the cells round each node (n_points,) [MPa]."""
+        total, count = np.zeros(len(self._model.mesh.points)), np.zeros(len(self._model.mesh.points))
+        for i, connectivity in enumerate(self._connectivity):
+            flow = self.flow_stress(i, state.eqps[i]).mean(axis=1)
+            for column in connectivity.T:
+                total += np.bincount(column, flow, minlength=len(total))
+                count += np.bincount(column, minlength=len(total))
+        return total / np.maximum(count, 1)
+
     def flow_stress(self, block: int, eqps: FloatArray) -> FloatArray:
         """Return the flow stress [MPa] at equivalent plastic strains of any shape."""
         flow, _ = self._laws[block].flow_stress(np.ascontiguousarray(eqps).ravel())

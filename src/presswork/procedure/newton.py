@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork.model import BoolArray, FloatArray, Model
 from presswork.procedure.contact import Constraints, Contact
+from presswork.procedure.friction import Friction, FrictionForces
 from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
 from presswork.procedure.loads import AppliedLoads, evaluate_loads
 from presswork.procedure.mechanics import Mechanics, TurnedInsideOut
@@ -88,6 +89,7 @@ class Equilibrium:
         self._model = model
         self._mechanics = mechanics
         self._contact = contact
+        self.friction = Friction(model, contact)
         self._timing = timing
         started = perf_counter()
         assembler = mechanics.assembler
@@ -126,6 +128,8 @@ class Equilibrium:
         fixed = self.fixed(step.stage)
         peak = float(state_n.peak_force[0])
         self._contact.begin_increment()
+        if self.friction.is_needed:
+            self.friction.begin_increment(state_n, self._mechanics.nodal_flow_stress(state_n))
         increment, point = guess, self._evaluate(state_n, trial, step, guess, with_stiffness=True)
         if isinstance(point, TurnedInsideOut):
             increment = np.zeros_like(guess)
@@ -140,8 +144,10 @@ class Equilibrium:
             near = iteration > 0 and log.residual[-1] < NEAR
             changes = self._contact.update(trial, point.reaction, fixed, near=near, floor=RELEASED * peak)
             constraints = self._contact.constrain(trial, point.displacement, self._supports(step, increment))
+            friction = self._rub(state_n, trial, point, constraints)
+            drag = friction.vector(len(point.reaction)) if friction else np.zeros_like(point.reaction)
             self._timing.add("contact", started)
-            rhs = self._turn(constraints, -point.reaction)
+            rhs = self._turn(constraints, drag - point.reaction)
             rhs[constraints.mask == 1] = 0.0
 
             # 2. converged?
@@ -150,6 +156,7 @@ class Equilibrium:
             if iteration > 0 and changes == 0 and self._has_converged(log):
                 trial.displacement, trial.increment = point.displacement, increment
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
+                self.friction.settle(state_n, trial, constraints.turned == 1)
                 trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
             if iteration == settings.max_iterations or self._is_hopeless(log):
@@ -158,11 +165,11 @@ class Equilibrium:
             # 3. correction; constrained freedoms go all the way to where they must be
             try:
                 refactorise = settings.newton == "full" or not factorised or changes > 0 or missing > 1e-3 * size
-                correction = self._correct(constraints, rhs, point.loads, refactorise=refactorise)
+                correction = self._correct(constraints, rhs, point.loads, friction, refactorise=refactorise)
             except SolverError as error:
                 return Failed(log, str(error), 0.25)
             factorised = True
-            moved = self._advance(state_n, trial, step, point, increment, correction, missing)
+            moved = self._advance(state_n, trial, step, point, drag, increment, correction, missing)
             if isinstance(moved, TurnedInsideOut):
                 return Failed(log, str(moved), 0.5)
             increment, point = moved
@@ -185,6 +192,7 @@ class Equilibrium:
         trial: State,
         step: Step,
         point: _Point,
+        drag: FloatArray,
         increment: FloatArray,
         correction: FloatArray,
         missing: float,
@@ -203,8 +211,8 @@ class Equilibrium:
         largest = float(np.abs(correction).max())
         if not self._model.solver.line_search or part < 1.0 or missing > 1e-3 * largest:
             return taken, found
-        before = -float((point.reaction * correction).sum())
-        after = -float((found.reaction * correction).sum())
+        before = float(((drag - point.reaction) * correction).sum())
+        after = float(((drag - found.reaction) * correction).sum())
         if abs(after) <= OVERSHOOT * abs(before):
             return taken, found
         part = float(np.clip(before / (before - after), 0.1, 0.9)) if before != after else 0.5
@@ -212,6 +220,27 @@ class Equilibrium:
         if isinstance(shorter, TurnedInsideOut):
             return shorter
         return increment + part * correction, shorter
+
+    def _rub(
+        self, state_n: State, trial: State, point: _Point, constraints: Constraints
+    ) -> FrictionForces | None:
+        if not self.friction.is_needed:
+            return None
+        return self.friction.evaluate(state_n, trial, point.displacement, point.reaction, constraints.turned == 1)
+
+    def _add_friction(self, friction: FrictionForces, constraints: Constraints) -> None:
+        """Add friction's stiffness; Coulomb's dependence on the normal force only to an unsymmetric matrix."""
+        assembler = self._mechanics.assembler
+        pairs = np.repeat(friction.nodes[:, None], 2, axis=1).astype(np.int32)
+        blocks = friction.stiffness[:, None, None] * friction.tangent[:, :, None] * friction.tangent[:, None, :]
+        assembler.add_blocks(pairs, np.ascontiguousarray(blocks), constraints.turned, constraints.frames, self._data)
+        if self._model.solver.symmetric:
+            return
+        start = assembler.indptr
+        for node, slope in zip(friction.nodes, friction.normal_slope, strict=True):
+            if slope:
+                normal_row = self._data[start[2 * node] : start[2 * node + 1]]
+                self._data[start[2 * node + 1] : start[2 * node + 2]] -= slope * normal_row
 
     def _turn(self, constraints: Constraints, vector: FloatArray) -> FloatArray:
         """Take a nodal vector into the nodes' own frames."""
@@ -226,7 +255,13 @@ class Equilibrium:
         return vector
 
     def _correct(
-        self, constraints: Constraints, rhs: FloatArray, loads: AppliedLoads, *, refactorise: bool
+        self,
+        constraints: Constraints,
+        rhs: FloatArray,
+        loads: AppliedLoads,
+        friction: FrictionForces | None,
+        *,
+        refactorise: bool,
     ) -> FloatArray:
         """Solve the linear system for the next correction (n_points, 2), global frame."""
         flat = rhs.reshape(-1).copy()
@@ -236,6 +271,8 @@ class Equilibrium:
             assembler = self._mechanics.assembler
             if self._model.solver.pressure_stiffness and len(loads.pairs):
                 assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
+            if friction:
+                self._add_friction(friction, constraints)
             diagonal = float(np.abs(self._data).max())
             assembler.constrain(constraints.mask.reshape(-1), constraints.value.reshape(-1), diagonal, self._data, flat)
             self._timing.add("assembly", started)
@@ -267,5 +304,6 @@ class Equilibrium:
         r, settings = log.residual, self._model.solver
         if not np.isfinite(r[-1]):
             return True
-        quadratic = settings.newton == "full" and settings.tangent == "consistent"
+        rubs_otherwise = self.friction.is_needed and settings.friction_tangent != "return_mapping"
+        quadratic = settings.newton == "full" and settings.tangent == "consistent" and not rubs_otherwise
         return quadratic and len(r) > 8 and min(r[-5:]) > min(r[:-5])

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Friction of held nodes: the laws, and what they add to the residual and to the tangent.
+
+A node in contact hangs on its anchor, a point in the tool's frame, by a stiff tangential spring: T = -k_t g, g its tangential
+distance from the anchor. Where the spring would pull harder than the law allows, the node slides: T = -T_max sign g, and the
+anchor follows at convergence (return mapping with a small elastic slip). T_max by law, A the node's share of the surface and
+k = flow stress / sqrt(3) at the start of the increment:
+
+    shear m k A        coulomb mu N        coulomb_capped min(mu N, m k A)
+
+The converged answer is the same whatever the tangent; settings.friction_tangent chooses it:
+
+    return_mapping   k_t where the node hangs, nothing where it slides, and Coulomb's dependence on N (unsymmetric)
+    bond             a tangential spring under every node in contact (Cheng 1995, chapter 3): the full friction stress over
+                     the slip of the increment before, softened
+    residual         nothing: friction in the residual only
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
+from presswork.procedure.contact import Contact
+from presswork.results.fields import edge_shares
+from presswork.state import SLIDING, State
+
+ELASTIC_SLIP = 2e-3
+"""Slip at which the spring reaches k A, as a part of the shortest boundary edge."""
+BOND_SOFTENING = 0.1
+"""Of the bond's stiffness (thesis: 0.05 to 0.15)."""
+
+
+@dataclass(frozen=True)
+class FrictionForces:
+    """Friction on the nodes that are held along the normal alone."""
+
+    nodes: IntArray
+    tangent: FloatArray
+    """Unit vectors (n, 2)."""
+    force: FloatArray
+    """Of the tool on the node, along the tangent (n,) [N]."""
+    stiffness: FloatArray
+    """What the tangent gets on the node's tangential diagonal (n,) [N/mm]."""
+    normal_slope: FloatArray
+    """d force / d normal force (n,), zero but for sliding under Coulomb's law."""
+    elastic_slip: FloatArray
+    """What of the distance from the anchor the spring still holds (n,) [mm]."""
+
+    def vector(self, n_points: int) -> FloatArray:
+        """Return the friction as nodal forces (n_points, 2) [N]."""
+        forces = np.zeros((n_points, 2))
+        forces[self.nodes] = self.force[:, None] * self.tangent
+        return forces
+
+
+class Friction:
+    """The friction of one run; what persists is State.anchor."""
+
+    def __init__(self, model: Model, contact: Contact) -> None:
+        self._model = model
+        self._contact = contact
+        self.is_needed = any(t.contact not in ("frictionless", "sticking") for t in model.tools)
+        edges = model.mesh.boundary_edges
+        length = np.linalg.norm(model.mesh.points[edges[:, 1]] - model.mesh.points[edges[:, 0]], axis=1)
+        self._slip = ELASTIC_SLIP * float(length.min(initial=np.inf))
+        self._m, self._mu = np.array([t.m for t in model.tools]), np.array([t.mu for t in model.tools])
+        self._by_shear = np.array([t.contact in ("shear", "coulomb_capped") for t in model.tools], dtype=bool)
+        self._by_push = np.array([t.contact in ("coulomb", "coulomb_capped") for t in model.tools], dtype=bool)
+        self._has_friction = np.array([t.contact not in ("frictionless", "sticking") for t in model.tools], dtype=bool)
+        self._shear_flow = np.zeros(len(contact.nodes))
+        self._bond = np.zeros(len(contact.nodes))
+
+    def begin_increment(self, state_n: State, flow_stress: FloatArray) -> None:
+        """Take the shear flow stress of every candidate from the flow stress at the nodes (n_points,) [MPa]."""
+        if self.is_needed:
+            self._shear_flow = flow_stress[self._contact.nodes] / np.sqrt(3.0)
+            slip = np.abs(state_n.increment[self._contact.nodes]).max(axis=1)
+            self._bond = BOND_SOFTENING / np.maximum(slip, self._slip)
+
+    def _places(self, trial: State, held_alone: BoolArray) -> tuple[IndexArray, IndexArray]:
+        """Return places among the candidates, and tools, of the nodes that friction acts on."""
+        face, place = np.nonzero((trial.contact == SLIDING) & held_alone)
+        rough = self._has_friction[face // 2]
+        return place[rough], face[rough]
+
+    def evaluate(
+        self, state_n: State, trial: State, displacement: FloatArray, reaction: FloatArray, free: BoolArray
+    ) -> FrictionForces:
+        """Return the friction at a guess; `free` marks nodes (n_points,) whose tangential freedom is not prescribed."""
+        contact = self._contact
+        place, face = self._places(trial, free[contact.nodes])
+        tool, nodes = face // 2, contact.nodes[place]
+        normal = contact.normal[face, place]
+        tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
+        points = self._model.mesh.points
+        # 1. distance from the anchor; a node that has just touched takes its place at the start of the increment
+        anchor = trial.anchor[place].copy()
+        fresh = state_n.contact[face, place] == 0
+        start = points[nodes] + state_n.displacement[nodes] - state_n.tool_displacement[tool]
+        anchor[fresh] = start[fresh]
+        here = points[nodes] + displacement[nodes] - trial.tool_displacement[tool]
+        slip = np.einsum("ni,ni->n", tangent, here - anchor)
+        # 2. what the law allows
+        held = np.zeros(len(points), dtype=bool)
+        held[contact.nodes[(trial.contact > 0).any(axis=0)]] = True
+        edges = self._model.mesh.boundary_edges
+        area = edge_shares(self._model, points + displacement, edges[held[edges].all(axis=1)])[nodes]
+        push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
+        full = self._shear_flow[place] * area
+        by_shear = np.where(self._by_shear[tool], self._m[tool] * full, np.inf)
+        by_push = np.where(self._by_push[tool], self._mu[tool] * push, np.inf)
+        limit = np.minimum(by_shear, by_push)
+        # 3. hang or slide
+        stiffness = full / self._slip
+        spring = stiffness * slip
+        slides = np.abs(spring) > limit
+        force = -np.where(slides, limit * np.sign(slip), spring)
+        follows_push = slides & (by_push < by_shear) & (push > 0)
+        slope = np.where(follows_push, -self._mu[tool] * np.sign(slip), 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            elastic = np.where(stiffness > 0, -force / stiffness, 0.0)
+        return FrictionForces(nodes, tangent, force, *self._tangent(place, limit, stiffness, slides, slope), elastic)
+
+    def _tangent(
+        self, place: IndexArray, limit: FloatArray, stiffness: FloatArray, slides: BoolArray, slope: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        kind = self._model.solver.friction_tangent
+        if kind == "return_mapping":
+            return np.where(slides, 0.0, stiffness), slope
+        if kind == "bond":
+            return np.where(slides, limit * self._bond[place], stiffness), np.zeros(len(limit))
+        return np.zeros(len(limit)), np.zeros(len(limit))
+
+    def settle(self, state_n: State, trial: State, free: BoolArray) -> None:
+        """At a converged state, let the anchors follow the nodes that slid."""
+        if not self.is_needed:
+            return
+        contact = self._contact
+        place, face = self._places(trial, free[contact.nodes])
+        forces = self.evaluate(state_n, trial, trial.displacement, trial.reaction, free)
+        position = self._model.mesh.points[forces.nodes] + trial.displacement[forces.nodes]
+        here = position - trial.tool_displacement[face // 2]
+        trial.anchor[place] = here - forces.elastic_slip[:, None] * forces.tangent

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Friction against closed forms: the sliding block, from sticking to slipping, and Avitzur's upper bound for the ring."""
+
+import numpy as np
+import pytest
+
+from presswork import Case, build_model
+from presswork.procedure.implicit import ImplicitProcedure
+
+YIELD = 700.0
+SIDE, DEPTH = 10.0, 2.0
+
+
+def slide_block(contact: dict[str, object], press: float, slide: float, **solver: object) -> list[np.ndarray]:
+    """An elastic block, its top clamped; a floor presses it upwards, then moves to the right. Force after each increment."""
+    case = Case(
+        title="sliding block",
+        analysis="plane_strain",
+        depth=DEPTH,
+        workpiece={
+            "material": "steel",
+            "element": "quad4_fbar",
+            "mesh": {"kind": "rectangle", "size": [SIDE, SIDE], "cells": [6, 6]},
+        },
+        materials={
+            "steel": {"young": 200e3, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": YIELD}},
+        },
+        tools={"floor": {"profile": [[-30, 0], [30, 0]], **contact}},
+        boundary={"top": {"set": "top", "fix": ["x", "y"]}},
+        stages=[
+            {"name": "press", "tools": {"floor": {"move": [0, press]}}},
+            {"name": "slide", "tools": {"floor": {"move": [slide, 0]}}},
+        ],
+        solver={"max_increment": 0.1, "initial_increment": 0.1, "force_tolerance": 1e-9, **solver},
+    )
+    procedure = ImplicitProcedure(build_model(case), threads=1)
+    forces = []
+    for _ in procedure.advance():
+        stage = min(int(procedure.state.progress[1]), 1)
+        procedure.contact.search(procedure.state, procedure.state.displacement)
+        forces.append(procedure.contact.tool_forces(procedure.state, procedure.equilibrium.fixed(stage))[0])
+    return forces
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.2, 0.5])
+def test_a_sliding_block_pulls_with_mu_times_the_normal_force(mu) -> None:
+    fx, fy = slide_block({"contact": "coulomb", "mu": mu}, press=0.005, slide=0.1)[-1]
+    assert fx == pytest.approx(mu * fy, rel=1e-6) or -fx == pytest.approx(mu * abs(fy), rel=1e-6)
+
+
+@pytest.mark.parametrize("m", [0.1, 0.5])
+def test_a_sliding_block_under_constant_shear_pulls_with_m_k_area(m) -> None:
+    fx, fy = slide_block({"contact": "shear", "m": m}, press=0.005, slide=0.2)[-1]
+    length = SIDE  # the strain of the contact surface is of the order of 1e-4
+    assert abs(fx) == pytest.approx(m * YIELD / np.sqrt(3) * length * DEPTH, rel=2e-3)
+    assert abs(fy) > 0
+
+
+def test_a_cap_takes_over_where_coulomb_would_exceed_it() -> None:
+    capped = slide_block({"contact": "coulomb_capped", "mu": 0.5, "m": 0.01}, press=0.005, slide=0.1)[-1]
+    shear = slide_block({"contact": "shear", "m": 0.01}, press=0.005, slide=0.1)[-1]
+    assert abs(capped[0]) == pytest.approx(abs(shear[0]), rel=0.02)
+    free = slide_block({"contact": "coulomb_capped", "mu": 0.02, "m": 1.0}, press=0.005, slide=0.1)[-1]
+    assert abs(free[0]) == pytest.approx(0.02 * abs(free[1]), rel=1e-6)
+
+
+def test_friction_rises_elastically_and_stays_at_its_limit() -> None:
+    forces = np.array(slide_block({"contact": "coulomb", "mu": 0.3}, press=0.005, slide=0.01))
+    ratio = np.abs(forces[10:, 0] / forces[10:, 1])
+    assert (np.diff(ratio) > -1e-9).all()
+    assert ratio[0] < 0.2
+    assert ratio.max() <= 0.3 * (1 + 1e-6)
+    assert ratio[-1] == pytest.approx(0.3, rel=1e-6)
+
+
+def test_the_answer_does_not_depend_on_the_friction_tangent() -> None:
+    ends = [
+        slide_block({"contact": "shear", "m": 0.3}, 0.005, 0.05, friction_tangent=tangent, max_iterations=200)[-1]
+        for tangent in ("return_mapping", "bond")
+    ]
+    np.testing.assert_allclose(ends[0], ends[1], rtol=1e-6)
+
+
+def press_ring(m: float) -> tuple[float, float]:
+    """Bore ratio of the ring 6:3:2 at 30 and 50 % reduction, mean over the height."""
+    case = Case(
+        title="ring",
+        analysis="axisymmetric",
+        workpiece={
+            "material": "steel",
+            "element": "tri3",
+            "mesh": {"kind": "rectangle", "origin": [9, 0], "size": [9, 6], "cells": [10, 5], "pattern": "crossed"},
+        },
+        materials={
+            "steel": {"young": 200e3, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": YIELD, "modulus": 300}}
+        },
+        tools={"punch": {"profile": [[0, 6], [60, 6]], "contact": "shear", "m": m}},
+        boundary={"middle": {"set": "bottom", "fix": ["y"]}},
+        stages=[{"name": "press", "tools": {"punch": {"move": [0, -3]}}}],
+    )
+    model = build_model(case)
+    procedure = ImplicitProcedure(model, threads=1)
+    bore = model.mesh.node_sets["left"]
+    ratios = {}
+    for report in procedure.advance():
+        x = model.mesh.points[bore] + procedure.state.displacement[bore]
+        order = np.argsort(x[:, 1])
+        mean = np.trapezoid(x[order, 0], x[order, 1]) / np.ptp(x[:, 1])
+        ratios[round(0.5 * report.fraction, 6)] = mean / 9.0
+    return ratios[0.3], ratios[0.5]
+
+
+# height reduction 0.3 and 0.5; Avitzur's upper bound, data/ring_6_3_2_avitzur.csv
+@pytest.mark.parametrize(("m", "avitzur"), [(0.05, (None, 1.27130)), (0.1, (None, 1.13640))])
+def test_ring_meets_avitzurs_calibration_at_low_friction(m, avitzur) -> None:
+    """Where the ring bulges little, the upper bound with its flat walls is close: within 1 % of the bore."""
+    assert press_ring(m)[1] == pytest.approx(avitzur[1], rel=0.01)
+
+
+def test_a_frictionless_ring_grows_by_the_root_of_the_height() -> None:
+    assert press_ring(0.0)[1] == pytest.approx(np.sqrt(2), rel=2e-3)
+
+
+def test_the_bore_shrinks_with_friction() -> None:
+    bores = [press_ring(m)[1] for m in (0.0, 0.1, 0.2, 0.4, 1.0)]
+    assert (np.diff(bores) < 0).all()
