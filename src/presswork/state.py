@@ -37,6 +37,8 @@ class State:
     """Per face of each tool and candidate node: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
     anchor: FloatArray
     """Where a STUCK node sits, in its tool's frame (n_candidates, 2)."""
+    drag: FloatArray
+    """Friction of each candidate along its tangent, a quarter turn from the normal (n_candidates,) [N]."""
     stress: list[FloatArray]
     """Cauchy stress xx, yy, zz, xy per block (n_cells, n_points, 4)."""
     eqps: list[FloatArray]
@@ -66,6 +68,7 @@ class State:
             tool_displacement=np.zeros((n_tools, 2)),
             contact=np.zeros((2 * n_tools, n_candidates), dtype=np.int8),
             anchor=np.zeros((n_candidates, 2)),
+            drag=np.zeros(n_candidates),
             stress=[np.zeros((*s, 4)) for s in sizes],
             eqps=[np.zeros(s) for s in sizes],
             hourglass=[np.zeros((s[0], 2)) for s in sizes],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Friction against closed forms: the sliding block, from sticking to slipping, and Avitzur's upper bound for the ring."""
+"""Friction against closed forms: the sliding block, sticking to slipping, and Avitzur's upper bound for the ring."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ SIDE, DEPTH = 10.0, 2.0
 
 
 def slide_block(contact: dict[str, object], press: float, slide: float, **solver: object) -> list[np.ndarray]:
-    """An elastic block, its top clamped; a floor presses it upwards, then moves to the right. Force after each increment."""
+    """An elastic block, its top clamped; a floor presses it, then moves to the right. Force after each increment."""
     case = Case(
         title="sliding block",
         analysis="plane_strain",
@@ -48,9 +48,9 @@ def test_a_sliding_block_pulls_with_mu_times_the_normal_force(mu) -> None:
     assert fx == pytest.approx(mu * fy, rel=1e-6) or -fx == pytest.approx(mu * abs(fy), rel=1e-6)
 
 
-@pytest.mark.parametrize("m", [0.1, 0.5])
+@pytest.mark.parametrize("m", [0.05, 0.2])
 def test_a_sliding_block_under_constant_shear_pulls_with_m_k_area(m) -> None:
-    fx, fy = slide_block({"contact": "shear", "m": m}, press=0.005, slide=0.2)[-1]
+    fx, fy = slide_block({"contact": "shear", "m": m}, press=0.01, slide=0.1)[-1]
     length = SIDE  # the strain of the contact surface is of the order of 1e-4
     assert abs(fx) == pytest.approx(m * YIELD / np.sqrt(3) * length * DEPTH, rel=2e-3)
     assert abs(fy) > 0
@@ -81,8 +81,8 @@ def test_the_answer_does_not_depend_on_the_friction_tangent() -> None:
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-6)
 
 
-def press_ring(m: float) -> tuple[float, float]:
-    """Bore ratio of the ring 6:3:2 at 30 and 50 % reduction, mean over the height."""
+def press_ring(m: float) -> float:
+    """Bore ratio of the ring 6:3:2 at 50 % reduction, mean over the height."""
     case = Case(
         title="ring",
         analysis="axisymmetric",
@@ -92,7 +92,11 @@ def press_ring(m: float) -> tuple[float, float]:
             "mesh": {"kind": "rectangle", "origin": [9, 0], "size": [9, 6], "cells": [10, 5], "pattern": "crossed"},
         },
         materials={
-            "steel": {"young": 200e3, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": YIELD, "modulus": 300}}
+            "steel": {
+                "young": 200e3,
+                "poisson": 0.3,
+                "hardening": {"law": "linear", "yield_stress": YIELD, "modulus": 300},
+            }
         },
         tools={"punch": {"profile": [[0, 6], [60, 6]], "contact": "shear", "m": m}},
         boundary={"middle": {"set": "bottom", "fix": ["y"]}},
@@ -101,26 +105,24 @@ def press_ring(m: float) -> tuple[float, float]:
     model = build_model(case)
     procedure = ImplicitProcedure(model, threads=1)
     bore = model.mesh.node_sets["left"]
-    ratios = {}
-    for report in procedure.advance():
-        x = model.mesh.points[bore] + procedure.state.displacement[bore]
-        order = np.argsort(x[:, 1])
-        mean = np.trapezoid(x[order, 0], x[order, 1]) / np.ptp(x[:, 1])
-        ratios[round(0.5 * report.fraction, 6)] = mean / 9.0
-    return ratios[0.3], ratios[0.5]
+    for _ in procedure.advance():
+        pass
+    x = model.mesh.points[bore] + procedure.state.displacement[bore]
+    order = np.argsort(x[:, 1])
+    return float(np.trapezoid(x[order, 0], x[order, 1]) / np.ptp(x[:, 1]) / 9.0)
 
 
-# height reduction 0.3 and 0.5; Avitzur's upper bound, data/ring_6_3_2_avitzur.csv
-@pytest.mark.parametrize(("m", "avitzur"), [(0.05, (None, 1.27130)), (0.1, (None, 1.13640))])
+# bore ratio at 50 % reduction by Avitzur's upper bound for the parallel velocity field, integrated for 6:3:2
+@pytest.mark.parametrize(("m", "avitzur"), [(0.05, 1.27130), (0.1, 1.13640)])
 def test_ring_meets_avitzurs_calibration_at_low_friction(m, avitzur) -> None:
     """Where the ring bulges little, the upper bound with its flat walls is close: within 1 % of the bore."""
-    assert press_ring(m)[1] == pytest.approx(avitzur[1], rel=0.01)
+    assert press_ring(m) == pytest.approx(avitzur, rel=0.01)
 
 
 def test_a_frictionless_ring_grows_by_the_root_of_the_height() -> None:
-    assert press_ring(0.0)[1] == pytest.approx(np.sqrt(2), rel=2e-3)
+    assert press_ring(0.0) == pytest.approx(np.sqrt(2), rel=2e-3)
 
 
 def test_the_bore_shrinks_with_friction() -> None:
-    bores = [press_ring(m)[1] for m in (0.0, 0.1, 0.2, 0.4, 1.0)]
+    bores = [press_ring(m) for m in (0.0, 0.1, 0.2, 0.4, 1.0)]
     assert (np.diff(bores) < 0).all()

@@ -142,7 +142,7 @@ class Tool(Part):
         '{to = [x, y], centre = [x, y], turn = "left"} ends an arc'
     )
     contact: model.ContactLaw = Field(
-        description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped (both)"
+        description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped"
     )
     m: Number = Field(default=0.0, ge=0.0, le=1.0, description="friction factor of shear and coulomb_capped, 0 to 1")
     mu: Number = Field(default=0.0, ge=0.0, description="coefficient of friction of coulomb and coulomb_capped")
@@ -164,7 +164,9 @@ class Tool(Part):
             if key not in self.model_fields_set:
                 raise fault("missing key", f'contact = "{self.contact}" needs {" and ".join(needs)}', key=key)
         for key in {"m", "mu"} & self.model_fields_set - set(needs):
-            raise fault(f'has no meaning with contact = "{self.contact}"', "remove it, or choose a friction law", key=key)
+            raise fault(
+                f'has no meaning with contact = "{self.contact}"', "remove it, or choose a friction law", key=key
+            )
         return self
 
     @model_validator(mode="after")

@@ -46,7 +46,8 @@ class Solver(Part):
     )
     pressure_stiffness: bool = Field(default=_SOLVER.pressure_stiffness, description="follower stiffness of pressures")
     friction_tangent: model.FrictionTangent = Field(
-        default=_SOLVER.friction_tangent, description="what friction adds to the tangent; the answer does not depend on it"
+        default=_SOLVER.friction_tangent,
+        description="what friction adds to the tangent; the answer does not depend on it",
     )
     line_search: bool = Field(default=_SOLVER.line_search, description="shorten corrections that overshoot")
     force_tolerance: Number = Field(

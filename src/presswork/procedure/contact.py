@@ -94,8 +94,6 @@ class Contact:
         self.search(state, state.displacement)
         state.contact[self.gap <= self.tolerance] = SLIDING
         self._limit_faces(state.contact)
-        for face, place in zip(*np.nonzero(state.contact), strict=True):
-            state.anchor[place] = self._model.mesh.points[self.nodes[place]] - state.tool_displacement[face // 2]
         self.settle(state)
 
     def begin_increment(self) -> None:

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Friction of held nodes: the laws, and what they add to the residual and to the tangent.
 
-A node in contact hangs on its anchor, a point in the tool's frame, by a stiff tangential spring: T = -k_t g, g its tangential
-distance from the anchor. Where the spring would pull harder than the law allows, the node slides: T = -T_max sign g, and the
-anchor follows at convergence (return mapping with a small elastic slip). T_max by law, A the node's share of the surface and
-k = flow stress / sqrt(3) at the start of the increment:
+A node in contact hangs on its tool by a stiff tangential spring: over an increment its friction changes by -k_t times
+the slip, from T_n. Where that exceeds what the law allows, the node slides and T = T_max against the slip (return mapping
+with a small elastic slip). The force is kept and not the spring's length, so that a change of the node's area is no jump.
+T_max by law, A the node's share of the surface and k = flow stress / sqrt(3) at the start of the increment:
 
     shear m k A        coulomb mu N        coulomb_capped min(mu N, m k A)
 
 The converged answer is the same whatever the tangent; settings.friction_tangent chooses it:
 
     return_mapping   k_t where the node hangs, nothing where it slides, and Coulomb's dependence on N (unsymmetric)
-    bond             a tangential spring under every node in contact (Cheng 1995, chapter 3): the full friction stress over
-                     the slip of the increment before, softened
+    bond             where it slides, a soft spring too (after the bond element of Cheng 1995, chapter 3): the full
+                     friction stress over the slip of the increment before, softened
     residual         nothing: friction in the residual only
 """
 
@@ -46,8 +46,6 @@ class FrictionForces:
     """What the tangent gets on the node's tangential diagonal (n,) [N/mm]."""
     normal_slope: FloatArray
     """d force / d normal force (n,), zero but for sliding under Coulomb's law."""
-    elastic_slip: FloatArray
-    """What of the distance from the anchor the spring still holds (n,) [mm]."""
 
     def vector(self, n_points: int) -> FloatArray:
         """Return the friction as nodal forces (n_points, 2) [N]."""
@@ -57,7 +55,7 @@ class FrictionForces:
 
 
 class Friction:
-    """The friction of one run; what persists is State.anchor."""
+    """The friction of one run; what persists is State.drag."""
 
     def __init__(self, model: Model, contact: Contact) -> None:
         self._model = model
@@ -96,17 +94,15 @@ class Friction:
         normal = contact.normal[face, place]
         tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
         points = self._model.mesh.points
-        # 1. distance from the anchor; a node that has just touched takes its place at the start of the increment
-        anchor = trial.anchor[place].copy()
-        fresh = state_n.contact[face, place] == 0
-        start = points[nodes] + state_n.displacement[nodes] - state_n.tool_displacement[tool]
-        anchor[fresh] = start[fresh]
-        here = points[nodes] + displacement[nodes] - trial.tool_displacement[tool]
-        slip = np.einsum("ni,ni->n", tangent, here - anchor)
+        # 1. slip since the start of the increment
+        moved = displacement[nodes] - state_n.displacement[nodes]
+        carried = trial.tool_displacement[tool] - state_n.tool_displacement[tool]
+        slip = np.einsum("ni,ni->n", tangent, moved - carried)
         # 2. what the law allows
-        held = np.zeros(len(points), dtype=bool)
+        held = np.zeros(len(displacement), dtype=bool)
         held[contact.nodes[(trial.contact > 0).any(axis=0)]] = True
         edges = self._model.mesh.boundary_edges
+        points = self._model.mesh.points
         area = edge_shares(self._model, points + displacement, edges[held[edges].all(axis=1)])[nodes]
         push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
         full = self._shear_flow[place] * area
@@ -115,14 +111,12 @@ class Friction:
         limit = np.minimum(by_shear, by_push)
         # 3. hang or slide
         stiffness = full / self._slip
-        spring = stiffness * slip
+        spring = state_n.drag[place] - stiffness * slip
         slides = np.abs(spring) > limit
-        force = -np.where(slides, limit * np.sign(slip), spring)
+        force = np.where(slides, limit * np.sign(spring), spring)
         follows_push = slides & (by_push < by_shear) & (push > 0)
-        slope = np.where(follows_push, -self._mu[tool] * np.sign(slip), 0.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            elastic = np.where(stiffness > 0, -force / stiffness, 0.0)
-        return FrictionForces(nodes, tangent, force, *self._tangent(place, limit, stiffness, slides, slope), elastic)
+        slope = np.where(follows_push, self._mu[tool] * np.sign(spring), 0.0)
+        return FrictionForces(nodes, tangent, force, *self._tangent(place, limit, stiffness, slides, slope))
 
     def _tangent(
         self, place: IndexArray, limit: FloatArray, stiffness: FloatArray, slides: BoolArray, slope: FloatArray
@@ -135,12 +129,8 @@ class Friction:
         return np.zeros(len(limit)), np.zeros(len(limit))
 
     def settle(self, state_n: State, trial: State, free: BoolArray) -> None:
-        """At a converged state, let the anchors follow the nodes that slid."""
-        if not self.is_needed:
-            return
-        contact = self._contact
-        place, face = self._places(trial, free[contact.nodes])
-        forces = self.evaluate(state_n, trial, trial.displacement, trial.reaction, free)
-        position = self._model.mesh.points[forces.nodes] + trial.displacement[forces.nodes]
-        here = position - trial.tool_displacement[face // 2]
-        trial.anchor[place] = here - forces.elastic_slip[:, None] * forces.tangent
+        """Keep the friction of a converged state for the next increment."""
+        trial.drag[:] = 0.0
+        if self.is_needed:
+            place, _ = self._places(trial, free[self._contact.nodes])
+            trial.drag[place] = self.evaluate(state_n, trial, trial.displacement, trial.reaction, free).force

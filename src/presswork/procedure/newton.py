@@ -221,9 +221,7 @@ class Equilibrium:
             return shorter
         return increment + part * correction, shorter
 
-    def _rub(
-        self, state_n: State, trial: State, point: _Point, constraints: Constraints
-    ) -> FrictionForces | None:
+    def _rub(self, state_n: State, trial: State, point: _Point, constraints: Constraints) -> FrictionForces | None:
         if not self.friction.is_needed:
             return None
         return self.friction.evaluate(state_n, trial, point.displacement, point.reaction, constraints.turned == 1)

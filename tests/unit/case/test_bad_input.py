@@ -16,6 +16,22 @@ RECTANGLE = 'kind = "rectangle"\nsize = [10, 15]\ncells = [2, 3]\npattern = "cro
 HARDENING = 'law = "linear"\nyield_stress = 700\nmodulus = "0.3 kN/mm^2"'
 
 FAULTS = {
+    "negative_friction": (
+        ('contact = "sticking"', 'contact = "coulomb"\nmu = -0.1'),
+        ["tools.punch.mu = -0.1", "expected a value >= 0", "coefficient of friction"],
+    ),
+    "friction_factor_above_1": (
+        ('contact = "sticking"', 'contact = "shear"\nm = 1.2'),
+        ["tools.punch.m = 1.2", "<= 1", "friction factor"],
+    ),
+    "missing_friction_factor": (
+        ('contact = "sticking"', 'contact = "shear"'),
+        ["tools.punch.m: missing key", 'contact = "shear" needs m'],
+    ),
+    "friction_without_a_law": (
+        ('contact = "sticking"', 'contact = "sticking"\nm = 0.1'),
+        ["tools.punch.m", "no meaning", "remove it"],
+    ),
     "unknown_key": (
         ('material = "steel"', 'material = "steel"\nmatrial = "iron"'),
         ["workpiece.matrial", '"iron"', "unknown key", "did you mean `material`?"],
