@@ -2,9 +2,9 @@
 """Friction of held nodes: the laws, and what they add to the residual and to the tangent.
 
 A node in contact hangs on its tool by a stiff tangential spring: over an increment its friction changes by -k_t times
-the slip, from T_n. Where that exceeds what the law allows, the node slides and T = T_max against the slip (return mapping
-with a small elastic slip). The force is kept and not the spring's length, so that a change of the node's area is no jump.
-T_max by law, A the node's share of the surface and k = flow stress / sqrt(3) at the start of the increment:
+the slip, from T_n. Where that exceeds what the law allows, the node slides and T = T_max against the slip (return
+mapping with a small elastic slip). The force is kept and not the spring's length, so that a change of the node's area
+is no jump. T_max by law, A the node's share of the surface and k = flow stress / sqrt(3) at the start of the increment:
 
     shear m k A        coulomb mu N        coulomb_capped min(mu N, m k A)
 
