@@ -17,7 +17,7 @@ void bind_contact(nb::module_& m) {
         auto second_gaps = new_array({n}, &second_gap);
         auto second_normals = new_array({n, 2}, &second_normal);
         const int n_segments = static_cast<int>(segments.shape(0));
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n > 2000)  // waking a thread takes longer than a short loop
         for (std::size_t i = 0; i < n; ++i) {
           const Touch t = touch_profile(n_segments, segments.data(), points.data()[2 * i], points.data()[2 * i + 1]);
           gap[i] = t.gap, second_gap[i] = t.second_gap;

@@ -2,6 +2,7 @@
 #include "assembly/assembler.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "tensor/pack.hpp"
 
@@ -89,6 +90,8 @@ std::int64_t Assembler::find_pair(int row, int column) const {
 }
 
 void Assembler::build_sources(const BlockConnectivity& block) {
+  if (packed_index(block.n_cells, 2 * block.nodes, 0, 0) > UINT32_MAX)
+    throw std::length_error("a block of cells is too large for 32-bit offsets: split it");
   const int n = block.nodes, freedoms = 2 * n;
   const std::int64_t n_pairs = pair_start_[n_nodes_], per_cell = static_cast<std::int64_t>(n) * n;
   std::vector<std::int64_t> pair_of(block.n_cells * per_cell, -1);
@@ -121,7 +124,7 @@ void Assembler::build_sources(const BlockConnectivity& block) {
       nodes.source[node_fill[cell[a]]++] = (e / pack_width * freedoms + 2 * a) * pack_width + e % pack_width;
       for (int b = 0; b < n; ++b) {
         const auto p = pair_of[e * per_cell + a * n + b];
-        if (p >= 0) pairs.source[pair_fill[p]++] = e * static_cast<std::int32_t>(per_cell) + a * n + b;
+        if (p >= 0) pairs.source[pair_fill[p]++] = static_cast<std::uint32_t>(packed_index(e, freedoms, 2 * a, 2 * b));
       }
     }
   }
@@ -151,11 +154,9 @@ void Assembler::assemble_matrix(const std::vector<const double*>& stiffness, con
       double k[4] = {0, 0, 0, 0};
       for (std::size_t block = 0; block < stiffness.size(); ++block) {
         const auto& sources = pair_sources_[block];
-        const int m = sources.freedoms, n = m / 2;
+        const std::int64_t next_row = static_cast<std::int64_t>(sources.freedoms) * pack_width;
         for (auto s = sources.start[p]; s < sources.start[p + 1]; ++s) {
-          const int code = sources.source[s], cell = code / (n * n), a = code / n % n, b = code % n;
-          const double* entry = stiffness[block] + packed_index(cell, m, 2 * a, 2 * b);
-          const std::int64_t next_row = static_cast<std::int64_t>(m) * pack_width;
+          const double* entry = stiffness[block] + sources.source[s];
           k[0] += entry[0];
           k[1] += entry[pack_width];
           k[2] += entry[next_row];
@@ -182,7 +183,7 @@ void Assembler::add_blocks(int n, const int* pairs, const double* blocks, const 
 }
 
 void Assembler::assemble_vector(const std::vector<const double*>& element_force, double* force) const {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n_nodes_ > 5000)
   for (int node = 0; node < n_nodes_; ++node) {
     double fx = 0, fy = 0;
     for (std::size_t block = 0; block < element_force.size(); ++block) {
@@ -202,7 +203,7 @@ void Assembler::constrain(const std::uint8_t* mask, const double* value, double 
                           double* rhs) const {
   const int n = 2 * n_nodes_;
   // columns of prescribed freedoms leave the free rows
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n_nodes_ > 5000)
   for (int row = 0; row < n; ++row) {
     if (mask[row]) continue;
     for (int at = indptr_[row]; at < indptr_[row + 1]; ++at) {

@@ -45,8 +45,8 @@ class Assembler {
  private:
   struct PairSources {  // per node pair, the element entries that add up to it
     int freedoms = 0;
-    std::vector<std::int64_t> start;   // (n_pairs + 1)
-    std::vector<std::int32_t> source;  // packed (cell, a, b) as an index of its first entry, in units of lanes
+    std::vector<std::int64_t> start;    // (n_pairs + 1)
+    std::vector<std::uint32_t> source;  // offset of entry (2a, 2b) in the packed array
   };
   struct NodeSources {
     std::vector<std::int64_t> start;

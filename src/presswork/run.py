@@ -28,6 +28,7 @@ from presswork.procedure.implicit import (
     GaveUpError,
     ImplicitProcedure,
     IncrementReport,
+    NotHeldError,
 )
 from presswork.results import (
     History,
@@ -43,6 +44,8 @@ from presswork.results import (
 )
 from presswork.results.fields import cell_fields, effective_stress, point_fields
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
+
+__all__ = ["NotHeldError", "Outcome", "Progress", "fingerprint", "run_model"]
 
 Status = Literal["completed", "gave_up", "interrupted"]
 
@@ -85,10 +88,11 @@ def run_model(
 
     A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C and a solver
     that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError if the
-    folder cannot be used or written.
+    folder cannot be used or written, NotHeldError if the workpiece is free to move as a rigid body.
     """
+    procedure = ImplicitProcedure(model, threads=threads)
     path = open_output_folder(folder, overwrite=overwrite, resume=resume)
-    run = _Run(model, path, threads)
+    run = _Run(model, path, procedure)
     if resume:
         run.load()
     else:
@@ -113,10 +117,10 @@ def fingerprint(model: Model) -> str:
 class _Run:
     """One run in one folder."""
 
-    def __init__(self, model: Model, folder: Path, threads: int) -> None:
+    def __init__(self, model: Model, folder: Path, procedure: ImplicitProcedure) -> None:
         self.model = model
         self.folder = folder
-        self.procedure = ImplicitProcedure(model, threads=threads)
+        self.procedure = procedure
         self.history = History(folder / HISTORY, history_columns([t.name for t in model.tools]))
         self.saved_steps = 0
         self.log = logging.getLogger(f"presswork.{id(self)}")
@@ -267,7 +271,8 @@ class _Run:
         if meta["model"] != fingerprint(self.model):
             raise OutputError(
                 f"{self.folder / CHECKPOINT} belongs to another case: mesh, materials, tools, stages or solver "
-                "settings differ. Resume with the case as it was (case.toml beside it), or use --overwrite"
+                "settings differ. Resume with the case and the --set as they were (case.toml beside it has both), or "
+                "use --overwrite"
             )
         try:
             self.procedure.state.load_arrays(arrays)

@@ -30,7 +30,8 @@ PYTHON_ROOMS = {
     "post": {"model", "results"},
     "view": {"model", "results", "post"},
     "run": {"model", "procedure", "results"},
-    "cli": {"case", "examples", "model", "results", "run", "view"},
+    "study": {"case", "model", "run", "results", "view", "post"},
+    "cli": {"case", "examples", "model", "results", "run", "study", "view"},
 }
 """Room: the rooms it may import from, beside itself and _core. case may name examples in errors, never import them."""
 

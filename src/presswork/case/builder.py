@@ -115,9 +115,12 @@ def _find_symmetry_planes(
     for name, entry in case.boundary.items():
         fixed = sorted(set(entry.fix))
         axis = _AXES.index(fixed[0])
-        coordinate = mesh.points[mesh.node_sets[entry.set], axis]
+        nodes = mesh.node_sets[entry.set]
+        coordinate = mesh.points[nodes, axis]
         outermost = min(coordinate.min() - low[axis], high[axis] - coordinate.max()) < tolerance
-        if len(fixed) == 1 and np.ptp(coordinate) < tolerance and outermost:
+        on_line = np.abs(mesh.points[:, axis] - coordinate[0]) < tolerance
+        is_whole_side = len(nodes) > 1 and on_line.sum() == len(nodes)
+        if len(fixed) == 1 and np.ptp(coordinate) < tolerance and outermost and is_whole_side:
             if entry.symmetry is not False:
                 planes[axis].append(float(coordinate.mean()))
         elif entry.symmetry:
@@ -125,7 +128,7 @@ def _find_symmetry_planes(
                 Problem(
                     f"boundary.{name}.symmetry",
                     f"the set `{entry.set}` with fix = {fixed} is no symmetry plane of the workpiece",
-                    "fix one component, on an outermost straight side normal to it, or leave symmetry out",
+                    "fix one component, on the whole of an outermost straight side normal to it, or leave symmetry out",
                     True,
                 )
             )

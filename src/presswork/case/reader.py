@@ -19,7 +19,7 @@ JsonSchema = Mapping[str, Any]
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     """Read a TOML file; return its data and its text."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         near = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.glob("*.toml")], n=1)
         remedy = f"did you mean `{path.parent / near[0]}`?" if near else "check the path"

@@ -9,6 +9,8 @@ from presswork.case.errors import Problem, suggest
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import fitting_patterns
 
+MOST_CELLS = 20_000_000
+
 
 def check_references(case: schema.Case) -> list[Problem]:
     """Return the problems that show without the mesh."""
@@ -63,6 +65,10 @@ def _moves(stage: schema.Stage) -> bool:
 def _check_workpiece(case: schema.Case) -> list[Problem]:
     problems = []
     workpiece = case.workpiece
+    cells = workpiece.mesh.cells if isinstance(workpiece.mesh, schema.Rectangle) else None
+    if cells and cells[0] * cells[1] > MOST_CELLS:
+        remedy = f"take no more than {MOST_CELLS:,} in all"
+        problems.append(Problem("workpiece.mesh.cells", "more cells than memory will hold", remedy, list(cells)))
     if workpiece.material not in case.materials:
         remedy = suggest(workpiece.material, case.materials, "materials")
         problems.append(Problem("workpiece.material", "no such material", remedy, workpiece.material))

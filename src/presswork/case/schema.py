@@ -13,7 +13,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+import tomli_w
 from pydantic import (
+    BeforeValidator,
     Field,
     ModelWrapValidatorHandler,
     PrivateAttr,
@@ -32,7 +34,7 @@ from presswork.case.units import Direction, ForceVector, Length, Number, Point, 
 
 Pattern = Literal["quad", "crossed", "left", "right"]
 Axis = Literal["x", "y"]
-Count = Annotated[int, Field(strict=True, ge=1)]
+Count = Annotated[int, Field(strict=True, ge=1, le=100_000)]
 
 
 class Zone(ShortForm):
@@ -96,12 +98,21 @@ class MeshFile(Part):
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 
 
+def _assume_rectangle(mesh: object) -> object:
+    """A mesh without `kind` is a rectangle, unless it names a file."""
+    if isinstance(mesh, dict) and "kind" not in mesh:
+        return {"kind": "file" if "path" in mesh else "rectangle", **mesh}
+    return mesh
+
+
 class Workpiece(Part):
     """The body that is formed."""
 
     material: str = Field(description="name of one of the [materials]")
     element: model.ElementName = Field(description="element formulation")
-    mesh: Rectangle | MeshFile = Field(discriminator="kind", description="the mesh of the workpiece")
+    mesh: Annotated[Rectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
+        description="the mesh of the workpiece"
+    )
 
 
 class Material(Part):
@@ -295,7 +306,7 @@ class Case(Part):
         apply_overrides(data, overrides, path)
         case = cls.model_validate(data, context={"source": path})
         case._source = path
-        case._text = text + "".join(f"# --set {override}\n" for override in overrides)
+        case._text = _write_as_run(data, path.parent) if overrides or "path" in data["workpiece"]["mesh"] else text
         return case
 
     @property
@@ -305,8 +316,16 @@ class Case(Part):
 
     @property
     def text(self) -> str:
-        """The case file as read, with the overrides as comments at its end; empty for a case built in Python."""
+        """The case file as read, or written anew with the overrides in it; empty for a case built in Python."""
         return self._text
+
+
+def _write_as_run(data: dict[str, Any], folder: Path) -> str:
+    """Write a case so that it can be run from anywhere: overrides in it, the mesh file by its full path."""
+    mesh = dict(data["workpiece"]["mesh"])
+    if "path" in mesh:
+        mesh["path"] = str((folder / mesh["path"]).resolve())
+    return tomli_w.dumps({**data, "workpiece": {**data["workpiece"], "mesh": mesh}})
 
 
 @functools.cache

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from presswork.mesh.topology import count_cells_of_edges, count_corners, find_parts
 from presswork.model import FloatArray, IntArray
@@ -74,6 +73,8 @@ def wind_counter_clockwise(points: FloatArray, connectivity: IntArray) -> tuple[
 
 def check_connected(points: FloatArray, connectivity: IntArray) -> None:
     """Raise MeshError when the mesh falls into parts that share no node, or cells overlap."""
+    from scipy.spatial import cKDTree  # here, for it takes a third of a second to import
+
     edges, count = count_cells_of_edges([connectivity])
     if (count > 2).any():
         x, y = points[edges[np.argmax(count > 2), :2]].mean(axis=0)

@@ -166,6 +166,8 @@ class Contact:
         """
         n_tools = len(self._model.tools)
         forces = np.zeros((n_tools, 2))
+        if not n_tools:
+            return forces
         held = (state.contact > 0).reshape(n_tools, 2, -1)
         by_tool: BoolArray = np.asarray(held.any(axis=1))
         force = state.reaction[self.nodes] * ~fixed[self.nodes]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswork import _core
-from presswork.model import FloatArray, Model
+from presswork.model import BoolArray, FloatArray, Model
 from presswork.procedure.contact import Contact
 from presswork.procedure.mechanics import Mechanics, elastic_energy, plastic_work_of_increment
 from presswork.procedure.newton import Converged, Equilibrium, Failed, IterationLog, Step
@@ -21,9 +21,13 @@ from presswork.procedure.timing import Timing
 from presswork.state import State
 
 GROWTH = 1.5
-ENOUGH_FOR_THREADS = 5000
+ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
 TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
+
+
+class NotHeldError(Exception):
+    """Nothing holds the workpiece in some direction: it would move as a rigid body."""
 
 
 class GaveUpError(Exception):
@@ -60,8 +64,25 @@ class ImplicitProcedure:
         self.state = State.at_rest(model, len(self.contact.nodes))
         self.state.progress[SIZE] = model.solver.initial_increment
         self.contact.begin(self.state)
+        self._check_held()
         self.mechanics.evaluate(self.state, self.state, self.state.increment, with_stiffness=False)
         self.initial_volume = self.volume()
+
+    def _check_held(self) -> None:
+        """Refuse a workpiece that the first increment would push away."""
+        held: BoolArray = np.asarray(self.equilibrium.fixed(0).any(axis=0))
+        held[0] |= self.model.analysis == "axisymmetric"  # a ring resists its growth
+        face, place = np.nonzero(self.state.contact)
+        touched = np.abs(self.contact.normal[face, place]) > 0.1
+        held |= touched.any(axis=0)
+        rubs = np.array([t.contact != "frictionless" for t in self.model.tools], dtype=bool)
+        held |= bool(len(face)) and bool(rubs[face // 2].any())
+        if not held.all():
+            free = " and ".join(axis for axis, is_held in zip("xy", held, strict=True) if not is_held)
+            raise NotHeldError(
+                f"nothing holds the workpiece in {free}: no boundary or displacement fixes a point there, and no tool "
+                "touches it at the start. Add a [boundary] entry, or let a tool touch it"
+            )
 
     def volume(self) -> float:
         """Volume of the workpiece as modelled [mm3]."""

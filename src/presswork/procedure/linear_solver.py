@@ -83,7 +83,7 @@ def _release(pardiso: Any, handle: NDArray[np.int64], matrix_type: int, n: int) 
 
 
 class Pardiso:
-    """MKL PARDISO: the analysis is done once, in the first factorisation."""
+    """MKL PARDISO; the analysis is done once, when it is made."""
 
     name = "MKL PARDISO"
 
@@ -103,12 +103,13 @@ class Pardiso:
         self._data = np.zeros(len(indices))
         self._type = -2 if symmetric else 11
         self._n = len(indptr) - 1
-        self._analysed = False
         self._finalizer = weakref.finalize(self, _release, self._pardiso, self._handle, self._type, self._n)
         self._iparm = np.zeros(64, dtype=np.int32)
-        settings = {0: 1, 1: 2, 7: 0, 9: 8 if symmetric else 13, 10: 0 if symmetric else 1, 17: -1, 20: 1, 34: 1}
+        settings = {0: 1, 1: 2, 7: 0, 9: 8 if symmetric else 13, 10: 0, 17: -1, 20: 1, 34: 1}
         for position, value in settings.items():
             self._iparm[position] = value
+        empty = np.zeros(self._n)
+        self._call(11, empty, empty)  # the analysis; without scaling and matching it asks for no values
 
     def _call(self, phase: int, rhs: FloatArray, solution: FloatArray) -> None:
         error = _integer(0)
@@ -133,9 +134,6 @@ class Pardiso:
     def factorise(self, data: FloatArray) -> None:
         self._data = np.ascontiguousarray(data)
         empty = np.zeros(self._n)
-        if not self._analysed:
-            self._call(11, empty, empty)
-            self._analysed = True
         self._call(22, empty, empty)
 
     def solve(self, rhs: FloatArray) -> FloatArray:

@@ -271,7 +271,7 @@ class Equilibrium:
                 assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
             if friction:
                 self._add_friction(friction, constraints)
-            diagonal = float(np.abs(self._data).max())
+            diagonal = float(self._data.max())  # of the size of the others, for the condition
             assembler.constrain(constraints.mask.reshape(-1), constraints.value.reshape(-1), diagonal, self._data, flat)
             self._timing.add("assembly", started)
             started = perf_counter()

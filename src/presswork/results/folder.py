@@ -31,7 +31,7 @@ def open_output_folder(path: Path | str, *, overwrite: bool = False, resume: boo
     if overwrite and resume:
         raise OutputError("--overwrite and --resume exclude each other: the first deletes what the second continues")
     if resume and not (folder / CHECKPOINT).is_file():
-        raise OutputError(f"{folder} holds no {CHECKPOINT} to resume from; run without --resume to start anew")
+        raise OutputError(f"{folder} holds no {CHECKPOINT} to resume from; run with --overwrite to start anew")
     _create(folder)
     present = [name for name in _WORTH_KEEPING if (folder / name).exists()]
     if present and not (overwrite or resume):

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -31,18 +31,18 @@ def plot_interface(
 ) -> Figure:
     """Draw contact pressure and, below it, contact shear along the contact surface, one curve per step.
 
-    `steps` are by default six, equally spaced; a step without contact has no curve. `x` is the radius (the x
-    coordinate) in axisymmetry, otherwise the arc length. Each connected part of the contact surface is a line of
-    its own.
+    `steps` are by default six, equally spaced; a step without contact has no curve. `x` is by default the radius (the x
+    coordinate) in axisymmetry, unless a wall has many nodes at one radius, and otherwise the arc length. Each connected
+    part of the contact surface is a line of its own.
     """
-    if x is None:
-        x = "radius" if result.info.get("analysis") == "axisymmetric" else "arc_length"
     figure = new_figure(7.6, 6.0) if figure is None else figure
     figure.set_size_inches(7.6, 6.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
     chosen = list(steps) if steps is not None else _spread(len(result.times))
     traces = {step: trace_interface(result, tool, step) for step in chosen}
     traces = {step: trace for step, trace in traces.items() if len(trace.nodes)}
+    if x is None:
+        x = "radius" if result.info.get("analysis") == "axisymmetric" and _spreads(traces.values()) else "arc_length"
     for number, (step, trace) in enumerate(traces.items()):
         colour = _colour(number, len(traces))
         _draw(upper, trace, trace.contact_pressure, x, colour, _label(result, step))
@@ -56,6 +56,15 @@ def plot_interface(
     lines = [*textwrap.wrap(str(result.info.get("title", "")), 60), what]
     upper.set_title("\n".join(lines), loc="left", fontsize="medium")
     return figure
+
+
+def _spreads(traces: Iterable[Interface]) -> bool:
+    """Say whether the radius tells the nodes apart: along a cylindrical wall it does not."""
+    return all(
+        len(np.unique(np.round(trace.points[trace.patch == patch, 0], 6))) == (trace.patch == patch).sum()
+        for trace in traces
+        for patch in np.unique(trace.patch)
+    )
 
 
 def _spread(count: int) -> list[int]:

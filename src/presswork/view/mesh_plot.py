@@ -77,7 +77,7 @@ def plot_contours(
     from matplotlib.tri import Triangulation
 
     levels = _levels(values)
-    shown = np.nan_to_num(values, nan=levels[0], posinf=levels[-1], neginf=levels[0])
+    shown = np.clip(np.nan_to_num(values, nan=levels[0]), levels[0], levels[-1])
     for sign in _IMAGES[mirror]:
         x, y = (points * sign).T
         net = Triangulation(x, y, triangles)

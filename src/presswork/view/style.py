@@ -76,7 +76,7 @@ def describe_step(result: Result, step: int) -> str:
     text = f"{progress.tool} stroke {progress.stroke:.2f} mm"
     if progress.reduction < 0.005:
         return text
-    return f"{text}, {progress.direction} reduced by {100 * progress.reduction:.1f} %"
+    return f"{text}, {progress.direction} of the workpiece reduced by {100 * progress.reduction:.1f} %"
 
 
 def clean_axes(ax: Axes) -> None:

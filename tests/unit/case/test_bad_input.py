@@ -38,7 +38,11 @@ FAULTS = {
     ),
     "missing_key": (('element = "tri3"', ""), ["workpiece.element: missing key", "element formulation"]),
     "missing_material_key": (("poisson = 0.3", ""), ["materials.steel.poisson: missing key", "Poisson's ratio"]),
-    "missing_kind": (('kind = "rectangle"', ""), ["workpiece.mesh.kind: missing key", "file, rectangle"]),
+    "unknown_kind": (
+        ('kind = "rectangle"', 'kind = "rectangel"'),
+        ["workpiece.mesh.kind", '"rectangel"', "rectangle"],
+    ),
+    "too_many_cells": (("cells = [2, 3]", "cells = [2, 100000000]"), ["mesh.cells.1 = 100000000", "<= 100000"]),
     "unknown_choice": (
         ('"axisymmetric"', '"axisymetric"'),
         ['analysis = "axisymetric"', "did you mean `axisymmetric`?", "plane_strain"],

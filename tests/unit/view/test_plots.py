@@ -47,7 +47,7 @@ def test_mesh_shows_every_cell_with_its_value_and_unit(result: Result) -> None:
     np.testing.assert_allclose(outline, result.points()[result.mesh.blocks[0].connectivity[0]])
     assert ax.child_axes[0].get_ylabel() == "effective stress [MPa]"
     assert ax.get_xlabel() == "radius r [mm]"
-    assert "die stroke 9.00 mm, height reduced by 60.0 %" in ax.get_title()
+    assert "die stroke 9.00 mm, height of the workpiece reduced by 60.0 %" in ax.get_title()
     assert ax.get_aspect() == 1.0
 
 
@@ -93,7 +93,9 @@ def test_non_finite_values_leave_holes(tmp_path: Path, share: float) -> None:
 
 def test_contours_beside_the_mesh_carry_title_and_stroke(result: Result) -> None:
     figure = plot_mesh_and_contours(result, step=2)
-    assert "Upsetting of a billet\ndie stroke 6.00 mm, height reduced by 40.0 %" in figure.get_suptitle()
+    assert (
+        "Upsetting of a billet\ndie stroke 6.00 mm, height of the workpiece reduced by 40.0 %" in figure.get_suptitle()
+    )
     assert [ax.get_title() for ax in figure.axes] == ["deformed mesh", "effective stress"]
 
 

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the documents show works: the guide's case file, loads without tools, a workpiece that nothing holds."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from presswork import Case, run
+from presswork.run import NotHeldError
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_guides_case_file_runs(tmp_path) -> None:
+    blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "guide.md").read_text("utf-8"), re.DOTALL)
+    path = tmp_path / "guide.toml"
+    path.write_text(blocks[0], encoding="utf-8")
+    outcome = run(Case.from_toml(path, overrides=["workpiece.mesh.cells=[4,4]"]), tmp_path / "out")
+    assert outcome.status == "completed"
+    again = Case.from_toml(tmp_path / "out" / "case.toml")
+    assert again.workpiece.mesh.cells == (4, 4), "case.toml is the case as run"
+    assert run(again, tmp_path / "out", resume=True).status == "completed"
+
+
+def test_links_in_the_documents_lead_somewhere() -> None:
+    for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]:
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text("utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def case_without_tools(**stage) -> Case:
+    return Case(
+        title="no tools",
+        analysis="plane_strain",
+        workpiece={"material": "steel", "element": "quad4_fbar", "mesh": {"size": [10, 10], "cells": [4, 4]}},
+        materials={"steel": {"young": 200e3, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 700}}},
+        boundary={"left": {"set": "left", "fix": ["x"]}, "bottom": {"set": "bottom", "fix": ["y"]}},
+        stages=[{"name": "load", **stage}],
+    )
+
+
+@pytest.mark.parametrize(
+    "stage",
+    [
+        {"pressure": [{"set": "top", "value": 300}]},
+        {"force": [{"set": "top", "value": [0, 1000]}]},
+        {"displacement": [{"set": "top", "component": "y", "value": -0.5}]},
+    ],
+)
+def test_a_case_without_tools_runs(stage, tmp_path) -> None:
+    assert run(case_without_tools(**stage), tmp_path / "out").status == "completed"
+
+
+def test_a_workpiece_that_nothing_holds_is_refused_before_anything_is_computed(tmp_path) -> None:
+    case = case_without_tools(pressure=[{"set": "top", "value": 300}]).model_copy(update={"boundary": {}})
+    with pytest.raises(NotHeldError, match="nothing holds the workpiece in x and y"):
+        run(case, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
