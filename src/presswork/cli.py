@@ -17,8 +17,9 @@ from presswork import Case, CaseError, OutputError, Result, __version__, build_m
 from presswork.case import describe, json_schema
 from presswork.examples import copy_example, list_examples
 from presswork.model import Model
-from presswork.run import Outcome, run_model
+from presswork.run import NotHeldError, Outcome, run_model
 from presswork.run import Progress as RunProgress
+from presswork.study.commands import add_commands
 
 BAD_INPUT, GAVE_UP, INTERRUPTED = 2, 3, 130
 
@@ -72,7 +73,7 @@ def run(
         outcome = _compute(model, folder, overwrite, resume, threads, quiet)
         if plot:
             _draw(outcome.result, None, quiet=quiet)
-    except OutputError as error:
+    except (OutputError, NotHeldError) as error:
         raise _refuse(str(error)) from error
     if outcome.status != "completed":
         console.print(f"{outcome.status.replace('_', ' ')}: {outcome.reason}", style="red", markup=False)
@@ -177,6 +178,9 @@ def examples(
 def schema() -> None:
     """Print the JSON schema of case files, for editors that complete them."""
     typer.echo(json.dumps(json_schema(), indent=2))
+
+
+add_commands(app)
 
 
 def _print_version(wanted: bool) -> None:

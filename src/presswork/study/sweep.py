@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A family of cases in parallel processes: DIR/member_000 ..., one table, one picture.
+
+Each member has a process of its own, so that one that gives up, or dies, leaves the others alone.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from presswork.case import CaseError
+from presswork.case.errors import Problem
+from presswork.results import OutputError, Result, load_checkpoint, open_output_folder
+from presswork.results.folder import CASE, CHECKPOINT, RESULTS
+from presswork.study.member import Task
+from presswork.study.processes import Ended, Moved, Pool, Started
+from presswork.study.table import make_row, read_summary, write_table
+from presswork.study.vary import Member, format_override, make_members, multiply_out
+
+MemberStatus = Literal["waiting", "running", "completed", "gave_up", "failed", "bad_input", "interrupted"]
+TABLE = "table.csv"
+FINISHED = ("completed", "gave_up", "failed", "bad_input")
+
+
+@dataclass(frozen=True)
+class SweepProgress:
+    """What a progress display needs whenever something has happened."""
+
+    fraction: float
+    """Of the whole sweep."""
+    counts: Counter[str]
+    """How many members have each status."""
+    total: int
+
+
+@dataclass(frozen=True)
+class MemberResult:
+    """How one member ended."""
+
+    number: int
+    values: dict[str, Any]
+    """The varied keys and their values."""
+    status: MemberStatus
+    """"failed" is a process that died or could not write; "waiting" one that was never started."""
+    reason: str
+    folder: Path
+
+    @property
+    def result(self) -> Result:
+        """Its results. Raises ResultError if there are none."""
+        return Result(self.folder)
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """How a sweep ended."""
+
+    folder: Path
+    members: tuple[MemberResult, ...]
+    rows: tuple[dict[str, Any], ...]
+    """The rows of the table."""
+
+    @property
+    def counts(self) -> Counter[str]:
+        """How many members ended with each status."""
+        return Counter(member.status for member in self.members)
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether it was stopped before the last member had ended."""
+        return any(member.status not in FINISHED for member in self.members)
+
+
+def run_sweep(
+    case_file: Path | str,
+    vary: Mapping[str, Sequence[Any]],
+    folder: Path | str,
+    *,
+    settings: Sequence[str] = (),
+    jobs: int = 0,
+    resume: bool = False,
+    overwrite: bool = False,
+    on_progress: Callable[[SweepProgress], None] | None = None,
+) -> SweepResult:
+    """Run the full product of the varied keys and write DIR/member_*, table.csv and force_stroke.png.
+
+    vary: keys of the case file, each with its values; settings: `key=value` texts for all members. jobs: members that
+    run at a time, 0 for one a core; each has one thread. A member that gives up or cannot be computed is recorded, and
+    the others go on. Ctrl-C stops all at their checkpoints and returns; with `resume` completed members are kept and
+    the others go on from there, or start anew. Raises CaseError, before anything is run, if no member can be computed,
+    and OutputError if the folder cannot be used.
+    """
+    twice = [key for key in vary if key in {setting.partition("=")[0].strip() for setting in settings}]
+    if twice:
+        raise CaseError([Problem(key, "both set and varied", "leave one out") for key in twice], case_file)
+    combinations = [(values, [format_override(k, v) for k, v in values.items()]) for values in multiply_out(vary)]
+    members = make_members(case_file, combinations, settings)
+    return run_members(members, folder, jobs=jobs, resume=resume, overwrite=overwrite, on_progress=on_progress)
+
+
+def run_members(
+    members: Sequence[Member],
+    folder: Path | str,
+    *,
+    jobs: int = 0,
+    resume: bool = False,
+    overwrite: bool = False,
+    on_progress: Callable[[SweepProgress], None] | None = None,
+) -> SweepResult:
+    """Run members that are made already; as run_sweep otherwise."""
+    from presswork.study.sweep_plot import draw_curves
+
+    run = _Sweep(members, _open_folder(Path(folder), members, resume, overwrite), on_progress)
+    run.complete(run.plan(resume, overwrite), jobs or count_cores())
+    result = run.collect()
+    write_table(run.folder / TABLE, result.rows)
+    draw_curves(result.members, run.folder)
+    return result
+
+
+def count_cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _open_folder(folder: Path, members: Sequence[Member], resume: bool, overwrite: bool) -> Path:
+    """Create the sweep's folder, or see that it may be used; with `overwrite` surplus members are deleted."""
+    if resume and overwrite:
+        raise OutputError("--overwrite and --resume exclude each other: the first deletes what the second continues")
+    present = sorted(path for path in folder.glob("member_*") if (path / CASE).is_file())
+    if resume and not folder.is_dir():
+        raise OutputError(f"there is no {folder} to resume; run without --resume to start anew")
+    if present and not (resume or overwrite):
+        raise OutputError(
+            f"{folder} already holds a sweep ({len(present)} members); choose another folder, "
+            "or run with --overwrite to replace it or --resume to continue"
+        )
+    open_output_folder(folder)  # refuses the results of a single run, and a folder that cannot be written
+    wanted = {member.folder_name for member in members if member.case is not None}
+    for path in present if overwrite else ():
+        if path.name not in wanted:
+            shutil.rmtree(path)
+    return folder
+
+
+class _Sweep:
+    """One sweep in one folder."""
+
+    def __init__(
+        self, members: Sequence[Member], folder: Path, on_progress: Callable[[SweepProgress], None] | None
+    ) -> None:
+        self.members = members
+        self.folder = folder
+        self.on_progress = on_progress
+        self.status: list[MemberStatus] = ["waiting" if m.case is not None else "bad_input" for m in members]
+        self.reasons = [m.fault for m in members]
+        self.fractions = [0.0 if m.case is not None else 1.0 for m in members]
+
+    def plan(self, resume: bool, overwrite: bool) -> dict[int, Task]:
+        """Return what is to be run, by member; completed members are marked as such."""
+        tasks = {}
+        for i, member in enumerate(self.members):
+            folder = self.folder / member.folder_name
+            if member.case is None:
+                continue
+            mode: Literal["new", "overwrite", "resume"] = "overwrite" if overwrite else "new"
+            if resume and folder.is_dir():
+                mode = "resume" if self._can_resume(member) else "overwrite"
+                if mode == "resume" and read_summary(folder).get("status") == "completed":
+                    self.status[i], self.fractions[i] = "completed", 1.0
+                    continue
+            tasks[i] = Task(member.case, folder, mode)
+        return tasks
+
+    def _can_resume(self, member: Member) -> bool:
+        """Say whether there is a checkpoint to go on from. Raises OutputError if it is that of another case."""
+        folder = self.folder / member.folder_name
+        if not (folder / RESULTS).is_file():
+            return False
+        try:
+            _, meta = load_checkpoint(folder / CHECKPOINT)
+        except OutputError:
+            return False
+        if meta["model"] != member.model_id:
+            raise OutputError(
+                f"{folder} belongs to another case ({member.values}): resume with the case, --set and --vary as they "
+                "were, or use --overwrite"
+            )
+        return True
+
+    def complete(self, tasks: Mapping[int, Task], jobs: int) -> None:
+        """Run the tasks to their end, keeping the table on disk up to date; Ctrl-C stops them and returns."""
+        self._report()
+        pool = Pool(tasks, jobs)
+        for event in pool.run():
+            match event:
+                case Started(i):
+                    self.status[i] = "running"
+                case Moved(i, fraction):
+                    self.fractions[i] = fraction
+                case Ended(i, status, reason):
+                    self.status[i], self.reasons[i], self.fractions[i] = status, reason, 1.0
+                    write_table(self.folder / TABLE, self.collect().rows)
+            self._report()
+
+    def _report(self) -> None:
+        if self.on_progress:
+            fraction = sum(self.fractions) / len(self.fractions)
+            self.on_progress(SweepProgress(fraction, Counter(self.status), len(self.members)))
+
+    def collect(self) -> SweepResult:
+        """Return what is known of every member."""
+        results = tuple(
+            MemberResult(m.number, m.values, status, reason, self.folder / m.folder_name)
+            for m, status, reason in zip(self.members, self.status, self.reasons, strict=True)
+        )
+        rows = [make_row(r.folder, r.folder.name, r.values, r.status, r.reason) for r in results]
+        return SweepResult(self.folder, results, tuple(rows))

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""force_stroke.png: one curve a member, coloured in the order of the members."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from presswork.results import OutputError
+from presswork.results.whole_file import replace_whole
+from presswork.view import plot_history
+from presswork.view.history_plot import find_moving_tools
+from presswork.view.style import COLOURS, DPI
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from presswork.study.sweep import MemberResult
+
+PICTURE = "force_stroke.png"
+_ENTRIES_A_COLUMN = 16
+
+
+def draw_curves(members: Sequence[MemberResult], folder: Path) -> Path | None:
+    """Draw force against stroke of all members that have come anywhere; None if there are none, or no matplotlib."""
+    drawn = [member for member in members if _has_curve(member)]
+    if not drawn:
+        return None
+    try:
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
+    except ImportError:
+        return None
+    figure = Figure(figsize=(7.5, 4.6), layout="constrained")
+    ax = figure.subplots()
+    plot_history([member.result for member in drawn], ax=ax, labels=[_name(member) for member in drawn])
+    tools = len(ax.lines) // len(drawn)
+    colours = mpl.colormaps[COLOURS](np.linspace(0, 0.92, len(drawn)))
+    for i, line in enumerate(ax.lines):
+        line.set(color=colours[min(i // tools, len(drawn) - 1)], linestyle=("-", "--", ":")[i % tools % 3])
+    if len(ax.lines) == 1:
+        ax.lines[0].set_label(_name(drawn[0]))
+    ax.legend(
+        frameon=False,
+        fontsize="small",
+        ncols=-(-len(ax.lines) // _ENTRIES_A_COLUMN),
+        loc="upper left",
+        bbox_to_anchor=(1.0, 1.0),
+    )
+    return save_picture(figure, folder / PICTURE)
+
+
+def save_picture(figure: Figure, path: Path) -> Path:
+    """Write a PNG in the place of what is there. Raises OutputError."""
+    with replace_whole(path, needed_bytes=200_000) as temporary:
+        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.1)
+    return path
+
+
+def _has_curve(member: MemberResult) -> bool:
+    if member.status in ("bad_input", "waiting"):
+        return False
+    try:
+        return bool(find_moving_tools(member.result.history))
+    except OutputError:
+        return False
+
+
+def _name(member: MemberResult) -> str:
+    """Return the varied values, keys cut to their last part: `m = 0.2`; and how it ended if not well."""
+    name = ", ".join(f"{key.rpartition('.')[2]} = {_short(value)}" for key, value in member.values.items())
+    return name if member.status == "completed" else f"{name} ({member.status.replace('_', ' ')})"
+
+
+def _short(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sweeps and calibration from the command line: tables, failing members, Ctrl-C and --resume, exit status."""
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from presswork import Case, run
+from presswork.examples import copy_example
+from presswork.study import calibrate_ring, integrate_ring, measure_ring, run_sweep
+
+SMALL = ["workpiece.mesh.cells=[4,2]", "stages.0.tools.punch.stroke=0.6", "output.steps=4"]
+COMMAND = [sys.executable, "-c", "from presswork.cli import app; app()"]
+
+
+def presswork(*arguments: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*COMMAND, *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+def sets(settings: list[str]) -> list[str]:
+    return [part for setting in settings for part in ("--set", setting)]
+
+
+def read_table(folder: Path) -> list[dict[str, str]]:
+    with open(folder / "table.csv", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture(scope="module")
+def case_file(tmp_path_factory) -> Path:
+    return copy_example("ring_compression", tmp_path_factory.mktemp("case"))
+
+
+def test_sweep_leaves_a_table_a_picture_and_the_bits_of_single_runs(case_file, tmp_path):
+    out = tmp_path / "out"
+    vary = ["--vary", "tools.punch.m=0.1:0.3:2", "--vary", "workpiece.mesh.cells.1=1,2"]
+    done = presswork("sweep", case_file, *vary, *sets(SMALL), "--output", out)
+    assert done.returncode == 0, done.stderr
+    assert "4 of 4 completed" in done.stderr
+    rows = read_table(out)
+    assert [(r["member"], float(r["tools.punch.m"]), int(r["workpiece.mesh.cells.1"])) for r in rows] == [
+        ("member_000", 0.1, 1),
+        ("member_001", 0.1, 2),
+        ("member_002", 0.3, 1),
+        ("member_003", 0.3, 2),
+    ]
+    single = run(Case.from_toml(case_file, [*SMALL, "tools.punch.m=0.3"]), tmp_path / "single", threads=1)
+    assert (out / "member_003/history.csv").read_bytes() == (tmp_path / "single/history.csv").read_bytes()
+    last, summary = rows[3], single.result.summary
+    assert last["status"] == "completed"
+    assert int(last["increments"]) == summary["increments"]
+    assert int(last["iterations"]) == summary["iterations"]
+    assert float(last["punch.stroke"]) == single.result.history["punch.stroke"][-1]
+    assert float(last["punch.force"]) == single.result.history["punch.force"][-1]
+    assert float(last["max_equivalent_plastic_strain"]) == summary["extremes"]["equivalent_plastic_strain"][1]
+    assert (out / "force_stroke.png").read_bytes().startswith(b"\x89PNG")
+    again = presswork("sweep", case_file, *vary, *sets(SMALL), "--output", out, "--quiet")
+    assert again.returncode == 2
+    assert "--overwrite" in again.stderr
+    other = presswork(
+        "sweep", case_file, *vary, *sets(SMALL), "--set", "materials.steel.young=1e5", "--output", out, "--resume"
+    )
+    assert other.returncode == 2
+    assert "another case" in other.stderr
+    fewer = presswork("sweep", case_file, *vary[:2], *sets(SMALL), "--output", out, "--overwrite", "--quiet")
+    assert (fewer.returncode, fewer.stderr) == (0, "")
+    assert sorted(path.name for path in out.glob("member_*")) == ["member_000", "member_001"]
+
+
+def test_sweep_survives_members_that_give_up_or_are_bad_input(case_file, tmp_path):
+    result = run_sweep(
+        case_file,
+        {"solver.force_tolerance": [1e-4, 1e-30, -1.0]},
+        tmp_path / "out",
+        settings=[*SMALL, "solver.max_iterations=5", "solver.min_increment=1e-3"],
+        jobs=1,
+    )
+    assert [member.status for member in result.members] == ["completed", "gave_up", "bad_input"]
+    rows = read_table(tmp_path / "out")
+    assert "no equilibrium" in rows[1]["reason"]
+    assert "solver.force_tolerance" in rows[2]["reason"]
+    assert not (tmp_path / "out/member_002").exists()
+
+
+@pytest.mark.parametrize(("vary", "status"), [("tools.punch.m=0.2,2", 2), ("solver.force_tolerance=1e-4,1e-30", 3)])
+def test_exit_status_tells_the_worst_that_befell_a_member(case_file, tmp_path, vary, status):
+    settings = [*SMALL, "solver.max_iterations=5", "solver.min_increment=1e-3"]
+    done = presswork("sweep", case_file, "--vary", vary, *sets(settings), "--output", tmp_path / "out", "--quiet")
+    assert done.returncode == status
+    assert "member_001" in done.stderr
+    assert read_table(tmp_path / "out")[0]["status"] == "completed"
+
+
+def test_ctrl_c_stops_a_sweep_and_resume_goes_on_to_the_same_bits(case_file, tmp_path):
+    settings = ["output.checkpoint_every=3", "stages.0.tools.punch.stroke=1.5"]
+    arguments = ["sweep", case_file, "--vary", "tools.punch.m=0.1,0.2,0.3", *sets(settings), "--jobs", 1]
+    whole = presswork(*arguments, "--output", tmp_path / "whole", "--quiet")
+    assert whole.returncode == 0
+    out = tmp_path / "out"
+    process = subprocess.Popen(
+        [*COMMAND, *map(str, arguments), "--output", str(out)], stderr=subprocess.PIPE, text=True
+    )
+    history = out / "member_001/history.csv"
+    deadline = time.monotonic() + 120
+    while not (history.exists() and history.read_bytes().count(b"\n") > 5):
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "--resume" in errors
+    assert [row["status"] for row in read_table(out)] == ["completed", "interrupted", "waiting"]
+    untouched = (out / "member_000/summary.json").stat().st_mtime_ns
+    resumed = presswork(*arguments, "--output", out, "--resume")
+    assert resumed.returncode == 0, resumed.stderr
+    assert (out / "member_000/summary.json").stat().st_mtime_ns == untouched
+    assert "resumed after increment" in (out / "member_001/run.log").read_text()
+    for i in range(3):
+        name = f"member_{i:03d}/history.csv"
+        assert (out / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+
+
+@pytest.fixture(scope="module")
+def curves(case_file, tmp_path_factory) -> Path:
+    """The folder of calibration curves at the default friction values, for others to resume."""
+    folder = tmp_path_factory.mktemp("calibration")
+    measured = folder / "one.csv"
+    measured.write_text("height_reduction,bore_ratio\n0.5,1.0\n")
+    done = presswork("calibrate", "ring", measured, "--case", case_file, "--output", folder / "out", "--quiet")
+    assert done.returncode == 0, done.stderr
+    assert "no interval" in done.stdout
+    saved = json.loads((folder / "out/calibration.json").read_text())
+    assert done.stdout.startswith(f"m = {saved['m']:.4f}; 1 point\n")
+    assert (folder / "out/calibration.png").read_bytes().startswith(b"\x89PNG")
+    return folder / "out"
+
+
+def calibrate(case_file: Path, curves: Path, reductions: np.ndarray, bores: np.ndarray, **options):
+    measured = curves.parent / "measured.csv"
+    lines = [f"{100 * r},{18 * b}" for r, b in zip(reductions, bores, strict=True)]
+    measured.write_text("\n".join(["height_reduction_percent,bore_diameter_mm", *lines]) + "\n")
+    calibration = calibrate_ring(measured, case_file, curves, resume=True, **options)
+    assert calibration is not None
+    return calibration.fit.friction, calibration.fit.interval
+
+
+@pytest.mark.parametrize(
+    ("m", "bore", "band"), [(0.05, "mean", 0.003), (0.1, "mean", 0.006), (0.1, "mid", 0.006), (0.2, "mean", 0.01)]
+)
+def test_calibrate_identifies_the_friction_of_avitzurs_ring(case_file, curves, m, bore, band):
+    """Points that the solver has no part in: a rigid ring that does not bulge."""
+    reductions = np.linspace(0.1, 0.5, 9)
+    found, _ = calibrate(case_file, curves, reductions, integrate_ring(m, reductions)[0], bore=bore)
+    assert found == pytest.approx(m, abs=band)
+
+
+@pytest.mark.parametrize("m", [0.12, 0.35])
+def test_calibrate_recovers_the_friction_of_a_run_between_its_curves(case_file, curves, tmp_path, m):
+    outcome = run(Case.from_toml(case_file, [f"tools.punch.m={m}"]), tmp_path / "run", threads=1)
+    ring = measure_ring(outcome.result)
+    at = slice(4, None, 2)
+    found, (low, high) = calibrate(case_file, curves, ring.height_reduction[at], ring.bore_mean[at])
+    assert found == pytest.approx(m, abs=3e-3)
+    assert low < found < high
