@@ -57,9 +57,9 @@ class ContactForces:
 def contact_stress(model: Model, state: State, contact: ContactForces) -> tuple[FloatArray, FloatArray]:
     """Return pressure and shear stress of the tools on the nodes (n_points,) [MPa], zero where there is no contact.
 
-    A nodal force is divided by the node's share of the edges in contact, int N_a dA: exact for a uniform stress. A node
-    with no edge wholly in contact takes its share of the edges beside it; a vertex on the axis, whose share of a
-    quadratic edge is nothing, takes the stress of the mid-side next to it.
+    A nodal force is divided by the node's share of the edges in contact, int N_a dA: exact for a uniform stress. With
+    quadratic edges, whose nodal forces alternate beside a peak, a node then takes the mean stress of its edges. A node
+    with no edge wholly in contact takes its share of the edges beside it.
     """
     n = len(model.mesh.points)
     pressure, shear = np.zeros(n), np.zeros(n)
@@ -71,25 +71,42 @@ def contact_stress(model: Model, state: State, contact: ContactForces) -> tuple[
     whole = edges[held[edges].all(axis=1)]
     alone = np.setdiff1d(contact.nodes, whole)
     edges = np.concatenate([whole, edges[np.isin(edges, alone).any(axis=1)]])
-    share = edge_shares(model, model.mesh.points + state.displacement, edges)
-    area = share[contact.nodes]
-    empty = area < 1e-9 * area.max()
-    area[empty] = np.inf
-    pressure[contact.nodes], shear[contact.nodes] = contact.push / area, contact.drag / area
-    for node in contact.nodes[empty]:
-        beside = whole[(whole[:, :2] == node).any(axis=1), -1]
-        if len(beside):
-            pressure[node], shear[node] = pressure[beside[0]], shear[beside[0]]
+    points = model.mesh.points + state.displacement
+    area = edge_shares(model, points, edges)[contact.nodes]
+    safe = np.where(area > 1e-9 * area.max(), area, np.inf)  # a vertex on the axis has no share of a quadratic edge
+    pressure[contact.nodes], shear[contact.nodes] = contact.push / safe, contact.drag / safe
+    if whole.shape[1] == 3 and len(whole):
+        _average_over_edges(model, points, whole, pressure)
+        _average_over_edges(model, points, whole, shear)
     return pressure, shear
 
 
-def edge_shares(model: Model, points: FloatArray, edges: IntArray) -> FloatArray:
-    """Return int N_a dA of every node over the edges, (n_points,) [mm2]; whole rings in axisymmetry."""
+def _average_over_edges(model: Model, points: FloatArray, edges: IntArray, stress: FloatArray) -> None:
+    """Give every node of the edges the mean of its edges' mean stresses, in place."""
+    shares = _shares_by_edge(model, points, edges)
+    area = shares.sum(axis=1)
+    mean = (shares * stress[edges]).sum(axis=1) / area
+    total, weight = np.zeros(len(points)), np.zeros(len(points))
+    np.add.at(total, edges, (mean * area)[:, None])
+    np.add.at(weight, edges, area[:, None])
+    nodes = np.unique(edges)
+    stress[nodes] = total[nodes] / weight[nodes]
+
+
+def _shares_by_edge(model: Model, points: FloatArray, edges: IntArray) -> FloatArray:
+    """Return int N_a dA of every edge and node (n_edges, 2 | 3) [mm2]; whole rings in axisymmetry."""
     x = points[edges]
-    share = np.zeros(len(points))
+    shares = np.zeros(edges.shape)
     for s, weight in GAUSS_3:
         N, dN = edge_shape_functions(edges.shape[1], s)
         length = np.linalg.norm(np.einsum("a,eai->ei", dN, x), axis=1)
         thickness = 2 * np.pi * (x[:, :, 0] @ N) if model.analysis == "axisymmetric" else model.depth
-        np.add.at(share, edges, np.einsum("e,a->ea", weight * length * thickness, N))
+        shares += np.einsum("e,a->ea", weight * length * thickness, N)
+    return shares
+
+
+def edge_shares(model: Model, points: FloatArray, edges: IntArray) -> FloatArray:
+    """Return int N_a dA of every node over the edges, (n_points,) [mm2]; whole rings in axisymmetry."""
+    share = np.zeros(len(points))
+    np.add.at(share, edges, _shares_by_edge(model, points, edges))
     return share
