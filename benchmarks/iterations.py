@@ -72,7 +72,7 @@ def run_case(name: str, overrides: list[str], threads: int) -> dict[str, object]
     except GaveUpError as error:
         status = str(error).split(":")[0]
     contact = procedure.contact
-    forces = contact.tool_forces(procedure.state, procedure.equilibrium.fixed(len(model.stages) - 1))
+    forces, _ = contact.tool_forces(procedure.state, procedure.equilibrium.fixed(len(model.stages) - 1))
     return {
         "name": name,
         "overrides": overrides,

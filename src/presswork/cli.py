@@ -95,9 +95,9 @@ def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads:
         def show(progress: RunProgress) -> None:
             report = progress.report
             tools = "  ".join(
-                f"{name} {progress.strokes[name]:.2f} mm {progress.forces[name] / 1e3:.1f} kN"
-                for name in progress.strokes
-                if progress.strokes[name]
+                f"{name} {tool.stroke:.2f} mm {tool.force / 1e3:.1f} kN"
+                for name, tool in progress.tools.items()
+                if tool.stroke
             )
             text = f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
             bar.update(task, completed=progress.fraction, description=text)

@@ -80,6 +80,18 @@ class Material:
 
 
 @dataclass(frozen=True)
+class Spring:
+    """A spring behind a tool, which rests against a stop until the workpiece pushes it with more than the preload."""
+
+    stiffness: float
+    """[N/mm] of the whole tool."""
+    preload: float
+    """[N] on the whole tool."""
+    direction: tuple[float, float]
+    """Unit vector along which the tool gives way."""
+
+
+@dataclass(frozen=True)
 class Tool:
     """A rigid profile that moves without deforming."""
 
@@ -94,6 +106,10 @@ class Tool:
     """Coefficient of friction of "coulomb" and "coulomb_capped"."""
     mirrored_across: tuple[bool, bool] = (False, False)
     """Plane strain: whether the whole tool is twice what is modelled, mirrored by a symmetry plane normal to x | y."""
+    centre: tuple[float, float] = (0.0, 0.0)
+    """About which it turns, and its torque is taken [mm]."""
+    spring: Spring | None = None
+    """On which it rests; its stages move the spring's foot."""
 
 
 @dataclass(frozen=True)
@@ -133,14 +149,29 @@ class Pressure:
 
 
 @dataclass(frozen=True)
+class ToolMotion:
+    """What a tool does over a stage: it moves and turns linearly in time, or pushes with a force."""
+
+    move: tuple[float, float] = (0.0, 0.0)
+    """Displacement [mm]."""
+    turn: float = 0.0
+    """Angle [rad], counter-clockwise, about the tool's centre."""
+    force: float | None = None
+    """Instead of a move along `direction`: what the whole tool pushes with at the end of the stage [N], reached
+    linearly from what it pushed with at its start."""
+    direction: tuple[float, float] = (0.0, 0.0)
+    """Unit vector along which a tool with a force pushes and is free to move."""
+
+
+@dataclass(frozen=True)
 class Stage:
     """A part of the process in which every motion and load is linear in time."""
 
     name: str
     duration: float = 1.0
     """[s]; quasi-static and rate-independent, so it only scales the time column."""
-    tool_motion: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    """Displacement of each moving tool over the stage [mm]; a tool not named stands still."""
+    tool_motion: Mapping[str, ToolMotion] = field(default_factory=dict)
+    """Motion of each moving tool; a tool not named stands still."""
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()

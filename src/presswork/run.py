@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from presswork import __version__
-from presswork.model import FloatArray, Model
+from presswork.model import Model, ToolMotion
 from presswork.procedure.implicit import (
     CUTBACKS,
     FRACTION,
@@ -30,6 +30,7 @@ from presswork.procedure.implicit import (
     IncrementReport,
     NotHeldError,
 )
+from presswork.procedure.tool_quantities import ToolQuantities, measure_tools
 from presswork.results import (
     History,
     OutputError,
@@ -57,8 +58,7 @@ class Progress:
     fraction: float
     """Of the whole process."""
     report: IncrementReport
-    strokes: dict[str, float]
-    forces: dict[str, float]
+    tools: dict[str, ToolQuantities]
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,11 @@ class _Run:
         self.model = model
         self.folder = folder
         self.procedure = procedure
-        self.history = History(folder / HISTORY, history_columns([t.name for t in model.tools]))
+        self.turning = [
+            t.name for t in model.tools if any(s.tool_motion.get(t.name, ToolMotion()).turn for s in model.stages)
+        ]
+        columns = history_columns([t.name for t in model.tools], self.turning)
+        self.history = History(folder / HISTORY, columns)
         self.saved_steps = 0
         self.log = logging.getLogger(f"presswork.{id(self)}")
         self.log.setLevel(logging.INFO)
@@ -169,18 +173,19 @@ class _Run:
             sum(report.log.contact_changes),
         )
         started = perf_counter()
-        strokes, forces, vectors = self.tool_quantities(report)
+        tools = measure_tools(self.procedure, self._stage())
         row: dict[str, float | int | str] = {
             "time": report.time,
             "stage": report.stage,
             "increment": report.number,
             "iterations": len(report.log),
         }
-        for t, tool in enumerate(self.model.tools):
-            row[f"{tool.name}.stroke"] = strokes[tool.name]
-            row[f"{tool.name}.force"] = forces[tool.name]
-            row[f"{tool.name}.force_x"], row[f"{tool.name}.force_y"] = (float(f) for f in vectors[t])
-            row[f"{tool.name}.force_z"] = 0.0
+        for name, tool in tools.items():
+            row[f"{name}.stroke"], row[f"{name}.force"] = tool.stroke, tool.force
+            row[f"{name}.force_x"], row[f"{name}.force_y"] = (float(f) for f in tool.vector)
+            row[f"{name}.force_z"] = 0.0
+            if name in self.turning:
+                row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
         self.history.append(row)
         if report.is_save_point:
             self.save_step()
@@ -189,7 +194,7 @@ class _Run:
             self.save_checkpoint()
         self.procedure.timing.add("output", started)
         if on_increment:
-            on_increment(Progress(1.0 - self.procedure.remaining(), report, strokes, forces))
+            on_increment(Progress(1.0 - self.procedure.remaining(), report, tools))
 
     def _is_over(self) -> bool:
         return int(self.procedure.state.progress[STAGE]) == len(self.model.stages)
@@ -199,33 +204,6 @@ class _Run:
         progress = self.procedure.state.progress
         stage = int(progress[STAGE])
         return stage - 1 if progress[FRACTION] == 0.0 and stage > 0 else stage
-
-    # --- quantities --------------------------------------------------------------------------------------------------
-
-    def tool_quantities(self, report: IncrementReport) -> tuple[dict[str, float], dict[str, float], FloatArray]:
-        """Return stroke [mm], forming load [N] and force vectors (n_tools, 2) [N] on the whole tools.
-
-        The force vector is what the workpiece does to the tool. The stroke and the load count along the tool's first
-        motion: the load is positive when the workpiece resists it. A tool that never moves has the vector's length.
-        """
-        procedure = self.procedure
-        contact = procedure.contact
-        contact.search(procedure.state, procedure.state.displacement)
-        vectors = contact.tool_forces(procedure.state, procedure.equilibrium.fixed(self._stage()))
-        strokes, loads = {}, {}
-        for t, tool in enumerate(self.model.tools):
-            for normal in (0, 1):
-                if tool.mirrored_across[normal]:
-                    vectors[t, normal] = 0.0
-                    vectors[t, 1 - normal] *= 2.0
-            moves = [m for s in self.model.stages if np.linalg.norm(m := s.tool_motion.get(tool.name, (0.0, 0.0))) > 0]
-            if moves:
-                direction = np.asarray(moves[0]) / np.linalg.norm(moves[0])
-                strokes[tool.name] = float(procedure.state.tool_displacement[t] @ direction)
-                loads[tool.name] = float(-(vectors[t] @ direction))
-            else:
-                strokes[tool.name], loads[tool.name] = 0.0, float(np.linalg.norm(vectors[t]))
-        return strokes, loads, vectors
 
     # --- files -------------------------------------------------------------------------------------------------------
 
@@ -250,7 +228,9 @@ class _Run:
             point_fields(model, state, forces),
             cell_fields(state),
             tools={t.name: t.segments for t in model.tools},
+            tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
+            tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.tools)},
             info={"title": model.title, "analysis": model.analysis},
         )
 

@@ -33,6 +33,16 @@ class State:
     """Applied loads (n_points, 2) [N]."""
     tool_displacement: FloatArray
     """(n_tools, 2)."""
+    tool_angle: FloatArray
+    """(n_tools,) [rad]."""
+    tool_travel: FloatArray
+    """Part of tool_displacement that forces and springs have made (n_tools, 2)."""
+    tool_travel_increment: FloatArray
+    """Of the last increment (n_tools, 2)."""
+    tool_gives: ContactArray
+    """1 for a tool on a spring that is off its stop (n_tools,)."""
+    tool_force_start: FloatArray
+    """Force of the workpiece on each tool, as modelled, when the stage began (n_tools, 2) [N]."""
     contact: ContactArray
     """Per face of each tool and candidate node: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
     anchor: FloatArray
@@ -66,6 +76,11 @@ class State:
             reaction=np.zeros((n, 2)),
             external_force=np.zeros((n, 2)),
             tool_displacement=np.zeros((n_tools, 2)),
+            tool_angle=np.zeros(n_tools),
+            tool_travel=np.zeros((n_tools, 2)),
+            tool_travel_increment=np.zeros((n_tools, 2)),
+            tool_gives=np.zeros(n_tools, dtype=np.int8),
+            tool_force_start=np.zeros((n_tools, 2)),
             contact=np.zeros((2 * n_tools, n_candidates), dtype=np.int8),
             anchor=np.zeros((n_candidates, 2)),
             drag=np.zeros(n_candidates),

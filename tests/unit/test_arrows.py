@@ -21,12 +21,13 @@ CPP_ROOMS = {
 
 PYTHON_ROOMS = {
     "model": set(),
+    "pose": {"model"},
     "mesh": {"model"},
     "state": {"model"},
     "case": {"model", "mesh"},
     "examples": {"case"},
-    "results": {"model", "mesh", "state"},
-    "procedure": {"model", "mesh", "state", "results"},
+    "results": {"model", "mesh", "state", "pose"},
+    "procedure": {"model", "mesh", "state", "pose", "results"},
     "post": {"model", "results"},
     "view": {"model", "results", "post"},
     "run": {"model", "procedure", "results"},

@@ -38,7 +38,7 @@ def slide_block(contact: dict[str, object], press: float, slide: float, **solver
     for _ in procedure.advance():
         stage = min(int(procedure.state.progress[1]), 1)
         procedure.contact.search(procedure.state, procedure.state.displacement)
-        forces.append(procedure.contact.tool_forces(procedure.state, procedure.equilibrium.fixed(stage))[0])
+        forces.append(procedure.contact.tool_forces(procedure.state, procedure.equilibrium.fixed(stage))[0][0])
     return forces
 
 

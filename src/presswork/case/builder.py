@@ -18,7 +18,7 @@ from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import build_hardening
 from presswork.case.references import check_references, check_sets
 from presswork.case.settings import build_output, build_solver
-from presswork.case.tools import build_tool
+from presswork.case.tools import build_tool, check_motions
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError, grade_line, mesh_rectangle, read_mesh
 
@@ -41,7 +41,8 @@ def build_model(case: schema.Case) -> model.Model:
     if case.analysis == "axisymmetric":
         problems += _check_axis(case, mesh)
     tools = [build_tool(name, tool, mesh, planes) for name, tool in case.tools.items()]
-    _stop_at(problems + [tool for tool in tools if isinstance(tool, Problem)], case)
+    problems += [tool for tool in tools if isinstance(tool, Problem)]
+    _stop_at(problems or check_motions(case, [tool for tool in tools if isinstance(tool, model.Tool)]), case)
     return model.Model(
         title=case.title,
         analysis=case.analysis,
@@ -168,7 +169,7 @@ def _build_stage(stage: schema.Stage) -> model.Stage:
     return model.Stage(
         name=stage.name,
         duration=stage.duration,
-        tool_motion={name: motion.displacement() for name, motion in stage.tools.items()},
+        tool_motion={name: motion.build() for name, motion in stage.tools.items()},
         prescribed=tuple(
             model.PrescribedDisplacement(entry.set, 0 if entry.component == "x" else 1, entry.value)
             for entry in stage.displacement

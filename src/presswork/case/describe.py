@@ -95,7 +95,11 @@ def _describe_tool(tool: model.Tool) -> str:
     mirrors = [axis for axis, mirrored in zip("xy", tool.mirrored_across, strict=True) if mirrored]
     twice = f", whole tool mirrored across the symmetry plane normal to {' and '.join(mirrors)}" if mirrors else ""
     start, end = tool.segments[0, :2], tool.segments[-1, 2:4]
-    return f"{shape} from ({start[0]:g}, {start[1]:g}) to ({end[0]:g}, {end[1]:g}), {tool.contact}{twice}"
+    spring = ""
+    if tool.spring:
+        x, y = tool.spring.direction
+        spring = f", gives along ({x:g}, {y:g}) with {tool.spring.preload:g} N + {tool.spring.stiffness:g} N/mm"
+    return f"{shape} from ({start[0]:g}, {start[1]:g}) to ({end[0]:g}, {end[1]:g}), {tool.contact}{twice}{spring}"
 
 
 def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
@@ -104,8 +108,14 @@ def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
 
 
 def _describe_stage(stage: model.Stage) -> Iterator[str]:
-    for name, (x, y) in stage.tool_motion.items():
-        yield f"tool {name} moves by ({x:g}, {y:g}) mm"
+    for name, motion in stage.tool_motion.items():
+        if motion.force is not None:
+            x, y = motion.direction
+            yield f"tool {name} pushes along ({x:g}, {y:g}), with {motion.force:g} N at the end"
+        if any(motion.move):
+            yield f"tool {name} moves by ({motion.move[0]:g}, {motion.move[1]:g}) mm"
+        if motion.turn:
+            yield f"tool {name} turns by {np.degrees(motion.turn):g} degrees counter-clockwise"
     for entry in stage.prescribed:
         yield f"{entry.node_set} moves by {entry.value:g} mm along {'xy'[entry.component]}"
     for force in stage.forces:

@@ -43,6 +43,7 @@ def check_references(case: schema.Case) -> list[Problem]:
             if tool not in case.tools:
                 remedy = suggest(tool, case.tools, "tools")
                 problems.append(Problem(f"{key}.tools.{tool}", "no such tool", remedy))
+        problems += _check_forces(case, stage, key)
         if not (_moves(stage) or unloads):
             problems.append(
                 Problem(
@@ -56,9 +57,26 @@ def check_references(case: schema.Case) -> list[Problem]:
     return problems
 
 
+def _check_forces(case: schema.Case, stage: schema.Stage, key: str) -> list[Problem]:
+    """Return the problems of tools that a force pushes in a stage."""
+    problems = []
+    for name, motion in stage.tools.items():
+        tool = case.tools.get(name)
+        if motion.force is None or tool is None:
+            continue
+        if tool.spring is not None:
+            remedy = "remove the spring, or move the tool with a stroke and let the spring give the force"
+            problems.append(Problem(f"{key}.tools.{name}.force", "the tool rests on a spring", remedy, motion.force))
+        assert motion.direction is not None
+        if case.analysis == "axisymmetric" and motion.direction[0] != 0.0:
+            fault = "in axisymmetry a rigid tool can move along y only"
+            problems.append(Problem(f"{key}.tools.{name}.direction", fault, "take [0, 1] or [0, -1]", motion.direction))
+    return problems
+
+
 def _moves(stage: schema.Stage) -> bool:
     """Say whether a stage changes anything; a force or pressure of zero counts, as it may unload."""
-    tools = any(motion.displacement() != (0.0, 0.0) for motion in stage.tools.values())
+    tools = any(motion.build() != model.ToolMotion() for motion in stage.tools.values())
     return tools or any(entry.value != 0.0 for entry in stage.displacement) or bool(stage.force or stage.pressure)
 
 

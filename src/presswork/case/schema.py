@@ -30,11 +30,35 @@ from presswork.case.hardening import Hardening
 from presswork.case.part import Part, ShortForm
 from presswork.case.reader import apply_overrides, list_problems, read_toml
 from presswork.case.settings import Output, Solver
-from presswork.case.units import Direction, ForceVector, Length, Number, Point, Stress, Time, fault
+from presswork.case.units import (
+    Angle,
+    Direction,
+    Force,
+    ForceVector,
+    Length,
+    Number,
+    Point,
+    Stiffness,
+    Stress,
+    Time,
+    fault,
+)
 
 Pattern = Literal["quad", "crossed", "left", "right"]
 Axis = Literal["x", "y"]
 Count = Annotated[int, Field(strict=True, ge=1, le=100_000)]
+
+
+def require_direction(direction: tuple[float, float]) -> None:
+    """Refuse a direction of no length."""
+    if math.hypot(*direction) == 0.0:
+        raise fault("expected a direction that is not zero", "for instance [0, -1] for downwards", key="direction")
+
+
+def unit_vector(direction: tuple[float, float]) -> tuple[float, float]:
+    """Return a direction at length 1."""
+    length = math.hypot(*direction)
+    return direction[0] / length + 0.0, direction[1] / length + 0.0
 
 
 class Zone(ShortForm):
@@ -145,6 +169,19 @@ class ProfilePoint(ShortForm):
         return self
 
 
+class Spring(Part):
+    """A spring behind a tool, which stands at its stop until it is pushed with more than the preload."""
+
+    stiffness: Stiffness = Field(gt=0, description="of the whole tool [N/mm]")
+    preload: Force = Field(default=0.0, ge=0, description="push from which the tool gives way [N]")
+    direction: Direction = Field(description="direction [x, y] in which the tool gives way, of any length")
+
+    @model_validator(mode="after")
+    def _check_direction(self) -> Self:
+        require_direction(self.direction)
+        return self
+
+
 class Tool(Part):
     """A rigid tool, given by its profile."""
 
@@ -167,6 +204,12 @@ class Tool(Part):
         description="plane strain: the whole tool is this one and its mirror image along x | y, so that its force "
         "counts twice; without it: wherever the profile reaches a symmetry plane",
     )
+    centre: Point | None = Field(
+        default=None,
+        description="the point [x, y] about which the tool turns, and its torque is taken [mm]; without it: the centre "
+        "that all its arcs share, as of a roll",
+    )
+    spring: Spring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:
@@ -206,32 +249,49 @@ class Boundary(Part):
 
 
 class ToolMotion(Part):
-    """The motion of a tool over a stage: `move`, or `stroke` with `direction`."""
+    """What a tool does over a stage: `move`, or `stroke` or `force` with `direction`; and `turn`."""
 
     stroke: Length | None = Field(default=None, ge=0, description="distance travelled over the stage [mm]")
-    direction: Direction | None = Field(default=None, description="direction [x, y] of the stroke, of any length")
+    force: Force | None = Field(
+        default=None,
+        gt=0,
+        description="instead of a stroke: what the whole tool pushes with at the stage's end [N], reached linearly",
+    )
+    direction: Direction | None = Field(
+        default=None, description="direction [x, y] of the stroke or force, of any length"
+    )
     move: Point | None = Field(default=None, description="displacement [x, y] over the stage [mm]")
+    turn: Angle = Field(
+        default=0.0, description="angle turned over the stage about the tool's centre, counter-clockwise [degree]"
+    )
 
     @model_validator(mode="after")
     def _check_one_way_of_moving(self) -> Self:
-        remedy = "give stroke and direction, or move = [x, y]"
-        if self.move is not None and (self.stroke is not None or self.direction is not None):
-            raise fault("move stands beside stroke or direction", remedy, key="move")
-        for name in ("stroke", "direction"):
-            if self.move is None and getattr(self, name) is None:
-                raise fault("missing key", remedy, key=name)
-        if self.direction is not None and math.hypot(*self.direction) == 0.0:
-            raise fault("expected a direction that is not zero", "for instance [0, -1] for downwards", key="direction")
+        remedy = "give stroke or force, with direction; or move = [x, y]; or turn"
+        along = [name for name in ("stroke", "force") if getattr(self, name) is not None]
+        if self.move is not None and (along or self.direction is not None):
+            raise fault(f"move stands beside {(along or ['direction'])[0]}", remedy, key="move")
+        if len(along) == 2:
+            raise fault("force stands beside stroke", "a tool either travels or pushes in a stage", key="force")
+        if along and self.direction is None:
+            raise fault("missing key", remedy, key="direction")
+        if not along and (self.direction is not None or (self.move is None and not self.turn)):
+            raise fault("missing key", remedy, key="stroke")
+        if self.direction is not None:
+            require_direction(self.direction)
         return self
 
-    def displacement(self) -> tuple[float, float]:
-        """Return the displacement over the stage [mm]."""
-        if self.move is not None:
-            return self.move
-        assert self.stroke is not None
-        assert self.direction is not None
-        scale = self.stroke / math.hypot(*self.direction)
-        return scale * self.direction[0] + 0.0, scale * self.direction[1] + 0.0
+    def build(self) -> model.ToolMotion:
+        """Return the Model's motion."""
+        turn = math.radians(self.turn)
+        if self.force is not None:
+            assert self.direction is not None
+            return model.ToolMotion(turn=turn, force=self.force, direction=unit_vector(self.direction))
+        if self.stroke is not None:
+            assert self.direction is not None
+            x, y = unit_vector(self.direction)
+            return model.ToolMotion(move=(self.stroke * x + 0.0, self.stroke * y + 0.0), turn=turn)
+        return model.ToolMotion(move=self.move or (0.0, 0.0), turn=turn)
 
 
 class Displacement(Part):
@@ -242,7 +302,7 @@ class Displacement(Part):
     value: Length = Field(description="displacement over the stage [mm]")
 
 
-class Force(Part):
+class NodeForce(Part):
     """A total force, shared equally by the nodes of a set, reached linearly at the end of the stage."""
 
     set: str = Field(description="name of a node set")
@@ -263,7 +323,7 @@ class Stage(Part):
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
     tools: dict[str, ToolMotion] = Field(default={}, description="motion of each moving tool; the others stand still")
     displacement: tuple[Displacement, ...] = Field(default=(), description="prescribed displacements")
-    force: tuple[Force, ...] = Field(default=(), description="forces")
+    force: tuple[NodeForce, ...] = Field(default=(), description="forces")
     pressure: tuple[Pressure, ...] = Field(default=(), description="pressures")
 
 

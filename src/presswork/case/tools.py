@@ -7,8 +7,16 @@ import numpy as np
 
 from presswork.case import schema
 from presswork.case.errors import Problem
-from presswork.case.profile import ProfileError, build_segments, measure_distance, reverse_segments, sample_points
-from presswork.model import FloatArray, Mesh, Tool
+from presswork.case.profile import (
+    CENTRE,
+    TURN,
+    ProfileError,
+    build_segments,
+    measure_distance,
+    reverse_segments,
+    sample_points,
+)
+from presswork.model import FloatArray, Mesh, Spring, Tool
 
 TOLERANCE = 1e-6
 """Of the size of the workpiece: how deep a node may lie in a tool at the start."""
@@ -47,7 +55,44 @@ def build_tool(
     mirrored = _find_mirrors(segments, symmetry_planes, TOLERANCE * size)
     if tool.mirrored is not None:
         mirrored = ("x" in tool.mirrored, "y" in tool.mirrored)
-    return Tool(name, segments, tool.contact, m=tool.m, mu=tool.mu, mirrored_across=mirrored)
+    spring = None
+    if tool.spring:
+        direction = schema.unit_vector(tool.spring.direction)
+        spring = Spring(tool.spring.stiffness, tool.spring.preload, direction)
+    centre = tool.centre or find_centre(segments) or (0.0, 0.0)
+    return Tool(
+        name, segments, tool.contact, m=tool.m, mu=tool.mu, mirrored_across=mirrored, centre=centre, spring=spring
+    )
+
+
+def check_motions(case: schema.Case, tools: list[Tool]) -> list[Problem]:
+    """Return the problems of motions that do not fit the tools."""
+    problems = []
+    for index, stage in enumerate(case.stages):
+        for tool in tools:
+            motion, key = stage.tools.get(tool.name), f"stages.{index}.tools.{tool.name}"
+            if motion is None:
+                continue
+            if motion.turn and case.tools[tool.name].centre is None and find_centre(tool.segments) is None:
+                remedy = f"set tools.{tool.name}.centre = [x, y]"
+                problems.append(Problem(f"{key}.turn", "the tool turns, but about which point?", remedy, motion.turn))
+            if motion.turn and case.analysis == "axisymmetric":
+                remedy = "leave turn out, or take plane strain"
+                problems.append(Problem(f"{key}.turn", "a ring cannot turn in its plane", remedy, motion.turn))
+            across = motion.build().direction if motion.force is not None else (0.0, 0.0)
+            if any(part and mirrored for part, mirrored in zip(across, tool.mirrored_across, strict=True)):
+                remedy = "push along the symmetry plane, or set mirrored = []"
+                fault = "the tool and its mirror image cannot be pushed across their symmetry plane"
+                problems.append(Problem(f"{key}.direction", fault, remedy, list(across)))
+    return problems
+
+
+def find_centre(segments: FloatArray) -> tuple[float, float] | None:
+    """Return the centre that all the arcs of a profile share; None if there is none."""
+    centres = segments[segments[:, TURN] != 0.0][:, CENTRE]
+    if len(centres) == 0 or np.ptp(centres, axis=0).max() > 1e-6 * float(np.abs(segments).max()):
+        return None
+    return float(centres[0, 0]), float(centres[0, 1])
 
 
 def _weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:

@@ -31,6 +31,8 @@ LENGTH = Dimension("a length", "mm", "20 mm")
 STRESS = Dimension("a stress", "MPa", "200 kN/mm^2")
 FORCE = Dimension("a force", "N", "5 kN")
 TIME = Dimension("a time", "s", "20 ms")
+ANGLE = Dimension("an angle", "degree", "1.5 rad")
+STIFFNESS = Dimension("a stiffness", "N/mm", "2 kN/mm")
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3")
 
 
@@ -123,6 +125,9 @@ def _pair(dimension: Dimension) -> tuple[BeforeValidator, WithJsonSchema]:
 Length = Annotated[float, *_scalar(LENGTH)]
 Stress = Annotated[float, *_scalar(STRESS)]
 Time = Annotated[float, *_scalar(TIME)]
+Force = Annotated[float, *_scalar(FORCE)]
+Angle = Annotated[float, *_scalar(ANGLE)]
+Stiffness = Annotated[float, *_scalar(STIFFNESS)]
 Number = Annotated[float, *_scalar(PURE_NUMBER)]
 Point = Annotated[tuple[float, float], *_pair(LENGTH)]
 ForceVector = Annotated[tuple[float, float], *_pair(FORCE)]

@@ -104,11 +104,8 @@ def _arc_length(points: FloatArray) -> FloatArray:
 
 def _nearest_tool(result: Result, points: FloatArray, tool: str, step: int) -> NDArray[np.bool_]:
     """Return which points are nearer to this tool than to any other."""
-    own = result.tool_displacement(tool, step)  # also checks the name
     distance = {
-        name: distance_to_profile(points - result.tool_displacement(name, step), trace_profile(segments))
-        for name, segments in result.tools.items()
-        if name != tool
+        name: distance_to_profile(points, trace_profile(result.placed_tool(name, step)))
+        for name in {tool, *result.tools}  # an unknown name raises
     }
-    here = distance_to_profile(points - own, trace_profile(result.tools[tool]))
-    return np.asarray(np.all([here <= other for other in [here, *distance.values()]], axis=0), dtype=np.bool_)
+    return np.asarray(np.all([distance[tool] <= other for other in distance.values()], axis=0), dtype=np.bool_)

@@ -21,6 +21,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
+from presswork.pose import ToolPose, place_points, to_tool_frame, turn_vectors
 from presswork.results.fields import ContactForces
 from presswork.state import SLIDING, STUCK, ContactArray, State
 
@@ -43,7 +44,8 @@ class Contact:
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._touches = [np.ascontiguousarray(t.segments) for t in model.tools]
+        self._segments = [np.ascontiguousarray(t.segments) for t in model.tools]
+        self._centres = [np.array(t.centre) for t in model.tools]
         self._sticking = np.array([t.contact == "sticking" for t in model.tools], dtype=bool)
         boundary = model.mesh.boundary_edges if model.tools else np.zeros((0, 2))
         self.nodes: IntArray = np.unique(boundary).astype(np.int32)
@@ -82,12 +84,26 @@ class Contact:
         return judged[:, self._leader]
 
     def search(self, state: State, displacement: FloatArray) -> None:
-        """Find gap and normal of every candidate to every tool; tools stand at state.tool_displacement."""
+        """Find gap and normal of every candidate to every tool; tools stand where the state has them."""
         x = self._model.mesh.points[self.nodes] + displacement[self.nodes]
-        for t, segments in enumerate(self._touches):
-            local = np.ascontiguousarray(x - state.tool_displacement[t])
-            touch = _core.touch_profile(segments, local)
-            self.gap[2 * t], self.normal[2 * t], self.gap[2 * t + 1], self.normal[2 * t + 1] = touch
+        for t, segments in enumerate(self._segments):
+            local = np.ascontiguousarray(to_tool_frame(x, self._pose(state, t)))
+            gap, normal, second_gap, second_normal = _core.touch_profile(segments, local)
+            self.gap[2 * t], self.gap[2 * t + 1] = gap, second_gap
+            angle = float(state.tool_angle[t])
+            self.normal[2 * t], self.normal[2 * t + 1] = turn_vectors(normal, angle), turn_vectors(second_normal, angle)
+
+    def _pose(self, state: State, tool: int) -> ToolPose:
+        return ToolPose(self._centres[tool], state.tool_displacement[tool], float(state.tool_angle[tool]))
+
+    def carry(self, state_n: State, state: State, tools: IndexArray, points: FloatArray) -> FloatArray:
+        """Return how far the tools have carried points (n, 2) of theirs, given at state_n, since then (n, 2) [mm]."""
+        carried = state.tool_displacement[tools] - state_n.tool_displacement[tools]
+        for t in np.unique(tools[state.tool_angle[tools] != state_n.tool_angle[tools]]):
+            own = tools == t
+            local = to_tool_frame(points[own], self._pose(state_n, t))
+            carried[own] = place_points(local, self._pose(state, t)) - points[own]
+        return carried
 
     def begin(self, state: State) -> None:
         """Find the nodes that touch before the first increment; on sticking tools they are stuck at once."""
@@ -109,7 +125,9 @@ class Contact:
         state.contact[held] = STUCK
         face, node = np.nonzero(fresh)
         position = self._model.mesh.points[self.nodes[node]] + state.displacement[self.nodes[node]]
-        state.anchor[node] = position - state.tool_displacement[face // 2]
+        for t in np.unique(face // 2):
+            own = face // 2 == t
+            state.anchor[node[own]] = to_tool_frame(position[own], self._pose(state, t))
 
     def _limit_faces(self, contact: ContactArray) -> None:
         """Keep at most two faces a node: those it is deepest in."""
@@ -159,27 +177,29 @@ class Contact:
             push[faces, node] = np.linalg.lstsq(axes, force[node], rcond=None)[0]
         return push
 
-    def tool_forces(self, state: State, fixed: BoolArray) -> FloatArray:
-        """Return the force of the workpiece on each tool (n_tools, 2) [N], as modelled.
+    def tool_forces(self, state: State, fixed: BoolArray) -> tuple[FloatArray, FloatArray]:
+        """Return force (n_tools, 2) [N] and torque about its centre (n_tools,) [N mm] of the workpiece on each tool.
 
-        Where a node is also held by a support, that direction's reaction is the support's.
+        As modelled. Where a node is also held by a support, that direction's reaction is the support's; where by two
+        tools, each has the push of its own faces.
         """
         n_tools = len(self._model.tools)
-        forces = np.zeros((n_tools, 2))
+        forces, torques = np.zeros((n_tools, 2)), np.zeros(n_tools)
         if not n_tools:
-            return forces
-        held = (state.contact > 0).reshape(n_tools, 2, -1)
-        by_tool: BoolArray = np.asarray(held.any(axis=1))
-        force = state.reaction[self.nodes] * ~fixed[self.nodes]
+            return forces, torques
+        by_tool: BoolArray = np.asarray((state.contact > 0).reshape(n_tools, 2, -1).any(axis=1))
         shared: BoolArray = np.asarray(by_tool.sum(axis=0) > 1)
         push = self.normal_forces(state, state.reaction, fixed) if shared.any() else None
+        at = self._model.mesh.points[self.nodes] + state.displacement[self.nodes]
         for t in range(n_tools):
-            forces[t] = -force[by_tool[t] & ~shared].sum(axis=0)
+            force = -state.reaction[self.nodes] * ~fixed[self.nodes] * by_tool[t][:, None]
             if push is not None:
-                both = by_tool[t] & shared
-                for face in (2 * t, 2 * t + 1):
-                    forces[t] -= (push[face, both, None] * self.normal[face, both]).sum(axis=0)
-        return forces
+                faces = slice(2 * t, 2 * t + 2)
+                force[shared] = -np.einsum("fn,fni->ni", push[faces], self.normal[faces])[shared]
+            arm = at - self._centres[t] - state.tool_displacement[t]
+            forces[t] = force.sum(axis=0)
+            torques[t] = float((arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
+        return forces, torques
 
     def forces(self, state: State, fixed: BoolArray) -> ContactForces:
         """Return the nodes in contact with their push and drag; the normal is that of the first face held."""
@@ -196,13 +216,37 @@ class Contact:
         """Return the supports' constraints together with those of the held nodes."""
         if not self._model.tools:
             return supports
+        at = self._model.mesh.points[self.nodes] + displacement[self.nodes]
+        missing = np.zeros_like(at)
+        stuck = (trial.contact == STUCK).any(axis=0)
+        tools = (trial.contact == STUCK).argmax(axis=0) // 2
+        for t in np.unique(tools[stuck]):
+            own = stuck & (tools == t)
+            missing[own] = place_points(trial.anchor[own], self._pose(trial, t)) - at[own]
+        return self._prescribe(trial, -self.gap, missing, supports)
+
+    def follow(self, trial: State, tool: int, direction: FloatArray, supports: Constraints) -> Constraints:
+        """Return what the held nodes must do for each mm that a tool moves along a direction; supports stand still."""
+        closing = np.zeros_like(self.gap)
+        faces = [2 * tool, 2 * tool + 1]
+        closing[faces] = self.normal[faces] @ direction
+        own = (trial.contact[faces] == STUCK).any(axis=0)
+        still = Constraints(supports.mask, np.zeros_like(supports.value), supports.turned, supports.frames)
+        return self._prescribe(trial, closing, own[:, None] * direction, still)
+
+    def _prescribe(self, trial: State, closing: FloatArray, missing: FloatArray, supports: Constraints) -> Constraints:
+        """Prescribe held nodes: `closing` (n_faces, n_candidates) along the normal, `missing` (n_candidates, 2) where
+        stuck.
+        """
         mask, value = supports.mask.copy(), supports.value.copy()
         turned, frames = supports.turned.copy(), supports.frames.copy()
         held = trial.contact > 0
         held[:, mask[self.nodes].all(axis=1)] = False  # supports hold the node in both directions
         count = held.sum(axis=0)
         stuck = (trial.contact == STUCK).any(axis=0) & (count > 0)
-        self._hold_stuck(trial, displacement, np.nonzero(stuck)[0], mask, value)
+        nodes = self.nodes[stuck]
+        value[nodes] = np.where(mask[nodes] == 1, value[nodes], missing[stuck])
+        mask[nodes] = 1
         alone = (count == 1) & ~stuck & ~mask[self.nodes].any(axis=1)
         places = np.nonzero(alone)[0]
         faces = held[:, places].argmax(axis=0)
@@ -211,27 +255,16 @@ class Contact:
         frames[nodes, 0] = normal
         frames[nodes, 1] = np.column_stack([-normal[:, 1], normal[:, 0]])
         mask[nodes, 0] = 1
-        value[nodes, 0] = -self.gap[faces, places]
+        value[nodes, 0] = closing[faces, places]
         for i in np.nonzero((count > 0) & ~stuck & ~alone)[0]:
-            self._pin(np.nonzero(held[:, i])[0], int(i), mask, value)
+            self._pin(np.nonzero(held[:, i])[0], int(i), closing, mask, value)
         return Constraints(mask, value, turned, frames)
 
-    def _hold_stuck(
-        self, trial: State, displacement: FloatArray, places: IndexArray, mask: MaskArray, value: FloatArray
-    ) -> None:
-        """Both freedoms go where the anchor stands, but for those that supports hold."""
-        nodes = self.nodes[places]
-        tools = (trial.contact[:, places] == STUCK).argmax(axis=0) // 2
-        target = trial.anchor[places] + trial.tool_displacement[tools]
-        missing = target - self._model.mesh.points[nodes] - displacement[nodes]
-        value[nodes] = np.where(mask[nodes] == 1, value[nodes], missing)
-        mask[nodes] = 1
-
-    def _pin(self, faces: IndexArray, i: int, mask: MaskArray, value: FloatArray) -> None:
+    def _pin(self, faces: IndexArray, i: int, closing: FloatArray, mask: MaskArray, value: FloatArray) -> None:
         """Two faces, or a face and a support: both freedoms follow from the gaps."""
         node = self.nodes[i]
         free = mask[node] == 0
-        axes, gaps = self.normal[faces, i], self.gap[faces, i]
-        rest = -gaps - axes[:, ~free] @ value[node, ~free]
+        axes = self.normal[faces, i]
+        rest = closing[faces, i] - axes[:, ~free] @ value[node, ~free]
         value[node, free] = np.linalg.lstsq(axes[:, free], rest, rcond=None)[0]
         mask[node] = 1

@@ -38,6 +38,7 @@ class FrictionForces:
     """Friction on the nodes that are held along the normal alone."""
 
     nodes: IntArray
+    tools: IndexArray
     tangent: FloatArray
     """Unit vectors (n, 2)."""
     force: FloatArray
@@ -96,13 +97,12 @@ class Friction:
         points = self._model.mesh.points
         # 1. slip since the start of the increment
         moved = displacement[nodes] - state_n.displacement[nodes]
-        carried = trial.tool_displacement[tool] - state_n.tool_displacement[tool]
+        carried = contact.carry(state_n, trial, tool, points[nodes] + state_n.displacement[nodes])
         slip = np.einsum("ni,ni->n", tangent, moved - carried)
         # 2. what the law allows
         held = np.zeros(len(displacement), dtype=bool)
         held[contact.nodes[(trial.contact > 0).any(axis=0)]] = True
         edges = self._model.mesh.boundary_edges
-        points = self._model.mesh.points
         area = edge_shares(self._model, points + displacement, edges[held[edges].all(axis=1)])[nodes]
         push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
         full = self._shear_flow[place] * area
@@ -116,7 +116,7 @@ class Friction:
         force = np.where(slides, limit * np.sign(spring), spring)
         follows_push = slides & (by_push < by_shear) & (push > 0)
         slope = np.where(follows_push, self._mu[tool] * np.sign(spring), 0.0)
-        return FrictionForces(nodes, tangent, force, *self._tangent(place, limit, stiffness, slides, slope))
+        return FrictionForces(nodes, tool, tangent, force, *self._tangent(place, limit, stiffness, slides, slope))
 
     def _tangent(
         self, place: IndexArray, limit: FloatArray, stiffness: FloatArray, slides: BoolArray, slope: FloatArray

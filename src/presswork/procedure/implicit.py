@@ -7,13 +7,13 @@ It advances the converged State an increment at a time and knows nothing of file
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from presswork import _core
-from presswork.model import BoolArray, FloatArray, Model
+from presswork.model import BoolArray, FloatArray, Model, Stage, ToolMotion
 from presswork.procedure.contact import Contact
 from presswork.procedure.mechanics import Mechanics, elastic_energy, plastic_work_of_increment
 from presswork.procedure.newton import Converged, Equilibrium, Failed, IterationLog, Step
@@ -72,31 +72,51 @@ class ImplicitProcedure:
         """Refuse a workpiece that the first increment would push away."""
         held: BoolArray = np.asarray(self.equilibrium.fixed(0).any(axis=0))
         held[0] |= self.model.analysis == "axisymmetric"  # a ring resists its growth
-        face, place = np.nonzero(self.state.contact)
-        touched = np.abs(self.contact.normal[face, place]) > 0.1
-        held |= touched.any(axis=0)
+        pushed = self.equilibrium.floating_tools.pushed(0)
         rubs = np.array([t.contact != "frictionless" for t in self.model.tools], dtype=bool)
-        held |= bool(len(face)) and bool(rubs[face // 2].any())
+        for t in range(len(self.model.tools)):
+            face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2])
+            along = self.contact.normal[2 * t + face, place]
+            if rubs[t]:
+                along = np.concatenate([along, along[:, ::-1] * (-1, 1)])
+            if t in pushed:  # it holds only across its way
+                direction, _ = pushed[t]
+                along = along - (along @ direction)[:, None] * direction
+            held |= (np.abs(along) > 0.1).any(axis=0)
         if not held.all():
             free = " and ".join(axis for axis, is_held in zip("xy", held, strict=True) if not is_held)
             raise NotHeldError(
                 f"nothing holds the workpiece in {free}: no boundary or displacement fixes a point there, and no tool "
-                "touches it at the start. Add a [boundary] entry, or let a tool touch it"
+                "that holds its place touches it at the start. Add a [boundary] entry, or let a tool touch it"
             )
+        self._check_pushed(0)
+
+    def _check_pushed(self, stage: int) -> None:
+        """Refuse a tool that a force pushes at nothing."""
+        for t, (direction, _) in self.equilibrium.floating_tools.pushed(stage).items():
+            face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2])
+            if not (self.contact.normal[2 * t + face, place] @ direction > 0.1).any():
+                name, where = self.model.tools[t].name, self.model.stages[stage].name
+                raise NotHeldError(
+                    f"the tool {name!r} is pushed by a force in stage {where!r}, but nothing lies before it that would "
+                    "stop it: it does not touch the workpiece there when the stage begins. Bring it there first by a "
+                    "stage with a stroke, or put it on a spring"
+                )
 
     def volume(self) -> float:
         """Volume of the workpiece as modelled [mm3]."""
         return float(sum(v.sum() for v in self.state.volume))
 
     def tool_base(self, stage: int) -> FloatArray:
-        """Tool displacements at the start of a stage (n_tools, 2) [mm]."""
-        base = np.zeros((len(self.model.tools), 2))
+        """Prescribed displacement [mm] and angle [rad] of the tools at the start of a stage (n_tools, 3)."""
+        base = np.zeros((len(self.model.tools), 3))
         for earlier in self.model.stages[:stage]:
-            base += self._motion(earlier.tool_motion)
+            base += self._motion(earlier)
         return base
 
-    def _motion(self, motion: Mapping[str, tuple[float, float]]) -> FloatArray:
-        return np.array([motion.get(t.name, (0.0, 0.0)) for t in self.model.tools]).reshape(-1, 2)
+    def _motion(self, stage: Stage) -> FloatArray:
+        motions = [stage.tool_motion.get(t.name, ToolMotion()) for t in self.model.tools]
+        return np.array([(*m.move, m.turn) for m in motions]).reshape(-1, 3)
 
     def save_points(self, stage: int) -> FloatArray:
         """Stage fractions at which an increment must end and fields are saved; the last is 1."""
@@ -126,6 +146,11 @@ class ImplicitProcedure:
         target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
         size = float(progress[SIZE])
         cutbacks: list[str] = []
+        if fraction_n == 0.0 and stage > 0:
+            try:
+                self._check_pushed(stage)
+            except NotHeldError as error:
+                raise GaveUpError(str(error)) from error
         while True:
             step = min(size, target - fraction_n)
             if step * (1 + 1e-9) < target - fraction_n < 2 * step:
@@ -159,12 +184,15 @@ class ImplicitProcedure:
 
     def _attempt(self, stage: int, fraction_n: float, fraction: float) -> tuple[State, Converged | Failed]:
         trial = self.state.duplicate()
-        motion = self._motion(self.model.stages[stage].tool_motion)
-        trial.tool_displacement = self.tool_base(stage) + fraction * motion
         last = float(self.state.progress[LAST])
-        guess = (
-            self.state.increment * ((fraction - fraction_n) / last) if last > 0 else np.zeros_like(self.state.increment)
+        ratio = (fraction - fraction_n) / last if last > 0 else 0.0
+        guess = self.state.increment * ratio
+        pose = self.tool_base(stage) + fraction * self._motion(self.model.stages[stage])
+        floats = (trial.tool_gives > 0) | np.isin(
+            np.arange(len(pose)), list(self.equilibrium.floating_tools.pushed(stage))
         )
+        trial.tool_travel += ratio * self.state.tool_travel_increment * floats[:, None]
+        trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_travel, pose[:, 2]
         outcome = self.equilibrium.solve(self.state, trial, Step(stage, fraction_n, fraction), guess)
         return trial, outcome
 
@@ -174,6 +202,7 @@ class ImplicitProcedure:
         """Make the trial state the converged one."""
         settings = self.model.solver
         self.contact.settle(trial)
+        trial.tool_travel_increment = trial.tool_travel - self.state.tool_travel
         trial.work[0] += 0.5 * float(
             (
                 (self.state.reaction + trial.reaction + self.state.external_force + trial.external_force)
@@ -195,6 +224,7 @@ class ImplicitProcedure:
         p[STAGE], p[FRACTION] = stage, fraction
         if fraction == 1.0:
             p[STAGE], p[FRACTION], p[LAST] = stage + 1, 0.0, 0.0
+            trial.tool_force_start, _ = self.contact.tool_forces(trial, self.equilibrium.fixed(stage))
             p[SIZE] = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
         self.state = trial
 

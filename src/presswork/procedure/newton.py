@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
+import scipy.sparse as sp
 
-from presswork.model import BoolArray, FloatArray, Model
+from presswork.model import BoolArray, FloatArray, MaskArray, Model
 from presswork.procedure.contact import Constraints, Contact
+from presswork.procedure.floating_tools import Floating, FloatingTools, LostWorkpieceError
 from presswork.procedure.friction import Friction, FrictionForces
 from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
 from presswork.procedure.loads import AppliedLoads, evaluate_loads
@@ -74,6 +76,26 @@ class _Point:
 
 
 @dataclass(frozen=True)
+class _Balance:
+    """What contact makes of the forces at one guess."""
+
+    constraints: Constraints
+    friction: FrictionForces | None
+    drag: FloatArray
+    """Friction (n_points, 2) [N]."""
+    floating: Floating | None
+    lacking: FloatArray
+    """Out of balance (n_points, 2) [N], in the nodes' own frames."""
+    changes: int
+
+    @property
+    def largest_lacking(self) -> float:
+        """Largest force out of balance, of a node or of a tool [N]."""
+        of_tools = float(np.abs(self.floating.missing).max(initial=0.0)) if self.floating else 0.0
+        return max(float(np.abs(self.lacking).max()), of_tools)
+
+
+@dataclass(frozen=True)
 class Step:
     """Where an increment leads: a fraction of a stage, from the fraction before."""
 
@@ -90,10 +112,13 @@ class Equilibrium:
         self._mechanics = mechanics
         self._contact = contact
         self.friction = Friction(model, contact)
+        self.floating_tools = FloatingTools(model, contact)
         self._timing = timing
         started = perf_counter()
         assembler = mechanics.assembler
         self._data = np.zeros(len(assembler.indices))
+        self._unconstrained = self._data
+        self._diagonal = 1.0
         self.solver: LinearSolver = make_solver(
             assembler.indptr, assembler.indices, symmetric=model.solver.symmetric, threads=threads
         )
@@ -128,6 +153,7 @@ class Equilibrium:
         fixed = self.fixed(step.stage)
         peak = float(state_n.peak_force[0])
         self._contact.begin_increment()
+        self.floating_tools.begin_increment()
         if self.friction.is_needed:
             self.friction.begin_increment(state_n, self._mechanics.nodal_flow_stress(state_n))
         increment, point = guess, self._evaluate(state_n, trial, step, guess, with_stiffness=True)
@@ -139,24 +165,17 @@ class Equilibrium:
         size, factorised = 0.0, False
         for iteration in range(settings.max_iterations + 1):
             # 1. contact at the present guess, and what is out of balance
-            started = perf_counter()
-            self._contact.search(trial, point.displacement)
             near = iteration > 0 and log.residual[-1] < NEAR
-            changes = self._contact.update(trial, point.reaction, fixed, near=near, floor=RELEASED * peak)
-            constraints = self._contact.constrain(trial, point.displacement, self._supports(step, increment))
-            friction = self._rub(state_n, trial, point, constraints)
-            drag = friction.vector(len(point.reaction)) if friction else np.zeros_like(point.reaction)
-            self._timing.add("contact", started)
-            rhs = self._turn(constraints, drag - point.reaction)
-            rhs[constraints.mask == 1] = 0.0
+            balance = self._balance(state_n, trial, step, increment, point, fixed, near=near)
 
             # 2. converged?
-            missing = float(np.abs(constraints.value).max())
-            self._note(log, rhs, max(point.largest_force, UNLOADED * peak), max(size, missing), increment, changes)
-            if iteration > 0 and changes == 0 and self._has_converged(log):
+            missing = float(np.abs(balance.constraints.value).max())
+            scale = max(point.largest_force, UNLOADED * peak)
+            self._note(log, balance, scale, max(size, missing), increment)
+            if iteration > 0 and balance.changes == 0 and self._has_converged(log):
                 trial.displacement, trial.increment = point.displacement, increment
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
-                self.friction.settle(state_n, trial, constraints.turned == 1)
+                self.friction.settle(state_n, trial, balance.constraints.turned == 1)
                 trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
             if iteration == settings.max_iterations or self._is_hopeless(log):
@@ -164,17 +183,46 @@ class Equilibrium:
 
             # 3. correction; constrained freedoms go all the way to where they must be
             try:
-                refactorise = settings.newton == "full" or not factorised or changes > 0 or missing > 1e-3 * size
-                correction = self._correct(constraints, rhs, point.loads, friction, refactorise=refactorise)
-            except SolverError as error:
+                refactorise = (
+                    settings.newton == "full" or not factorised or balance.changes > 0 or missing > 1e-3 * size
+                )
+                correction, travel = self._correct(balance, point.loads, refactorise=refactorise)
+            except (SolverError, LostWorkpieceError) as error:
                 return Failed(log, str(error), 0.25)
             factorised = True
-            moved = self._advance(state_n, trial, step, point, drag, increment, correction, missing)
+            missing = max(missing, float(np.abs(travel).max(initial=0.0)))
+            moved = self._advance(state_n, trial, step, point, balance.drag, increment, correction, missing)
             if isinstance(moved, TurnedInsideOut):
                 return Failed(log, str(moved), 0.5)
-            increment, point = moved
-            size = float(np.abs(correction).max())
+            increment, point, part = moved
+            if balance.floating:
+                self.floating_tools.move(trial, balance.floating, part * travel)
+            size = max(float(np.abs(correction).max()), float(np.abs(travel).max(initial=0.0)))
         return Failed(log, f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}", 0.5)
+
+    def _balance(
+        self, state_n: State, trial: State, step: Step, increment: FloatArray, point: _Point, fixed: BoolArray,
+        *, near: bool,
+    ) -> _Balance:  # fmt: skip
+        """Update what is held and return what is out of balance."""
+        started = perf_counter()
+        floor = RELEASED * float(state_n.peak_force[0])
+        self._contact.search(trial, point.displacement)
+        changes = self._contact.update(trial, point.reaction, fixed, near=near, floor=floor)
+        supports = self._supports(step, increment)
+        constraints = self._contact.constrain(trial, point.displacement, supports)
+        friction = self._rub(state_n, trial, point, constraints)
+        drag = friction.vector(len(point.reaction)) if friction else np.zeros_like(point.reaction)
+        floating = None
+        if self.floating_tools.is_needed:
+            floating, stops = self.floating_tools.evaluate(
+                trial, point.reaction, friction, supports, step.stage, step.fraction, near=near
+            )
+            changes += stops
+        lacking = self._turn(constraints, drag - point.reaction)
+        lacking[constraints.mask == 1] = 0.0
+        self._timing.add("contact", started)
+        return _Balance(constraints, friction, drag, floating, lacking, changes)
 
     def _evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
@@ -196,8 +244,8 @@ class Equilibrium:
         increment: FloatArray,
         correction: FloatArray,
         missing: float,
-    ) -> tuple[FloatArray, _Point] | TurnedInsideOut:
-        """Take the correction, or the part of it that keeps cells whole and does not overshoot."""
+    ) -> tuple[FloatArray, _Point, float] | TurnedInsideOut:
+        """Take the correction, or the part of it that keeps cells whole and does not overshoot; return the part too."""
         full = self._model.solver.newton == "full"
         part = 1.0
         while True:
@@ -210,16 +258,16 @@ class Equilibrium:
             return found
         largest = float(np.abs(correction).max())
         if not self._model.solver.line_search or part < 1.0 or missing > 1e-3 * largest:
-            return taken, found
+            return taken, found, part
         before = float(((drag - point.reaction) * correction).sum())
         after = float(((drag - found.reaction) * correction).sum())
         if abs(after) <= OVERSHOOT * abs(before):
-            return taken, found
+            return taken, found, part
         part = float(np.clip(before / (before - after), 0.1, 0.9)) if before != after else 0.5
         shorter = self._evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
         if isinstance(shorter, TurnedInsideOut):
             return shorter
-        return increment + part * correction, shorter
+        return increment + part * correction, shorter, part
 
     def _rub(self, state_n: State, trial: State, point: _Point, constraints: Constraints) -> FrictionForces | None:
         if not self.friction.is_needed:
@@ -252,44 +300,63 @@ class Equilibrium:
         vector[nodes] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes])
         return vector
 
-    def _correct(
-        self,
-        constraints: Constraints,
-        rhs: FloatArray,
-        loads: AppliedLoads,
-        friction: FrictionForces | None,
-        *,
-        refactorise: bool,
-    ) -> FloatArray:
-        """Solve the linear system for the next correction (n_points, 2), global frame."""
-        flat = rhs.reshape(-1).copy()
+    def _correct(self, balance: _Balance, loads: AppliedLoads, *, refactorise: bool) -> tuple[FloatArray, FloatArray]:
+        """Solve for the next correction (n_points, 2), global frame, and the travel of floating tools (n_floating,)."""
+        constraints, floating = balance.constraints, balance.floating
+        travels = floating is not None and len(floating.tools) > 0
+        flat = balance.lacking.reshape(-1).copy()
         if refactorise:
-            self._mechanics.assemble_stiffness(constraints.turned, constraints.frames, self._data)
             started = perf_counter()
-            assembler = self._mechanics.assembler
-            if self._model.solver.pressure_stiffness and len(loads.pairs):
-                assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
-            if friction:
-                self._add_friction(friction, constraints)
-            diagonal = float(self._data.max())  # of the size of the others, for the condition
-            assembler.constrain(constraints.mask.reshape(-1), constraints.value.reshape(-1), diagonal, self._data, flat)
+            self._assemble(constraints, loads, balance.friction)
+            self._diagonal = float(self._data.max())  # of the size of the others, for the condition
+            if travels:
+                self._unconstrained = self._data.copy()
+            self._prescribe(constraints.mask, constraints.value, self._data, flat)
             self._timing.add("assembly", started)
             started = perf_counter()
             self.solver.factorise(self._data)
             self._timing.add("solve", started)
         started = perf_counter()
         solution = self.solver.solve(flat).reshape(-1, 2)
+        travel = np.zeros(0)
+        if travels:
+            assert floating is not None
+
+            def respond(value: FloatArray, force: FloatArray) -> FloatArray:
+                rhs = force.reshape(-1).copy()
+                self._prescribe(constraints.mask, value, self._unconstrained.copy(), rhs)
+                return self.solver.solve(rhs).reshape(-1, 2)
+
+            matrix = self._full_matrix(self._unconstrained)
+            solution, travel = self.floating_tools.correct(floating, balance.friction, matrix, solution, respond)
         self._timing.add("solve", started)
-        return self._turn_back(constraints, solution)
+        return self._turn_back(constraints, solution), travel
+
+    def _assemble(self, constraints: Constraints, loads: AppliedLoads, friction: FrictionForces | None) -> None:
+        """Fill the matrix with all stiffnesses, in the nodes' own frames."""
+        assembler = self._mechanics.assembler
+        self._mechanics.assemble_stiffness(constraints.turned, constraints.frames, self._data)
+        if self._model.solver.pressure_stiffness and len(loads.pairs):
+            assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
+        if friction:
+            self._add_friction(friction, constraints)
+
+    def _prescribe(self, mask: MaskArray, value: FloatArray, data: FloatArray, rhs: FloatArray) -> None:
+        """Prescribe values (n_points, 2) in a matrix and its right-hand side, in place."""
+        self._mechanics.assembler.constrain(mask.reshape(-1), value.reshape(-1), self._diagonal, data, rhs)
+
+    def _full_matrix(self, data: FloatArray) -> sp.csr_matrix:
+        """Return the matrix with both its halves."""
+        assembler = self._mechanics.assembler
+        matrix = sp.csr_matrix((data, assembler.indices, assembler.indptr))
+        return matrix + sp.triu(matrix, 1).T if self._model.solver.symmetric else matrix
 
     @staticmethod
-    def _note(
-        log: IterationLog, rhs: FloatArray, scale: float, size: float, increment: FloatArray, changes: int
-    ) -> None:
-        log.residual.append(float(np.abs(rhs).max()) / scale if scale > 0 else 0.0)
+    def _note(log: IterationLog, balance: _Balance, scale: float, size: float, increment: FloatArray) -> None:
+        log.residual.append(balance.largest_lacking / scale if scale > 0 else 0.0)
         moved = float(np.abs(increment).max())
         log.correction.append(size / moved if moved > 0 else (np.inf if size > 0 else 0.0))
-        log.contact_changes.append(changes)
+        log.contact_changes.append(balance.changes)
 
     def _has_converged(self, log: IterationLog) -> bool:
         settings = self._model.solver

@@ -19,11 +19,16 @@ INTEGERS = ("increment", "iterations")
 TEXTS = ("stage",)
 
 
-def history_columns(tools: Sequence[str]) -> list[str]:
-    """Return the columns of a run with these tools: times in s, strokes in mm, forces in N on the whole body."""
+def history_columns(tools: Sequence[str], turning: Sequence[str] = ()) -> list[str]:
+    """Return the columns of a run with these tools: times in s, strokes in mm, forces in N on the whole body.
+
+    Tools that turn have their angle [degree] and torque [N mm] too.
+    """
     columns = ["time", "stage", "increment", "iterations"]
     for tool in tools:
-        columns += [f"{tool}.{quantity}" for quantity in ("stroke", "force", "force_x", "force_y", "force_z")]
+        quantities = ["stroke", "force", "force_x", "force_y", "force_z"]
+        quantities += ["angle", "torque"] if tool in turning else []
+        columns += [f"{tool}.{quantity}" for quantity in quantities]
     return columns
 
 

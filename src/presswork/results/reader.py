@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.model import FloatArray
+from presswork.pose import ToolPose, place_segments
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
 from presswork.results.history import read_history
 from presswork.results.vtkhdf import open_results
@@ -119,10 +120,20 @@ class Result:
 
     def tool_displacement(self, tool: str, step: int = -1) -> FloatArray:
         """Return a tool's displacement since the start [mm], shape (2,)."""
+        return self.tool_pose(tool, step).displacement
+
+    def tool_pose(self, tool: str, step: int = -1) -> ToolPose:
+        """Return where a tool stands."""
         self._require(tool, self.tools, "tool")
         with self._open() as file:
-            positions = file[f"presswork/tools/{tool}/displacement"]
-            return np.asarray(positions[self._index(step, len(positions))], dtype=np.float64)
+            saved = file[f"presswork/tools/{tool}"]
+            index = self._index(step, len(saved["displacement"]))
+            return ToolPose(saved["centre"][()], saved["displacement"][index], float(saved["angle"][index]))
+
+    def placed_tool(self, tool: str, step: int = -1) -> FloatArray:
+        """Return a tool's profile where it is at a saved step, shape (n_segments, 7) as in model.Tool."""
+        pose = self.tool_pose(tool, step)
+        return place_segments(self.tools[tool], pose)
 
     def field(self, name: str, step: int = -1) -> FloatArray:
         """Return a field at a saved step, shape (n,) or (n, k), n points or cells; negative steps count from the end.

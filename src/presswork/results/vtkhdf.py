@@ -50,7 +50,9 @@ def append_step(
     cell_data: Mapping[str, FloatArray],
     *,
     tools: Mapping[str, FloatArray] | None = None,
+    tool_centre: Mapping[str, FloatArray] | None = None,
     tool_displacement: Mapping[str, FloatArray] | None = None,
+    tool_angle: Mapping[str, float] | None = None,
     info: Mapping[str, str | float] | None = None,
 ) -> None:
     """Append one saved step; the first one creates the file.
@@ -58,8 +60,9 @@ def append_step(
     `time` [s]. `point_data` and `cell_data` hold arrays of shape (n_points,) or (n_points, k), (n_cells,) or
     (n_cells, k), cells in the order of the blocks; displacement is (n_points, 3), stress (n_cells, 6) as xx, yy, zz,
     xy, yz, xz. The same fields come at every step. `tools` holds each tool's segments, shape (n_segments, 7) as in
-    model.Tool, and `tool_displacement` its displacement from there, shape (2,) [mm]; a tool not named has not moved.
-    `tools` and `info` (title, analysis and the like, stored as attributes) are stored with the first step only.
+    model.Tool, `tool_centre` the point about which it turns, `tool_displacement` its displacement, shape (2,) [mm],
+    and `tool_angle` its angle [rad]; a tool not named has not moved. `tools`, `tool_centre` and `info` (title, analysis
+    and the like, stored as attributes) are stored with the first step only.
     Raises OutputError if the file cannot be written, ValueError if an array has the wrong shape.
     """
     path = Path(path)
@@ -74,12 +77,12 @@ def append_step(
         with write_hdf5(temporary, "w" if is_new else "r+") as file:
             if is_new:
                 _write_geometry(file, mesh)
-                _write_extras(file, mesh, tools or {}, info or {})
+                _write_extras(file, mesh, tools or {}, tool_centre or {}, info or {})
             _check_same_mesh(file, mesh, path)
             for kind, fields in data.items():
                 _append_fields(file, kind, fields)
             _append_time(file, time)
-            _append_tool_positions(file, tool_displacement or {})
+            _append_tool_positions(file, tool_displacement or {}, tool_angle or {})
 
 
 def count_steps(path: Path | str) -> int:
@@ -158,7 +161,11 @@ def _write_geometry(file: h5py.File, mesh: Mesh) -> None:
 
 
 def _write_extras(
-    file: h5py.File, mesh: Mesh, tools: Mapping[str, FloatArray], info: Mapping[str, str | float]
+    file: h5py.File,
+    mesh: Mesh,
+    tools: Mapping[str, FloatArray],
+    centres: Mapping[str, FloatArray],
+    info: Mapping[str, str | float],
 ) -> None:
     """Write what VTK has no place for: the blocks, the boundary edges and the tools."""
     extras = file.create_group("presswork")
@@ -171,7 +178,9 @@ def _write_extras(
     for name, segments in tools.items():
         tool = extras.create_group(f"tools/{name}")
         tool["segments"] = np.asarray(segments, dtype=np.float64)
+        tool["centre"] = np.asarray(centres.get(name, (0.0, 0.0)), dtype=np.float64)
         tool.create_dataset("displacement", (0, 2), np.float64, maxshape=(None, 2), chunks=(256, 2))
+        tool.create_dataset("angle", (0,), np.float64, maxshape=(None,), chunks=(256,))
 
 
 def _check_same_mesh(file: h5py.File, mesh: Mesh, path: Path) -> None:
@@ -214,14 +223,15 @@ def _append_time(file: h5py.File, time: float) -> None:
     steps.attrs["NSteps"] = len(steps["Values"])
 
 
-def _append_tool_positions(file: h5py.File, displacement: Mapping[str, FloatArray]) -> None:
+def _append_tool_positions(file: h5py.File, displacement: Mapping[str, FloatArray], angle: Mapping[str, float]) -> None:
     """Append where every tool is."""
     tools = file["presswork"].get("tools", {})
-    unknown = set(displacement) - set(tools)
+    unknown = (set(displacement) | set(angle)) - set(tools)
     if unknown:
-        raise ValueError(f"displacement of {sorted(unknown)}, but the file's tools are {sorted(tools)}")
+        raise ValueError(f"position of {sorted(unknown)}, but the file's tools are {sorted(tools)}")
     for name, tool in tools.items():
         _append_rows(tool["displacement"], np.asarray(displacement.get(name, (0.0, 0.0)), dtype=float).reshape(1, 2))
+        _append_rows(tool["angle"], np.array([angle.get(name, 0.0)]))
 
 
 def _append_rows(dataset: h5py.Dataset, rows: NDArray[np.generic]) -> None:
@@ -243,4 +253,5 @@ def _truncate(file: h5py.File, n: int) -> None:
         steps[name].resize(n, axis=0)
     for tool in file["presswork"].get("tools", {}).values():
         tool["displacement"].resize(n, axis=0)
+        tool["angle"].resize(n, axis=0)
     steps.attrs["NSteps"] = n

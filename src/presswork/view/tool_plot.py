@@ -18,15 +18,12 @@ if TYPE_CHECKING:
 
 def draw_tools(ax: Axes, result: Result, step: int, width: float, signs: Sequence[tuple[int, int]]) -> None:
     """Draw all tools where they are at a step; the hatched band is `width` [mm] wide, mirrored images by `signs`."""
-    for name, segments in result.tools.items():
-        moved = result.tool_displacement(name, step)
-        for line in trace_profile(segments):
+    for name in result.tools:
+        for line in trace_profile(result.placed_tool(name, step)):
             band = np.concatenate([line, offset_to_right(line, width)[::-1]])
             for sign in signs:
-                ax.fill(
-                    *((band + moved) * sign).T, facecolor="0.93", edgecolor="0.6", hatch="////", linewidth=0, zorder=0.5
-                )
-                ax.plot(*((line + moved) * sign).T, color="0.15", linewidth=1.8, solid_capstyle="butt", zorder=3)
+                ax.fill(*(band * sign).T, facecolor="0.93", edgecolor="0.6", hatch="////", linewidth=0, zorder=0.5)
+                ax.plot(*(line * sign).T, color="0.15", linewidth=1.8, solid_capstyle="butt", zorder=3)
 
 
 def offset_to_right(line: FloatArray, distance: float) -> FloatArray:

@@ -31,7 +31,7 @@ def test_model_holds_what_the_case_says(write_case: WriteCase) -> None:
     assert built.materials[0].hardening.law == "linear"
     np.testing.assert_allclose(built.materials[0].hardening.parameters, [700.0, 300.0])
     assert built.supports == (model.Support("left", (True, False)), model.Support("bottom", (False, True)))
-    assert built.stages[0].tool_motion["punch"][1] <= -9.0, "60 % of 15 mm at least"
+    assert built.stages[0].tool_motion["punch"].move[1] <= -9.0, "60 % of 15 mm at least"
     assert built.solver == model.SolverSettings()
     assert built.output == model.OutputSettings()
     assert built.case_text.startswith('\ntitle = "A small upsetting"')
@@ -161,7 +161,7 @@ def test_upsetting_examples_have_the_meshes_of_the_thesis(
     built = build(copy_example(name, tmp_path))
     assert len(built.mesh.blocks[0].connectivity) == n_cells
     assert built.mesh.blocks[0].element == element
-    assert built.stages[0].tool_motion["punch"][1] <= -9.0, "60 % of 15 mm at least"
+    assert built.stages[0].tool_motion["punch"].move[1] <= -9.0, "60 % of 15 mm at least"
 
 
 def test_copying_an_example_refuses_to_overwrite_and_unknown_names(tmp_path: Path) -> None:

@@ -92,7 +92,7 @@ def advance(case: Case) -> ImplicitProcedure:
 def tool_force(procedure: ImplicitProcedure) -> np.ndarray:
     stage = len(procedure.model.stages) - 1
     procedure.contact.search(procedure.state, procedure.state.displacement)
-    return procedure.contact.tool_forces(procedure.state, procedure.equilibrium.fixed(stage))
+    return procedure.contact.tool_forces(procedure.state, procedure.equilibrium.fixed(stage))[0]
 
 
 def test_frictionless_punch_compresses_without_barrelling() -> None:

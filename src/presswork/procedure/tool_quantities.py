@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a forming engineer reads off a press: stroke, load and torque of every tool, at a converged state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.model import FloatArray, Model, Tool
+from presswork.procedure.implicit import ImplicitProcedure
+
+
+@dataclass(frozen=True)
+class ToolQuantities:
+    """Of one tool, the whole of it: with its mirror image in plane strain, the whole ring in axisymmetry."""
+
+    stroke: float
+    """Displacement along its first motion, or along which its spring yields [mm]."""
+    force: float
+    """Against its first motion [N]: positive when the workpiece resists; on a spring, what presses the spring; of a
+    tool that does neither, the vector's length."""
+    vector: FloatArray
+    """Force of the workpiece on the tool (2,) [N]."""
+    angle: float
+    """Turned since the start [rad]."""
+    torque: float
+    """Of the workpiece on the tool about its centre, against its turning: positive when it must be driven [N mm]."""
+
+
+def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQuantities]:
+    """Return the quantities of every tool at the converged state, which belongs to a stage."""
+    state, contact = procedure.state, procedure.contact
+    contact.search(state, state.displacement)
+    vectors, torques = contact.tool_forces(state, procedure.equilibrium.fixed(stage))
+    quantities = {}
+    for t, tool in enumerate(procedure.model.tools):
+        vector = vectors[t].copy()
+        for normal in (0, 1):
+            if tool.mirrored_across[normal]:
+                vector[normal] = 0.0
+                vector[1 - normal] *= 2.0
+        way = find_way(procedure.model, tool)
+        if way is not None:
+            stroke, force = float(state.tool_displacement[t] @ way), -float(vector @ way)
+        elif tool.spring is not None:
+            direction = np.asarray(tool.spring.direction)
+            stroke, force = float(state.tool_displacement[t] @ direction), float(vector @ direction)
+        else:
+            stroke, force = 0.0, float(np.linalg.norm(vector))
+        motions = [s.tool_motion[tool.name] for s in procedure.model.stages if tool.name in s.tool_motion]
+        sense = np.sign(sum(m.turn for m in motions))
+        torque = -float(torques[t]) * (float(sense) or 1.0)
+        quantities[tool.name] = ToolQuantities(stroke, force, vector, float(state.tool_angle[t]), torque)
+    return quantities
+
+
+def find_way(model: Model, tool: Tool) -> FloatArray | None:
+    """Return the unit vector of a tool's first motion or force; None if it has neither."""
+    for stage in model.stages:
+        motion = stage.tool_motion.get(tool.name)
+        if motion is None:
+            continue
+        if motion.force is not None:
+            return np.asarray(motion.direction)
+        if any(motion.move):
+            move = np.asarray(motion.move)
+            return np.asarray(move / np.linalg.norm(move), dtype=np.float64)
+    return None
