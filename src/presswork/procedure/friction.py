@@ -4,13 +4,16 @@
 A node in contact hangs on its tool by a stiff tangential spring: over an increment its friction changes by -k_t times
 the slip, from T_n. Where that exceeds what the law allows, the node slides and T = T_max against the slip (return
 mapping with a small elastic slip). The force is kept and not the spring's length, so that a change of the node's area
-is no jump. T_max by law, A the node's share of the surface and k = flow stress / sqrt(3) at the start of the increment:
+is no jump. k_t = k A' / the elastic slip, A' the node's share of all edges beside it, in contact or not: a lone node in
+contact rubs too. T_max by law, A the node's share of the surface in contact and k = flow stress / sqrt(3) at the start of the increment:
 
     shear m k A        coulomb mu N        coulomb_capped min(mu N, m k A)
 
 The converged answer is the same whatever the tangent; settings.friction_tangent chooses it:
 
-    return_mapping   k_t where the node hangs, nothing where it slides, and Coulomb's dependence on N (unsymmetric)
+    return_mapping   k_t where the node hangs, nothing where it slides, and Coulomb's dependence on N (unsymmetric);
+                     where it slides the other way than an iteration before, the chord between both: with nothing
+                     Newton's method would throw it to and fro for ever
     bond             where it slides, a soft spring too (after the bond element of Cheng 1995, chapter 3): the full
                      friction stress over the slip of the increment before, softened
     residual         nothing: friction in the residual only
@@ -71,9 +74,12 @@ class Friction:
         self._has_friction = np.array([t.contact not in ("frictionless", "sticking") for t in model.tools], dtype=bool)
         self._shear_flow = np.zeros(len(contact.nodes))
         self._bond = np.zeros(len(contact.nodes))
+        self._slip_before = np.zeros(len(contact.nodes))  # in the last iteration of this increment
+        self._force_before = np.zeros(len(contact.nodes))
 
     def begin_increment(self, state_n: State, flow_stress: FloatArray) -> None:
         """Take the shear flow stress of every candidate from the flow stress at the nodes (n_points,) [MPa]."""
+        self._slip_before[:], self._force_before[:] = 0.0, 0.0
         if self.is_needed:
             self._shear_flow = flow_stress[self._contact.nodes] / np.sqrt(3.0)
             slip = np.abs(state_n.increment[self._contact.nodes]).max(axis=1)
@@ -103,20 +109,28 @@ class Friction:
         held = np.zeros(len(displacement), dtype=bool)
         held[contact.nodes[(trial.contact > 0).any(axis=0)]] = True
         edges = self._model.mesh.boundary_edges
-        area = edge_shares(self._model, points + displacement, edges[held[edges].all(axis=1)])[nodes]
+        deformed = points + displacement
+        area = edge_shares(self._model, deformed, edges[held[edges].all(axis=1)])[nodes]
+        beside = edge_shares(self._model, deformed, edges)[nodes]
         push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
-        full = self._shear_flow[place] * area
-        by_shear = np.where(self._by_shear[tool], self._m[tool] * full, np.inf)
+        by_shear = np.where(self._by_shear[tool], self._m[tool] * self._shear_flow[place] * area, np.inf)
         by_push = np.where(self._by_push[tool], self._mu[tool] * push, np.inf)
         limit = np.minimum(by_shear, by_push)
         # 3. hang or slide
-        stiffness = full / self._slip
+        stiffness = self._shear_flow[place] * beside / self._slip
         spring = state_n.drag[place] - stiffness * slip
         slides = np.abs(spring) > limit
         force = np.where(slides, limit * np.sign(spring), spring)
         follows_push = slides & (by_push < by_shear) & (push > 0)
         slope = np.where(follows_push, self._mu[tool] * np.sign(spring), 0.0)
-        return FrictionForces(nodes, tool, tangent, force, *self._tangent(place, limit, stiffness, slides, slope))
+        on_diagonal, slope = self._tangent(place, limit, stiffness, slides, slope)
+        turned_round = slides & (force * self._force_before[place] < 0)
+        if self._model.solver.friction_tangent == "return_mapping":
+            chord = np.abs(force - self._force_before[place])
+            way = np.abs(slip - self._slip_before[place])
+            on_diagonal = np.where(turned_round, np.minimum(chord / np.maximum(way, 1e-300), stiffness), on_diagonal)
+        self._slip_before[place], self._force_before[place] = slip, force
+        return FrictionForces(nodes, tool, tangent, force, on_diagonal, slope)
 
     def _tangent(
         self, place: IndexArray, limit: FloatArray, stiffness: FloatArray, slides: BoolArray, slope: FloatArray

@@ -28,6 +28,8 @@ UNLOADED = 1e-2
 """Forces below this part of the largest so far count as nothing: residuals are measured against no less."""
 RELEASED = 1e-6
 """A pull below this part of the largest force so far lets no node go."""
+NOISE = 1e-8
+"""Strain across the workpiece whose forces are taken for round-off where no larger ones have been."""
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 
@@ -117,6 +119,7 @@ class Equilibrium:
         started = perf_counter()
         assembler = mechanics.assembler
         self._data = np.zeros(len(assembler.indices))
+        self._noise = self._force_of_round_off()
         self._unconstrained = self._data
         self._diagonal = 1.0
         self.solver: LinearSolver = make_solver(
@@ -129,6 +132,13 @@ class Equilibrium:
             nodes = model.mesh.node_sets[support.node_set]
             self._supported[nodes] |= np.asarray(support.fix)
         self._identity = np.tile(np.eye(2), (n, 1, 1))
+
+    def _force_of_round_off(self) -> float:
+        """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
+        size = float(np.ptp(self._model.mesh.points, axis=0).max())
+        axisymmetric = self._model.analysis == "axisymmetric"
+        thickness = 2 * np.pi * float(self._model.mesh.points[:, 0].max()) if axisymmetric else self._model.depth
+        return NOISE * max(m.young for m in self._model.materials) * size * thickness
 
     def fixed(self, stage: int) -> BoolArray:
         """Return the components that supports and prescribed displacements hold in a stage (n_points, 2)."""
@@ -151,7 +161,7 @@ class Equilibrium:
         settings = self._model.solver
         log = IterationLog()
         fixed = self.fixed(step.stage)
-        peak = float(state_n.peak_force[0])
+        peak = max(float(state_n.peak_force[0]), self._noise / UNLOADED)
         self._contact.begin_increment()
         self.floating_tools.begin_increment()
         if self.friction.is_needed:
@@ -206,7 +216,7 @@ class Equilibrium:
     ) -> _Balance:  # fmt: skip
         """Update what is held and return what is out of balance."""
         started = perf_counter()
-        floor = RELEASED * float(state_n.peak_force[0])
+        floor = RELEASED * max(float(state_n.peak_force[0]), self._noise / UNLOADED)
         self._contact.search(trial, point.displacement)
         changes = self._contact.update(trial, point.reaction, fixed, near=near, floor=floor)
         supports = self._supports(step, increment)
