@@ -206,9 +206,8 @@ def test_a_workpiece_between_pushed_tools_alone_is_not_held() -> None:
         "punch": {"profile": [[-5, HEIGHT], [25, HEIGHT]], "contact": "shear", "m": 0.1, "mirrored": []},
         "anvil": {"profile": [[25, 0], [-5, 0]], "contact": "shear", "m": 0.1, "mirrored": []},
     }
-    stages = [
-        {"name": "push", "tools": {"punch": {"force": 8e3, "direction": [0, -1]}, "anvil": {"force": 8e3, "direction": [0, 1]}}}
-    ]  # fmt: skip
+    down, up = {"force": 8e3, "direction": [0, -1]}, {"force": 8e3, "direction": [0, 1]}
+    stages = [{"name": "push", "tools": {"punch": down, "anvil": up}}]
     with pytest.raises(NotHeldError, match="nothing holds the workpiece in y"):
         run(block_case(tools=tools, boundary={}, stages=stages))
 

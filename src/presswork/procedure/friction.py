@@ -5,7 +5,8 @@ A node in contact hangs on its tool by a stiff tangential spring: over an increm
 the slip, from T_n. Where that exceeds what the law allows, the node slides and T = T_max against the slip (return
 mapping with a small elastic slip). The force is kept and not the spring's length, so that a change of the node's area
 is no jump. k_t = k A' / the elastic slip, A' the node's share of all edges beside it, in contact or not: a lone node in
-contact rubs too. T_max by law, A the node's share of the surface in contact and k = flow stress / sqrt(3) at the start of the increment:
+contact rubs too. T_max by law, A the node's share of the surface in contact and k = flow stress / sqrt(3) at the start
+of the increment:
 
     shear m k A        coulomb mu N        coulomb_capped min(mu N, m k A)
 
@@ -72,6 +73,8 @@ class Friction:
         self._by_shear = np.array([t.contact in ("shear", "coulomb_capped") for t in model.tools], dtype=bool)
         self._by_push = np.array([t.contact in ("coulomb", "coulomb_capped") for t in model.tools], dtype=bool)
         self._has_friction = np.array([t.contact not in ("frictionless", "sticking") for t in model.tools], dtype=bool)
+        self.softness = 1.0
+        """How many times softer than they are the springs are taken, on the way to equilibrium."""
         self._shear_flow = np.zeros(len(contact.nodes))
         self._bond = np.zeros(len(contact.nodes))
         self._slip_before = np.zeros(len(contact.nodes))  # in the last iteration of this increment
@@ -117,7 +120,7 @@ class Friction:
         by_push = np.where(self._by_push[tool], self._mu[tool] * push, np.inf)
         limit = np.minimum(by_shear, by_push)
         # 3. hang or slide
-        stiffness = self._shear_flow[place] * beside / self._slip
+        stiffness = self._shear_flow[place] * beside / (self._slip * self.softness)
         spring = state_n.drag[place] - stiffness * slip
         slides = np.abs(spring) > limit
         force = np.where(slides, limit * np.sign(spring), spring)

@@ -156,7 +156,9 @@ class ImplicitProcedure:
             if step * (1 + 1e-9) < target - fraction_n < 2 * step:
                 step = 0.5 * (target - fraction_n)
             fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
-            trial, outcome = self._attempt(stage, fraction_n, fraction)
+            trial, outcome = self._attempt(stage, fraction_n, fraction, gently=False)
+            if isinstance(outcome, Failed) and self.equilibrium.friction.is_needed:
+                trial, outcome = self._attempt(stage, fraction_n, fraction, gently=True)
             if not isinstance(outcome, Failed):
                 break
             cutbacks.append(f"{step:.3g} of the stage: {outcome.reason}")
@@ -182,7 +184,9 @@ class ImplicitProcedure:
         every = self.model.output.every
         return at_target or bool(every and int(self.state.progress[INCREMENTS]) % every == 0)
 
-    def _attempt(self, stage: int, fraction_n: float, fraction: float) -> tuple[State, Converged | Failed]:
+    def _attempt(
+        self, stage: int, fraction_n: float, fraction: float, *, gently: bool
+    ) -> tuple[State, Converged | Failed]:
         trial = self.state.duplicate()
         last = float(self.state.progress[LAST])
         ratio = (fraction - fraction_n) / last if last > 0 else 0.0
@@ -193,7 +197,7 @@ class ImplicitProcedure:
         )
         trial.tool_travel += ratio * self.state.tool_travel_increment * floats[:, None]
         trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_travel, pose[:, 2]
-        outcome = self.equilibrium.solve(self.state, trial, Step(stage, fraction_n, fraction), guess)
+        outcome = self.equilibrium.solve(self.state, trial, Step(stage, fraction_n, fraction), guess, gently=gently)
         return trial, outcome
 
     def _commit(

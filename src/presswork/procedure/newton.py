@@ -30,6 +30,10 @@ RELEASED = 1e-6
 """A pull below this part of the largest force so far lets no node go."""
 NOISE = 1e-8
 """Strain across the workpiece whose forces are taken for round-off where no larger ones have been."""
+CALM = 1e-2
+"""Relative residual at which soft friction is stiffened."""
+SOFT, STIFFENING = 300.0, 4.0
+"""Gentle friction: how many times softer it begins, and by what it is stiffened each time."""
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 
@@ -156,14 +160,20 @@ class Equilibrium:
         value = np.where(mask, target - increment, 0.0)
         return Constraints(mask, value, np.zeros(len(mask), dtype=np.uint8), self._identity)
 
-    def solve(self, state_n: State, trial: State, step: Step, guess: FloatArray) -> Converged | Failed:
-        """Find the trial state at step.fraction. state_n is not touched; trial is in equilibrium if Converged."""
+    def solve(
+        self, state_n: State, trial: State, step: Step, guess: FloatArray, *, gently: bool = False
+    ) -> Converged | Failed:
+        """Find the trial state at step.fraction. state_n is not touched; trial is in equilibrium if Converged.
+
+        gently: begin with soft friction and stiffen it as equilibrium comes near; takes more iterations.
+        """
         settings = self._model.solver
         log = IterationLog()
         fixed = self.fixed(step.stage)
         peak = max(float(state_n.peak_force[0]), self._noise / UNLOADED)
         self._contact.begin_increment()
         self.floating_tools.begin_increment()
+        self.friction.softness = SOFT if gently else 1.0
         if self.friction.is_needed:
             self.friction.begin_increment(state_n, self._mechanics.nodal_flow_stress(state_n))
         increment, point = guess, self._evaluate(state_n, trial, step, guess, with_stiffness=True)
@@ -173,7 +183,8 @@ class Equilibrium:
             if isinstance(point, TurnedInsideOut):
                 return Failed(log, str(point), 0.5)
         size, factorised = 0.0, False
-        for iteration in range(settings.max_iterations + 1):
+        most = settings.max_iterations * (2 if gently else 1)
+        for iteration in range(most + 1):
             # 1. contact at the present guess, and what is out of balance
             near = iteration > 0 and log.residual[-1] < NEAR
             balance = self._balance(state_n, trial, step, increment, point, fixed, near=near)
@@ -182,13 +193,16 @@ class Equilibrium:
             missing = float(np.abs(balance.constraints.value).max())
             scale = max(point.largest_force, UNLOADED * peak)
             self._note(log, balance, scale, max(size, missing), increment)
-            if iteration > 0 and balance.changes == 0 and self._has_converged(log):
+            stiff = self.friction.softness == 1.0
+            if iteration > 0 and log.residual[-1] < CALM:
+                self.friction.softness = max(1.0, self.friction.softness / STIFFENING)
+            if iteration > 0 and balance.changes == 0 and stiff and self._has_converged(log):
                 trial.displacement, trial.increment = point.displacement, increment
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
                 self.friction.settle(state_n, trial, balance.constraints.turned == 1)
                 trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
-            if iteration == settings.max_iterations or self._is_hopeless(log):
+            if iteration == most or (stiff and self._is_hopeless(log)):
                 break
 
             # 3. correction; constrained freedoms go all the way to where they must be
