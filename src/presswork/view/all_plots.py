@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
-from presswork.view.history_plot import find_moving_tools, plot_history
+from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
 from presswork.view.style import DPI, require_matplotlib
@@ -53,12 +53,18 @@ def plot_all(
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:
-    """Write force against stroke, if a tool has moved."""
-    if not find_moving_tools(result.history):
+    """Write force against stroke, if a tool has moved; force and torque against angle, if one has turned."""
+    turning = find_turning_tools(result.history)
+    if not (turning or find_moving_tools(result.history)):
         return []
     figure = _new_figure()
     plot_history(result, ax=figure.subplots())
-    return [_save(figure, folder / "force_stroke.png")]
+    paths = [_save(figure, folder / ("force_angle.png" if turning else "force_stroke.png"))]
+    for tool in turning:
+        figure = _new_figure()
+        plot_history(result, y=f"{tool}.torque", ax=figure.subplots())
+        paths.append(_save(figure, folder / f"torque_{tool}.png"))
+    return paths
 
 
 def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequence[int]) -> list[Path]:

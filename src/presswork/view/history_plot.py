@@ -27,9 +27,9 @@ def plot_history(
 ) -> Axes:
     """Draw columns of the history against each other; several runs go into one diagram.
 
-    Without x and y: force [kN] against stroke [mm] of every tool that moves. With `y` alone, x is the stroke of the
-    same tool, or the time. `labels` name the runs, by default after their folders. Raises ResultError for an unknown
-    column, or if no tool moves.
+    Without x and y: force [kN] against stroke [mm] of every tool that moves, or against the angle of those that turn.
+    With `y` alone, x is the angle or stroke of the same tool, or the time. `labels` name the runs, by default after
+    their folders. Raises ResultError for an unknown column, or if no tool moves.
     """
     runs = [results] if isinstance(results, Result) else list(results)
     names = list(labels) if labels is not None else _name_runs(runs)
@@ -61,15 +61,23 @@ def find_moving_tools(history: dict[str, NDArray[Any]]) -> list[str]:
     return [tool for tool in tools if np.any(history[f"{tool}.stroke"] != 0)]
 
 
+def find_turning_tools(history: dict[str, NDArray[Any]]) -> list[str]:
+    """Return the tools whose angle is not zero throughout."""
+    tools = [name.removesuffix(".angle") for name in history if name.endswith(".angle")]
+    return [tool for tool in tools if np.any(history[f"{tool}.angle"] != 0)]
+
+
 def _choose_columns(
     result: Result, history: dict[str, NDArray[Any]], x: str | None, y: str | None
 ) -> list[tuple[str, str]]:
     """Return the pairs of columns to draw, all of them in the history."""
     if y is not None:
-        stroke = f"{y.partition('.')[0]}.stroke"
-        pairs = [(x or (stroke if stroke in history else "time"), y)]
+        tool = y.partition(".")[0]
+        ways = [f"{tool}.{way}" for way in ("angle", "stroke") if f"{tool}.{way}" in history]
+        pairs = [(x or [*ways, "time"][0], y)]
     else:
-        pairs = [(x or f"{tool}.stroke", f"{tool}.force") for tool in find_moving_tools(history)]
+        turning = [(x or f"{tool}.angle", f"{tool}.force") for tool in find_turning_tools(history)]
+        pairs = turning or [(x or f"{tool}.stroke", f"{tool}.force") for tool in find_moving_tools(history)]
     if not pairs:
         raise ResultError(f"{result.folder}: no tool has moved, there is no force-stroke curve; choose x and y")
     for name in {name for pair in pairs for name in pair}:
@@ -87,13 +95,18 @@ def _name_runs(runs: Sequence[Result]) -> list[str]:
 
 
 def _values(history: dict[str, NDArray[Any]], column: str) -> FloatArray:
-    """Return a column, forces in kN."""
-    return np.asarray(history[column] * (1e-3 if "force" in column.rpartition(".")[2] else 1.0), dtype=np.float64)
+    """Return a column, forces in kN, torques in N m."""
+    return np.asarray(history[column] * (1e-3 if _is_large(column) else 1.0), dtype=np.float64)
+
+
+def _is_large(column: str) -> bool:
+    quantity = column.rpartition(".")[2]
+    return "force" in quantity or quantity == "torque"
 
 
 def _label(columns: Sequence[str]) -> str:
     """Return a label with unit; a tool is named if there is only one."""
     tool, _, quantity = columns[0].rpartition(".")
-    units = {"stroke": " [mm]", "time": " [s]"}
+    units = {"stroke": " [mm]", "time": " [s]", "angle": " [degree]", "torque": " [N m]"}
     unit = " [kN]" if "force" in quantity else units.get(quantity, "")
     return f"{tool + ' ' if tool and len(columns) == 1 else ''}{quantity.replace('_', ' ')}{unit}"

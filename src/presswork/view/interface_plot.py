@@ -12,7 +12,7 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.post import Interface, trace_interface
 from presswork.results import Result
-from presswork.view.style import COLOURS, clean_axes, measure_progress, new_figure
+from presswork.view.style import COLOURS, clean_axes, find_turning_tool, measure_progress, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,6 +51,7 @@ def plot_interface(
     if traces:
         progress = measure_progress(result, -1)
         title = f"{progress.tool} stroke,\n{progress.direction} reduction" if progress else "time"
+        title = f"{roll} turned by" if (roll := find_turning_tool(result)) is not None else title
         figure.legend(loc="outside right upper", frameon=False, title=title, alignment="left")
     what = f"contact with {tool}" if tool else "contact"
     lines = [*textwrap.wrap(str(result.info.get("title", "")), 60), what]
@@ -74,6 +75,8 @@ def _spread(count: int) -> list[int]:
 
 def _label(result: Result, step: int) -> str:
     """Return a curve's label."""
+    if (roll := find_turning_tool(result)) is not None:
+        return f"{abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
     progress = measure_progress(result, step)
     if progress is None:
         return f"{result.times[step]:.4g} s"

@@ -68,8 +68,17 @@ def measure_progress(result: Result, step: int) -> Progress | None:
     return Progress(tool, stroke, ("width", "height")[axis], 1 - extent)
 
 
+def find_turning_tool(result: Result) -> str | None:
+    """Return the tool that has turned most by the last step; None if none turns."""
+    angles = {name: abs(result.tool_pose(name).angle) for name in result.tools}
+    tool = max(angles, key=lambda name: angles[name], default=None)
+    return tool if tool is not None and angles[tool] > 0 else None
+
+
 def describe_step(result: Result, step: int) -> str:
-    """Return what tells a step from others: stroke and reduction, or the time if no tool moves."""
+    """Return what tells a step from others: a roll's angle, stroke and reduction, or the time if no tool moves."""
+    if (roll := find_turning_tool(result)) is not None:
+        return f"{roll} turned by {abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
     progress = measure_progress(result, step)
     if progress is None:
         return f"time {result.times[step]:.4g} s"
