@@ -22,19 +22,22 @@ using Doubles = nb::ndarray<const double, nb::numpy, nb::c_contig, nb::device::c
 using MutableDoubles = nb::ndarray<double, nb::numpy, nb::c_contig, nb::device::cpu>;
 using Ints = nb::ndarray<const int, nb::numpy, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::numpy, nb::c_contig, nb::device::cpu>;
-using NewDoubles = nb::ndarray<nb::numpy, double>;
+template <class T>
+using NewArray = nb::ndarray<nb::numpy, T>;
+using NewDoubles = NewArray<double>;
 
 inline void require(bool holds, const char* message) {
   if (!holds) throw std::invalid_argument(message);
 }
 
 // A new array that Python owns.
-inline NewDoubles new_array(const std::vector<std::size_t>& shape, double** data) {
+template <class T>
+NewArray<T> new_array(const std::vector<std::size_t>& shape, T** data) {
   std::size_t size = 1;
   for (auto n : shape) size *= n;
-  *data = new double[size]();
-  nb::capsule owner(*data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-  return NewDoubles(*data, shape.size(), shape.data(), owner);
+  *data = new T[size]();
+  nb::capsule owner(*data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
+  return NewArray<T>(*data, shape.size(), shape.data(), owner);
 }
 
 }  // namespace presswork::bindings

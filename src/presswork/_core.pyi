@@ -104,9 +104,9 @@ def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], d
     Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. Returns the index of a cell turned inside out, or -1.
     """
 
-def touch_profile(segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+def touch_profile(segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.int32]]:
     """
-    Gap (n) and normal (n, 2) of points to a tool profile, and those of the second face where a point lies in an inner corner (infinite elsewhere).
+    Gap (n) and normal (n, 2) of points to a tool profile, those of the second face where a point lies in an inner corner (infinite elsewhere), and the indices of the segments touched by the first and the second (-1: none).
     """
 
 class Assembler:

@@ -100,10 +100,11 @@ class Tool:
     """Shape (n_segments, 7): x0, y0, x1, y1, centre x, centre y, turn; turn is 0 for a line, +1 for an arc that runs
     counter-clockwise, -1 clockwise. Directed so that the tool's metal is on the right, the workpiece on the left."""
     contact: ContactLaw
-    m: float = 0.0
-    """Friction factor of "shear" and "coulomb_capped", 0 to 1: tau = m k, k the shear flow stress."""
-    mu: float = 0.0
-    """Coefficient of friction of "coulomb" and "coulomb_capped"."""
+    m: FloatArray
+    """Friction factor of "shear" and "coulomb_capped" by segment (n_segments,), 0 to 1: tau = m k, k the shear flow
+    stress."""
+    mu: FloatArray
+    """Coefficient of friction of "coulomb" and "coulomb_capped" by segment (n_segments,)."""
     mirrored_across: tuple[bool, bool] = (False, False)
     """Plane strain: whether the whole tool is twice what is modelled, mirrored by a symmetry plane normal to x | y."""
     centre: tuple[float, float] = (0.0, 0.0)

@@ -16,6 +16,7 @@ from presswork import model
 from presswork.case import schema
 from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import build_hardening
+from presswork.case.reach import check_reach
 from presswork.case.references import check_references, check_sets
 from presswork.case.settings import build_output, build_solver
 from presswork.case.tools import build_tool, check_motions
@@ -40,9 +41,11 @@ def build_model(case: schema.Case) -> model.Model:
     planes, problems = _find_symmetry_planes(case, mesh)
     if case.analysis == "axisymmetric":
         problems += _check_axis(case, mesh)
-    tools = [build_tool(name, tool, mesh, planes) for name, tool in case.tools.items()]
-    problems += [tool for tool in tools if isinstance(tool, Problem)]
-    _stop_at(problems or check_motions(case, [tool for tool in tools if isinstance(tool, model.Tool)]), case)
+    built = [build_tool(name, tool, mesh, planes, _folder(case)) for name, tool in case.tools.items()]
+    problems += [tool for tool in built if isinstance(tool, Problem)]
+    tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
+    stages = tuple(_build_stage(stage) for stage in case.stages)
+    _stop_at(problems or check_motions(case, tools) or check_reach(tools, stages, mesh), case)
     return model.Model(
         title=case.title,
         analysis=case.analysis,
@@ -52,11 +55,11 @@ def build_model(case: schema.Case) -> model.Model:
             model.Material(name, material.young, material.poisson, build_hardening(material.hardening))
             for name, material in case.materials.items()
         ),
-        tools=tuple(tool for tool in tools if isinstance(tool, model.Tool)),
+        tools=tools,
         supports=tuple(
             model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix)) for entry in case.boundary.values()
         ),
-        stages=tuple(_build_stage(stage) for stage in case.stages),
+        stages=stages,
         solver=build_solver(
             case.solver, with_coulomb=any(t.contact.startswith("coulomb") for t in case.tools.values())
         ),
@@ -70,6 +73,11 @@ def _stop_at(problems: list[Problem], case: schema.Case) -> None:
         raise CaseError(problems, case.source)
 
 
+def _folder(case: schema.Case) -> Path:
+    """Return what paths in a case are relative to."""
+    return case.source.parent if case.source is not None else Path()
+
+
 def _build_mesh(case: schema.Case) -> model.Mesh:
     """Mesh the workpiece, or read its mesh."""
     workpiece = case.workpiece
@@ -79,10 +87,11 @@ def _build_mesh(case: schema.Case) -> model.Mesh:
         return mesh_rectangle(
             x_lines, y_lines, element=workpiece.element, pattern=workpiece.mesh.pattern, material=material
         )
-    folder = case.source.parent if case.source is not None else Path()
     scale = unit_factor(workpiece.mesh.unit, LENGTH)
     try:
-        mesh, notes = read_mesh(folder / workpiece.mesh.path, element=workpiece.element, scale=scale, material=material)
+        mesh, notes = read_mesh(
+            _folder(case) / workpiece.mesh.path, element=workpiece.element, scale=scale, material=material
+        )
     except MeshError as error:
         problem = Problem("workpiece.mesh.path", error.fault, error.remedy, workpiece.mesh.path)
         raise CaseError([problem], case.source) from error

@@ -9,6 +9,7 @@ from dataclasses import fields
 import numpy as np
 
 from presswork import model
+from presswork.case.crossing import bound_segments
 
 _ELEMENTS: dict[str, str] = {
     "tri3": "3-node triangles, constant strain",
@@ -99,7 +100,17 @@ def _describe_tool(tool: model.Tool) -> str:
     if tool.spring:
         x, y = tool.spring.direction
         spring = f", gives along ({x:g}, {y:g}) with {tool.spring.preload:g} N + {tool.spring.stiffness:g} N/mm"
-    return f"{shape} from ({start[0]:g}, {start[1]:g}) to ({end[0]:g}, {end[1]:g}), {tool.contact}{twice}{spring}"
+    low, high = bound_segments(tool.segments)
+    extent = f"x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm"
+    ends = f"from ({start[0]:g}, {start[1]:g}) to ({end[0]:g}, {end[1]:g})"
+    return f"{shape} {ends}, {extent}, {tool.contact}{_describe_friction(tool)}{twice}{spring}"
+
+
+def _describe_friction(tool: model.Tool) -> str:
+    """Name the friction of a tool, every value of one that varies."""
+    laws = {"shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu")}
+    values = [(symbol, np.unique(getattr(tool, symbol))) for symbol in laws.get(tool.contact, ())]
+    return "".join(f", {symbol} = {' and '.join(f'{value:g}' for value in found)}" for symbol, found in values)
 
 
 def _describe_support(support: model.Support, mesh: model.Mesh) -> str:

@@ -6,6 +6,7 @@ Segments have the form of model.Tool: x0, y0, x1, y1, centre x, centre y, turn; 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,9 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.case.schema import ProfilePoint
+from presswork.case.smooth import BulgeError, fit_smooth
 from presswork.model import FloatArray
 
 X0, X1, CENTRE, TURN = slice(0, 2), slice(2, 4), slice(4, 6), 6
+
+
+MEETING = 1e-9
+"""Of the profile's extent: how close its ends are when they meet."""
+RELATIVE_TOLERANCE = 1e-5
+"""Of the profile's extent: how far arcs may lie off a smooth curve, and how far apart the ends of a drawing's pieces."""
 
 
 class ProfileError(Exception):
@@ -28,8 +36,75 @@ class ProfileError(Exception):
         super().__init__(f"point {point}: {fault}; {remedy}")
 
 
-def build_segments(profile: Sequence[ProfilePoint], closed: bool) -> FloatArray:
-    """Return the segments of a profile as drawn, shape (n_segments, 7) [mm]; raises ProfileError."""
+@dataclass(frozen=True)
+class Outline:
+    """A profile as drawn."""
+
+    segments: FloatArray
+    """Shape (n_segments, 7), in the form of model.Tool [mm]."""
+    pieces: tuple[str, ...]
+    """What the user calls the piece that each segment belongs to."""
+    m: FloatArray
+    """Friction factor of each segment, shape (n_segments,); NaN where the tool's holds."""
+    mu: FloatArray
+    """Coefficient of friction of each segment, in the same way."""
+
+
+def draw_outline(
+    profile: Sequence[ProfilePoint],
+    closed: bool,
+    *,
+    spline: bool = False,
+    corner_angle: float = 30.0,
+    tolerance: float | None = None,
+    names: Sequence[str] | None = None,
+) -> Outline:
+    """Draw a profile through points; a profile whose ends meet is closed.
+
+    spline: a smooth curve between corners sharper than corner_angle [degrees], in arcs that follow it within
+    `tolerance` [mm], without it RELATIVE_TOLERANCE of the profile's extent. names: what the user calls the points.
+    Raises ProfileError.
+    """
+    points = list(profile)
+    names = names or [f"point {index}" for index in range(len(points))]
+    if len(points) > 3 and math.dist(points[0].to, points[-1].to) <= MEETING * max(_extent(points), 1e-300):
+        first, last = points[0], points.pop()
+        points[0] = last.model_copy(update={"to": first.to, "radius": max(first.radius, last.radius)})
+        closed = True
+    if not closed and (points[0].m is not None or points[0].mu is not None):
+        raise ProfileError(0, "no piece ends at the first point of an open profile", "give m or mu at the next point")
+    if spline:
+        segments, owner = _draw_spline(points, closed, corner_angle, tolerance or RELATIVE_TOLERANCE * _extent(points))
+    else:
+        segments, owner = _draw_pieces(points, closed)
+    pieces = tuple(f"the piece that ends at {names[index]}" for index in owner)
+    m = np.array([np.nan if points[index].m is None else points[index].m for index in owner], dtype=np.float64)
+    mu = np.array([np.nan if points[index].mu is None else points[index].mu for index in owner], dtype=np.float64)
+    return Outline(segments, pieces, m, mu)
+
+
+def _extent(points: Sequence[ProfilePoint]) -> float:
+    """Return the diagonal of the box round points [mm]."""
+    return float(np.linalg.norm(np.ptp([point.to for point in points], axis=0)))
+
+
+def _draw_spline(
+    points: Sequence[ProfilePoint], closed: bool, corner_angle: float, tolerance: float
+) -> tuple[FloatArray, list[int]]:
+    """Return the segments of a smooth profile, and the index of the point at the end of each one's span."""
+    for index in range(0 if closed else 1, len(points)):
+        if points[index].to == points[index - 1].to:
+            raise ProfileError(index, "it coincides with the point before", "leave one of them out")
+    try:
+        smooth = fit_smooth(np.array([point.to for point in points]), closed, corner_angle, tolerance)
+    except BulgeError as error:
+        remedy = 'add points there (three or more make a straight piece), or set curve = "polyline"'
+        raise ProfileError(error.point, error.fault, remedy) from error
+    return smooth.segments, smooth.owner.tolist()
+
+
+def _draw_pieces(profile: Sequence[ProfilePoint], closed: bool) -> tuple[FloatArray, list[int]]:
+    """Return the lines, arcs and fillets of a profile, and the index of the point that each belongs to."""
     points = [np.array(point.to) for point in profile]
     n_points = len(points)
     ends = list(range(0 if closed else 1, n_points))  # the piece that ends at point i starts at point i - 1
@@ -43,12 +118,14 @@ def build_segments(profile: Sequence[ProfilePoint], closed: bool) -> FloatArray:
             raise ProfileError(corner, "a radius at the end of an open profile rounds nothing", "leave it out")
         fillets[corner] = _round_corner(pieces[corner], pieces[after], profile[corner].radius, corner)
     rows: list[FloatArray] = []
+    owner: list[int] = []
     for end in ends:
         if np.linalg.norm(pieces[end][X1] - pieces[end][X0]) > 1e-12 or pieces[end][TURN] != 0.0:
             rows.append(pieces[end])
         if end in fillets:
             rows.append(fillets[end])
-    return np.array(rows)
+        owner += [end] * (len(rows) - len(owner))
+    return np.array(rows), owner
 
 
 def _piece(start: FloatArray, end: FloatArray, point: ProfilePoint, index: int) -> FloatArray:

@@ -33,6 +33,8 @@ def check_references(case: schema.Case) -> list[Problem]:
                 "small",
             )
         )
+    for name, tool in case.tools.items():
+        problems += _check_unit(f"tools.{name}.unit", tool.unit or "mm")
     names = [stage.name for stage in case.stages]
     unloads = False
     for index, stage in enumerate(case.stages):
@@ -80,6 +82,14 @@ def _moves(stage: schema.Stage) -> bool:
     return tools or any(entry.value != 0.0 for entry in stage.displacement) or bool(stage.force or stage.pressure)
 
 
+def _check_unit(key: str, unit: str) -> list[Problem]:
+    try:
+        unit_factor(unit, LENGTH)
+    except ValueError as error:
+        return [Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit)]
+    return []
+
+
 def _check_workpiece(case: schema.Case) -> list[Problem]:
     problems = []
     workpiece = case.workpiece
@@ -91,17 +101,7 @@ def _check_workpiece(case: schema.Case) -> list[Problem]:
         remedy = suggest(workpiece.material, case.materials, "materials")
         problems.append(Problem("workpiece.material", "no such material", remedy, workpiece.material))
     if isinstance(workpiece.mesh, schema.MeshFile):
-        try:
-            unit_factor(workpiece.mesh.unit, LENGTH)
-        except ValueError as error:
-            problems.append(
-                Problem(
-                    "workpiece.mesh.unit",
-                    f"expected a unit of length, but {error}",
-                    "e.g. mm, m, inch",
-                    workpiece.mesh.unit,
-                )
-            )
+        problems += _check_unit("workpiece.mesh.unit", workpiece.mesh.unit)
     elif workpiece.mesh.pattern is not None:
         fitting = fitting_patterns(workpiece.element)
         if workpiece.mesh.pattern not in fitting:

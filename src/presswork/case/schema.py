@@ -7,6 +7,7 @@ Solver and output settings are in settings.py, hardening laws in hardening.py.
 
 from __future__ import annotations
 
+import copy
 import functools
 import math
 from collections.abc import Sequence
@@ -160,6 +161,12 @@ class ProfilePoint(ShortForm):
     turn: Literal["left", "right"] | None = Field(
         default=None, description="to which side that arc turns: left is counter-clockwise"
     )
+    m: Number | None = Field(
+        default=None, ge=0.0, le=1.0, description="friction factor of the piece that ends here, instead of the tool's"
+    )
+    mu: Number | None = Field(
+        default=None, ge=0.0, description="coefficient of friction of the piece that ends here, instead of the tool's"
+    )
 
     @model_validator(mode="after")
     def _check_arc(self) -> Self:
@@ -183,11 +190,34 @@ class Spring(Part):
 
 
 class Tool(Part):
-    """A rigid tool, given by its profile."""
+    """A rigid tool, given by its profile: points here, or a file."""
 
-    profile: tuple[ProfilePoint, ...] = Field(
+    profile: tuple[ProfilePoint, ...] | None = Field(
+        default=None,
         description="points [x, y], joined by lines; {to = [x, y], radius = 2} rounds a corner, "
-        '{to = [x, y], centre = [x, y], turn = "left"} ends an arc'
+        '{to = [x, y], centre = [x, y], turn = "left"} ends an arc',
+    )
+    profile_file: str | None = Field(
+        default=None,
+        description="instead of profile: a text file of two columns, x and y, or a .dxf drawing, relative to the case",
+    )
+    unit: str | None = Field(
+        default=None, description="length unit of the file, e.g. mm, m, inch; default: a drawing's own, or else mm"
+    )
+    layer: str | None = Field(default=None, description="the layer of the drawing that holds the profile")
+    curve: Literal["polyline", "spline"] | None = Field(
+        default=None,
+        description="how points are joined: polyline, by lines (default for profile), or spline, by a smooth curve "
+        "between corners (default for a text file)",
+    )
+    corner_angle: Number = Field(
+        default=30.0, gt=0, lt=180, description="turn [degrees] above which a point of a spline stays a corner"
+    )
+    tolerance: Length | None = Field(
+        default=None,
+        gt=0,
+        description="how far the arcs of the profile may lie off the smooth curve [mm], and how far apart the ends of "
+        "a drawing's pieces; default: 1e-5 of the profile's extent",
     )
     contact: model.ContactLaw = Field(
         description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped"
@@ -217,23 +247,58 @@ class Tool(Part):
         for key in needs:
             if key not in self.model_fields_set:
                 raise fault("missing key", f'contact = "{self.contact}" needs {" and ".join(needs)}', key=key)
-        for key in {"m", "mu"} & self.model_fields_set - set(needs):
-            raise fault(
-                f'has no meaning with contact = "{self.contact}"', "remove it, or choose a friction law", key=key
-            )
+        given = [key for key in ("m", "mu") if key in self.model_fields_set]
+        for index, point in enumerate(self.profile or ()):
+            given += [f"profile.{index}.{key}" for key in ("m", "mu") if getattr(point, key) is not None]
+        for key in given:
+            if key.rsplit(".", 1)[-1] not in needs:
+                raise fault(
+                    f'has no meaning with contact = "{self.contact}"', "remove it, or choose a friction law", key=key
+                )
         return self
 
     @model_validator(mode="after")
     def _check_profile(self) -> Self:
+        if self.profile is None:
+            self._check_file()
+            return self
+        if self.profile_file is not None:
+            raise fault("profile stands beside profile_file", "give one of them", key="profile_file")
+        for key in ("unit", "layer"):
+            if getattr(self, key) is not None:
+                raise fault("has no meaning without profile_file", "remove it", key=key)
         least = 3 if self.closed else 2
         if len(self.profile) < least:
             kind = "a closed" if self.closed else "a"
             raise fault(
                 f"{kind} profile needs at least {least} points", "for instance [[0, 15], [30, 15]]", key="profile"
             )
-        if self.profile[0].centre is not None and not self.closed:
+        ends_meet = len(self.profile) > 3 and self.profile[0].to == self.profile[-1].to
+        if self.profile[0].centre is not None and (ends_meet or not self.closed):
             raise fault("the first point of an open profile ends no arc", "start with [x, y]", key="profile")
+        self._check_spline(self.curve == "spline")
+        for index, point in enumerate(self.profile):
+            if self.curve == "spline" and (point.radius or point.centre is not None):
+                remedy = 'give plain points, or leave curve = "spline" out'
+                raise fault("a spline takes no radius and no arc", remedy, key=f"profile.{index}")
         return self
+
+    def _check_file(self) -> None:
+        if self.profile_file is None:
+            remedy = "give points [x, y], joined by lines, or profile_file"
+            raise fault("missing key", remedy, key="profile")
+        if not self.profile_file.lower().endswith(".dxf"):
+            if self.layer is not None:
+                raise fault("has no meaning with a text file", "remove it", key="layer")
+            self._check_spline(self.curve != "polyline")
+            return
+        for key in {"curve", "corner_angle"} & self.model_fields_set:
+            raise fault("has no meaning with a drawing, whose lines and arcs stay", "remove it", key=key)
+
+    def _check_spline(self, is_spline: bool) -> None:
+        for key in ("corner_angle", "tolerance"):
+            if key in self.model_fields_set and not is_spline:
+                raise fault('has a meaning with curve = "spline" only', "remove it", key=key)
 
 
 class Boundary(Part):
@@ -366,7 +431,8 @@ class Case(Part):
         apply_overrides(data, overrides, path)
         case = cls.model_validate(data, context={"source": path})
         case._source = path
-        case._text = _write_as_run(data, path.parent) if overrides or "path" in data["workpiece"]["mesh"] else text
+        files = [table for table, key in _tables_with_paths(data) if key in table]
+        case._text = _write_as_run(data, path.parent) if overrides or files else text
         return case
 
     @property
@@ -380,12 +446,18 @@ class Case(Part):
         return self._text
 
 
+def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
+    """Return the tables of a case that may name a file, each with the key that does."""
+    return [(data["workpiece"]["mesh"], "path"), *((tool, "profile_file") for tool in data.get("tools", {}).values())]
+
+
 def _write_as_run(data: dict[str, Any], folder: Path) -> str:
-    """Write a case so that it can be run from anywhere: overrides in it, the mesh file by its full path."""
-    mesh = dict(data["workpiece"]["mesh"])
-    if "path" in mesh:
-        mesh["path"] = str((folder / mesh["path"]).resolve())
-    return tomli_w.dumps({**data, "workpiece": {**data["workpiece"], "mesh": mesh}})
+    """Write a case so that it can be run from anywhere: overrides in it, files by their full paths."""
+    data = copy.deepcopy(data)
+    for table, key in _tables_with_paths(data):
+        if key in table:
+            table[key] = str((folder / table[key]).resolve())
+    return tomli_w.dumps(data)
 
 
 @functools.cache

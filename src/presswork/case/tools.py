@@ -3,19 +3,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import numpy as np
 
 from presswork.case import schema
+from presswork.case.chain import ProfileFileError
+from presswork.case.crossing import find_crossing
 from presswork.case.errors import Problem
 from presswork.case.profile import (
     CENTRE,
     TURN,
+    Outline,
     ProfileError,
-    build_segments,
+    draw_outline,
     measure_distance,
     reverse_segments,
     sample_points,
 )
+from presswork.case.profile_file import read_outline
 from presswork.model import FloatArray, Mesh, Spring, Tool
 
 TOLERANCE = 1e-6
@@ -23,22 +30,25 @@ TOLERANCE = 1e-6
 
 
 def build_tool(
-    name: str, tool: schema.Tool, mesh: Mesh, symmetry_planes: tuple[FloatArray, FloatArray]
+    name: str, tool: schema.Tool, mesh: Mesh, symmetry_planes: tuple[FloatArray, FloatArray], folder: Path
 ) -> Tool | Problem:
     """Build a tool, or say why it cannot be.
 
-    symmetry_planes: positions [mm] of the symmetry planes normal to x and to y; both empty in axisymmetry.
+    symmetry_planes: positions [mm] of the symmetry planes normal to x and to y; both empty in axisymmetry. folder: what
+    the path of a profile file is relative to.
     """
-    try:
-        segments = build_segments(tool.profile, tool.closed)
-    except ProfileError as error:
-        value = tool.profile[error.point].to
-        return Problem(f"tools.{name}.profile.{error.point}", error.fault, error.remedy, list(value))
+    outline = _draw(name, tool, folder)
+    if isinstance(outline, Problem):
+        return outline
+    problem = _check_crossing(name, tool, outline)
+    if problem is not None:
+        return problem
+    segments = outline.segments
+    m, mu = np.where(np.isnan(outline.m), tool.m, outline.m), np.where(np.isnan(outline.mu), tool.mu, outline.mu)
     nodes = mesh.points[np.unique(mesh.boundary_edges)]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    if tool.free_side == "right":
-        segments = reverse_segments(segments)
-    elif tool.free_side == "auto":
+    backwards = tool.free_side == "right"
+    if tool.free_side == "auto":
         balance = _weigh_sides(nodes, segments)
         if abs(balance) < 1e-9 * size:
             return Problem(
@@ -47,9 +57,10 @@ def build_tool(
                 'set free_side = "left" or "right", seen along the profile as drawn',
                 tool.free_side,
             )
-        if balance < 0.0:
-            segments = reverse_segments(segments)
-    problem = _check_clear(name, nodes, segments, TOLERANCE * size)
+        backwards = balance < 0.0
+    if backwards:
+        segments, m, mu = reverse_segments(segments), m[::-1].copy(), mu[::-1].copy()
+    problem = _check_clear(_key(name, tool), nodes, segments, TOLERANCE * size)
     if problem is not None:
         return problem
     mirrored = _find_mirrors(segments, symmetry_planes, TOLERANCE * size)
@@ -61,11 +72,11 @@ def build_tool(
         spring = Spring(tool.spring.stiffness, tool.spring.preload, direction)
     centre = tool.centre or find_centre(segments) or (0.0, 0.0)
     return Tool(
-        name, segments, tool.contact, m=tool.m, mu=tool.mu, mirrored_across=mirrored, centre=centre, spring=spring
+        name, segments, tool.contact, m=m, mu=mu, mirrored_across=mirrored, centre=centre, spring=spring
     )
 
 
-def check_motions(case: schema.Case, tools: list[Tool]) -> list[Problem]:
+def check_motions(case: schema.Case, tools: Sequence[Tool]) -> list[Problem]:
     """Return the problems of motions that do not fit the tools."""
     problems = []
     for index, stage in enumerate(case.stages):
@@ -95,6 +106,46 @@ def find_centre(segments: FloatArray) -> tuple[float, float] | None:
     return float(centres[0, 0]), float(centres[0, 1])
 
 
+def _key(name: str, tool: schema.Tool) -> str:
+    """Return the key that gives a tool's profile."""
+    return f"tools.{name}.{'profile' if tool.profile_file is None else 'profile_file'}"
+
+
+def _draw(name: str, tool: schema.Tool, folder: Path) -> Outline | Problem:
+    """Draw a tool's profile from its points or its file."""
+    if tool.profile_file is not None:
+        try:
+            return read_outline(folder / tool.profile_file, tool)
+        except ProfileFileError as error:
+            return Problem(_key(name, tool), error.fault, error.remedy, tool.profile_file)
+    assert tool.profile is not None
+    try:
+        return draw_outline(
+            tool.profile,
+            tool.closed,
+            spline=tool.curve == "spline",
+            corner_angle=tool.corner_angle,
+            tolerance=tool.tolerance,
+        )
+    except ProfileError as error:
+        value = tool.profile[error.point].to
+        return Problem(f"tools.{name}.profile.{error.point}", error.fault, error.remedy, list(value))
+
+
+def _check_crossing(name: str, tool: schema.Tool, outline: Outline) -> Problem | None:
+    """Return a problem when the profile crosses or touches itself."""
+    crossing = find_crossing(outline.segments)
+    if crossing is None:
+        return None
+    x, y = crossing.point
+    first, second = outline.pieces[crossing.first], outline.pieces[crossing.second]
+    return Problem(
+        _key(name, tool),
+        f"the profile crosses or touches itself at ({x:.6g}, {y:.6g}): {first} and {second} meet there",
+        "draw an outline without loops",
+    )
+
+
 def _weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:
     """Return the mean signed distance [mm] of the workpiece: positive when it lies left of the profile.
 
@@ -105,7 +156,7 @@ def _weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:
     return float(np.mean(place.distance[chosen] if chosen.any() else place.distance))
 
 
-def _check_clear(name: str, nodes: FloatArray, segments: FloatArray, tolerance: float) -> Problem | None:
+def _check_clear(key: str, nodes: FloatArray, segments: FloatArray, tolerance: float) -> Problem | None:
     """Return a problem when the tool starts inside the workpiece."""
     place = measure_distance(nodes, segments)
     inside = place.beside & (place.distance < -tolerance)
@@ -115,7 +166,7 @@ def _check_clear(name: str, nodes: FloatArray, segments: FloatArray, tolerance: 
     depth, (x, y) = -float(place.distance[deepest]), nodes[deepest]
     away_x, away_y = -depth * place.outwards[deepest] + 0.0
     return Problem(
-        f"tools.{name}.profile",
+        key,
         f"the tool starts inside the workpiece: {int(inside.sum())} boundary nodes lie in it, the deepest "
         f"{depth:.6g} mm at ({x:.6g}, {y:.6g})",
         f"move the tool by ({away_x:.6g}, {away_y:.6g}) mm, or set free_side if its metal is on the other side",

@@ -56,6 +56,7 @@ class Contact:
         self.tolerance = 1e-6 * float(np.ptp(points, axis=0).max())
         self.gap = np.full((2 * len(model.tools), len(self.nodes)), np.inf)
         self.normal = np.zeros((2 * len(model.tools), len(self.nodes), 2))
+        self.segment = np.full(self.gap.shape, -1, dtype=np.int32)  # of the tool's profile; -1 where there is no gap
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
 
     def _find_leaders(self) -> IndexArray:
@@ -88,7 +89,8 @@ class Contact:
         x = self._model.mesh.points[self.nodes] + displacement[self.nodes]
         for t, segments in enumerate(self._segments):
             local = np.ascontiguousarray(to_tool_frame(x, self._pose(state, t)))
-            gap, normal, second_gap, second_normal = _core.touch_profile(segments, local)
+            gap, normal, second_gap, second_normal, segment, second_segment = _core.touch_profile(segments, local)
+            self.segment[2 * t], self.segment[2 * t + 1] = segment, second_segment
             self.gap[2 * t], self.gap[2 * t + 1] = gap, second_gap
             angle = float(state.tool_angle[t])
             self.normal[2 * t], self.normal[2 * t + 1] = turn_vectors(normal, angle), turn_vectors(second_normal, angle)

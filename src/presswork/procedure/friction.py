@@ -59,6 +59,14 @@ class FrictionForces:
         return forces
 
 
+def _pad(by_tool: list[FloatArray]) -> FloatArray:
+    """Stack each tool's values by segment into (n_tools, most segments), zero beyond the tool's last."""
+    padded = np.zeros((len(by_tool), max((len(values) for values in by_tool), default=0)))
+    for row, values in zip(padded, by_tool, strict=True):
+        row[: len(values)] = values
+    return padded
+
+
 class Friction:
     """The friction of one run; what persists is State.drag."""
 
@@ -69,7 +77,7 @@ class Friction:
         edges = model.mesh.boundary_edges
         length = np.linalg.norm(model.mesh.points[edges[:, 1]] - model.mesh.points[edges[:, 0]], axis=1)
         self._slip = ELASTIC_SLIP * float(length.min(initial=np.inf))
-        self._m, self._mu = np.array([t.m for t in model.tools]), np.array([t.mu for t in model.tools])
+        self._m, self._mu = _pad([t.m for t in model.tools]), _pad([t.mu for t in model.tools])
         self._by_shear = np.array([t.contact in ("shear", "coulomb_capped") for t in model.tools], dtype=bool)
         self._by_push = np.array([t.contact in ("coulomb", "coulomb_capped") for t in model.tools], dtype=bool)
         self._has_friction = np.array([t.contact not in ("frictionless", "sticking") for t in model.tools], dtype=bool)
@@ -116,8 +124,10 @@ class Friction:
         area = edge_shares(self._model, deformed, edges[held[edges].all(axis=1)])[nodes]
         beside = edge_shares(self._model, deformed, edges)[nodes]
         push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
-        by_shear = np.where(self._by_shear[tool], self._m[tool] * self._shear_flow[place] * area, np.inf)
-        by_push = np.where(self._by_push[tool], self._mu[tool] * push, np.inf)
+        segment = contact.segment[face, place]
+        m, mu = self._m[tool, segment], self._mu[tool, segment]
+        by_shear = np.where(self._by_shear[tool], m * self._shear_flow[place] * area, np.inf)
+        by_push = np.where(self._by_push[tool], mu * push, np.inf)
         limit = np.minimum(by_shear, by_push)
         # 3. hang or slide
         stiffness = self._shear_flow[place] * beside / (self._slip * self.softness)
@@ -125,7 +135,7 @@ class Friction:
         slides = np.abs(spring) > limit
         force = np.where(slides, limit * np.sign(spring), spring)
         follows_push = slides & (by_push < by_shear) & (push > 0)
-        slope = np.where(follows_push, self._mu[tool] * np.sign(spring), 0.0)
+        slope = np.where(follows_push, mu * np.sign(spring), 0.0)
         on_diagonal, slope = self._tangent(place, limit, stiffness, slides, slope)
         turned_round = slides & (force * self._force_before[place] < 0)
         if self._model.solver.friction_tangent == "return_mapping":

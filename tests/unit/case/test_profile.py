@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from presswork.case import ProfilePoint
-from presswork.case.profile import ProfileError, build_segments, measure_distance, reverse_segments
+from presswork.case.profile import ProfileError, draw_outline, measure_distance, reverse_segments
 
 CORNER = (ProfilePoint(to=(10, -20)), ProfilePoint(to=(10, 0), radius=1.0), ProfilePoint(to=(50, 0)))
 QUARTER = (ProfilePoint(to=(5, 0)), ProfilePoint(to=(0, 5), centre=(0, 0), turn="left"))
 
 
 def test_fillet_is_tangent_to_both_lines() -> None:
-    segments = build_segments(CORNER, closed=False)
+    segments = draw_outline(CORNER, closed=False).segments
     np.testing.assert_allclose(
         segments, [[10, -20, 10, -1, 0, 0, 0], [10, -1, 11, 0, 11, -1, -1], [11, 0, 50, 0, 0, 0, 0]], atol=1e-12
     )
@@ -23,7 +23,7 @@ def test_fillet_is_tangent_to_both_lines() -> None:
 def test_named_vertices_coincide() -> None:
     points = [(0, 0), (7.3, 0.1), (9.1, 4.7), (3.3, 8.8), (-1.2, 5.1)]
     profile = [ProfilePoint(to=point, radius=0.31) for point in points]
-    segments = build_segments(profile, closed=True)
+    segments = draw_outline(profile, closed=True).segments
     assert len(segments) == 10
     np.testing.assert_allclose(segments[:, 2:4], np.roll(segments[:, :2], -1, axis=0), atol=1e-9)
     for segment in segments[1::2]:
@@ -33,13 +33,13 @@ def test_named_vertices_coincide() -> None:
 
 def test_centre_of_rounded_input_is_moved_to_equal_radii() -> None:
     profile = [ProfilePoint(to=(5, 0)), ProfilePoint(to=(3.5355, 3.5355), centre=(0, 0.001), turn="left")]
-    segment = build_segments(profile, closed=False)[0]
+    segment = draw_outline(profile, closed=False).segments[0]
     radii = [np.linalg.norm(segment[ends] - segment[4:6]) for ends in (slice(0, 2), slice(2, 4))]
     assert radii[0] == pytest.approx(radii[1], abs=1e-12)
 
 
 def test_distance_is_positive_on_the_left_of_lines_arcs_and_corners() -> None:
-    segments = build_segments(CORNER, closed=False)
+    segments = draw_outline(CORNER, closed=False).segments
     points = np.array([[9.0, -10.0], [20.0, 3.0], [10.0, 0.0], [12.0, -2.0], [11.0, -0.5]])
     place = measure_distance(points, segments)
     expected = [1.0, 3.0, np.sqrt(2.0) - 1.0, -2.0, -0.5]
@@ -48,12 +48,12 @@ def test_distance_is_positive_on_the_left_of_lines_arcs_and_corners() -> None:
 
 
 def test_points_past_the_end_of_an_open_profile_are_marked() -> None:
-    place = measure_distance(np.array([[60.0, 1.0]]), build_segments(CORNER, closed=False))
+    place = measure_distance(np.array([[60.0, 1.0]]), draw_outline(CORNER, closed=False).segments)
     assert not place.beside[0]
 
 
 def test_distance_to_an_arc_follows_its_turn() -> None:
-    arc = build_segments(QUARTER, closed=False)
+    arc = draw_outline(QUARTER, closed=False).segments
     points = np.array([[1.0, 1.0], [5.0, 5.0]])
     expected = np.array([5.0 - np.sqrt(2.0), 5.0 - 5.0 * np.sqrt(2.0)])
     np.testing.assert_allclose(measure_distance(points, arc).distance, expected, atol=1e-12)
@@ -61,7 +61,7 @@ def test_distance_to_an_arc_follows_its_turn() -> None:
 
 
 def test_outwards_is_the_gradient_of_the_distance() -> None:
-    segments = build_segments(CORNER, closed=False)
+    segments = draw_outline(CORNER, closed=False).segments
     points = np.array([[9.0, -10.0], [20.0, 3.0], [10.1, 0.0], [12.0, -1.5], [11.0, -0.5]])
     place = measure_distance(points, segments)
     step = 1e-6
@@ -74,7 +74,7 @@ def test_outwards_is_the_gradient_of_the_distance() -> None:
 
 
 def test_reversing_twice_gives_the_profile_back() -> None:
-    segments = build_segments(CORNER, closed=False)
+    segments = draw_outline(CORNER, closed=False).segments
     np.testing.assert_array_equal(reverse_segments(reverse_segments(segments)), segments)
 
 
@@ -89,13 +89,13 @@ def test_reversing_twice_gives_the_profile_back() -> None:
 )
 def test_profile_that_cannot_be_drawn_is_refused(profile: tuple[ProfilePoint, ...], fragment: str) -> None:
     with pytest.raises(ProfileError, match=fragment):
-        build_segments(profile, closed=False)
+        draw_outline(profile, closed=False).segments
 
 
 def test_closed_profile_joins_its_ends() -> None:
     profile = [ProfilePoint(to=point) for point in ((0, 0), (4, 0), (4, 3))]
-    assert len(build_segments(profile, closed=False)) == 2
-    closed = build_segments(profile, closed=True)
+    assert len(draw_outline(profile, closed=False).segments) == 2
+    closed = draw_outline(profile, closed=True).segments
     assert len(closed) == 3
     assert measure_distance(np.array([[3.0, 1.0]]), closed).distance[0] > 0.0
     assert measure_distance(np.array([[9.0, 9.0]]), closed).beside[0]

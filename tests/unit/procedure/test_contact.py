@@ -14,7 +14,7 @@ HILL = np.array([[-1.0, 0, 1, 0, 0, 0, -1]])  # upper half circle, run clockwise
 
 
 def touch(segments, *points):
-    gap, normal, second_gap, second_normal = _core.touch_profile(segments, np.array(points, dtype=float))
+    gap, normal, second_gap, second_normal, _, _ = _core.touch_profile(segments, np.array(points, dtype=float))
     return gap, normal, second_gap, second_normal
 
 

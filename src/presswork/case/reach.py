@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the tools' motions bring them to the workpiece."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswork import _core
+from presswork.case.errors import Problem
+from presswork.model import FloatArray, Mesh, Stage, Tool, ToolMotion
+
+logger = logging.getLogger(__name__)
+
+TOLERANCE = 1e-6
+"""Of the size of the workpiece: how close a tool is that touches."""
+_SAMPLES = 16
+"""Places along each stage's motion."""
+
+
+def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> list[Problem]:
+    """Return a problem when nothing can ever happen: every tool that moves only moves away from the workpiece.
+
+    That is certain only where nothing else moves or loads the workpiece, and no tool touches it after the start. Where
+    something does, a tool that never comes nearer than it starts is a warning in the log.
+    """
+    nodes = mesh.points[np.unique(mesh.boundary_edges)]
+    tolerance = TOLERANCE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    moving = [tool for tool in tools if any(_moves(stage.tool_motion.get(tool.name)) for stage in stages)]
+    leaving = [tool for tool in moving if _only_leaves(tool, stages, nodes, tolerance)]
+    loaded = any(stage.prescribed or stage.forces or stage.pressures for stage in stages)
+    loaded = loaded or any(tool.spring is not None for tool in tools)
+    if leaving and len(leaving) == len(moving) and not loaded:
+        stage = next(i for i, stage in enumerate(stages) if _moves(stage.tool_motion.get(leaving[0].name)))
+        return [
+            Problem(
+                f"stages.{stage}.tools.{leaving[0].name}",
+                "the tool never reaches the workpiece: it only moves away from it, and nothing else moves",
+                "turn the direction of its motion round, or mend its profile",
+            )
+        ]
+    for tool in leaving:
+        logger.warning("tools.%s: the tool moves, but never comes nearer to the workpiece than it starts", tool.name)
+    return []
+
+
+def _moves(motion: ToolMotion | None) -> bool:
+    return motion is not None and (any(motion.move) or motion.turn != 0.0 or motion.force is not None)
+
+
+def _only_leaves(tool: Tool, stages: Sequence[Stage], nodes: FloatArray, tolerance: float) -> bool:
+    """Say whether a tool never comes nearer to the nodes than it starts, and touches none once it has moved.
+
+    Of a tool that turns, or that a force pushes, it is not known.
+    """
+    motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
+    if any(motion.turn != 0.0 or motion.force is not None for motion in motions):
+        return False
+    place = np.zeros(2)
+    first = _distance(tool, nodes, place)
+    for motion in motions:
+        move = np.array(motion.move)
+        for fraction in np.linspace(0.0, 1.0, _SAMPLES + 1)[1:] if move.any() else ():
+            now = _distance(tool, nodes, place + fraction * move)
+            if now < first - tolerance or now <= tolerance:
+                return False
+        place = place + move
+    return True
+
+
+def _distance(tool: Tool, nodes: FloatArray, place: FloatArray) -> float:
+    """Return the least gap of the nodes to a tool moved to `place` [mm]; infinite if it faces none of them."""
+    gap, _, second_gap, *_ = _core.touch_profile(np.ascontiguousarray(tool.segments), nodes - place)
+    return float(min(gap.min(), second_gap.min()))
