@@ -6,6 +6,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -70,8 +71,7 @@ def join_pieces(pieces: Sequence[Piece], tolerance: float) -> Chain:
     kept = _drop_doubles([piece for piece in pieces if _is_long(piece, tolerance)], tolerance)
     if not kept:
         raise ProfileFileError(
-            "the drawing has no lines or curves longer than the tolerance",
-            f"check unit and scale, now {tolerance:.3g} mm is tolerated",
+            f"all that is drawn is shorter than the tolerance of {tolerance:.3g} mm", "check unit and tolerance"
         )
     ends = _find_meeting_ends(kept, tolerance)
     order = _walk(kept, ends, tolerance)
@@ -81,9 +81,9 @@ def join_pieces(pieces: Sequence[Piece], tolerance: float) -> Chain:
     for run in runs:
         rows += [segment.copy() for segment in run.segments]
         names += [str(run)] * len(run.segments)
-    for before, after in zip(rows[:-1], rows[1:], strict=True):
+    for before, after in pairwise(rows):
         _close_gap(before, after)
-    if len(rows) > 1 and ends[order[-1][0], 0 if order[-1][1] else 1] == ends[order[0][0], 1 if order[0][1] else 0]:
+    if len(rows) > 1 and np.linalg.norm(rows[-1][2:4] - rows[0][0:2]) <= tolerance:
         _close_gap(rows[-1], rows[0])
     return Chain(np.array(rows), tuple(names))
 
@@ -169,15 +169,9 @@ def _walk(pieces: Sequence[Piece], ends: IndexArray, tolerance: float) -> list[t
 
 def _name_gap(pieces: Sequence[Piece], ends: IndexArray, chain: set[int], tolerance: float) -> ProfileFileError:
     """Say where the drawing falls apart: at the loose ends of one chain that are nearest to another's."""
-    loose = np.bincount(ends.ravel())[ends] == 1
-    places = [
-        [
-            (pieces[i].end if side else pieces[i].start)
-            for i, side in np.argwhere(loose).tolist()
-            if (i in chain) == inside
-        ]
-        for inside in (True, False)
-    ]
+    places: tuple[list[FloatArray], list[FloatArray]] = ([], [])
+    for i, side in np.argwhere(np.bincount(ends.ravel())[ends] == 1).tolist():
+        places[i not in chain].append(pieces[i].end if side else pieces[i].start)
     fault = f"the drawing is not one chain: {len(chain)} of {len(pieces)} pieces hang together"
     remedy = "leave one chain in the drawing, or name its layer"
     if not places[0] or not places[1]:

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -36,18 +37,15 @@ def read_drawing(
     if layer is not None:
         known = {name.casefold() for name in layers}
         if layer.casefold() not in known:
-            raise ProfileFileError(
-                f"nothing is drawn on the layer `{layer}`", suggest(layer, layers, "layers drawn on")
-            )
+            remedy = suggest(layer, layers, "layers drawn on")
+            raise ProfileFileError(f"nothing is drawn on the layer `{layer}`", remedy)
         found = [(name, entity) for name, entity in found if name.casefold() == layer.casefold()]
     shapes = [(entity.dxftype(), _convert(entity)) for _, entity in found if entity.dxftype() in _CONVERTERS]
     if not shapes:
         kinds = ", ".join(sorted({entity.dxftype() for _, entity in found})) or "nothing"
         raise ProfileFileError(
             f"no {', '.join(_CONVERTERS)}, LWPOLYLINE or POLYLINE in the model space, but {kinds}",
-            "draw the profile with these"
-            if layer is None
-            else f"check the layer; {suggest(layer, layers, 'layers drawn on')}",
+            f"draw the profile with these, or name another layer (drawn on: {', '.join(sorted(layers)) or 'none'})",
         )
     if factor is None:
         factor = _MILLIMETRES.get(int(drawing.header.get("$INSUNITS", 0)), 1.0)
@@ -58,21 +56,20 @@ def read_drawing(
 
 def _open(path: Path) -> Any:
     try:
-        import ezdxf
-        from ezdxf import recover
+        from ezdxf import filemanagement, recover
+        from ezdxf.lldxf.const import DXFError
     except ImportError:
         raise ProfileFileError("reading DXF needs the package ezdxf", 'pip install "presswork[dxf]"') from None
     try:
-        return ezdxf.readfile(path)
-    except (OSError, ezdxf.DXFError, UnicodeError, ValueError):
+        return filemanagement.readfile(path)
+    except (OSError, DXFError, UnicodeError, ValueError):
         pass
     try:
         return recover.readfile(path)[0]
-    except (OSError, ezdxf.DXFError, UnicodeError, ValueError) as error:
+    except (OSError, DXFError, UnicodeError, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ProfileFileError(
-            f"no DXF drawing that can be read ({reason})", "export it again as DXF R2000 or later, ASCII"
-        ) from None
+        remedy = "export it again as DXF R2000 or later"
+        raise ProfileFileError(f"no DXF drawing that can be read ({reason})", remedy) from None
 
 
 def _explode(entities: Iterable[Any], parent: str | None) -> Iterator[tuple[str, Any]]:
@@ -91,10 +88,8 @@ def _convert(entity: Any) -> FloatArray | _Spans:
     """Return an entity as segments (n, 7), or as a curve with the ends of its spans, in the drawing's unit."""
     up = entity.dxf.get("extrusion", None)
     if up is not None and abs(up.z) < 1.0 - 1e-6 and entity.dxftype() not in ("LINE", "SPLINE"):
-        raise ProfileFileError(
-            f"the {entity.dxftype()} on the layer {entity.dxf.layer} is not drawn in the plane z = 0",
-            "draw the profile in the xy plane",
-        )
+        where = f"the {entity.dxftype()} on the layer {entity.dxf.layer}"
+        raise ProfileFileError(f"{where} is not drawn in the plane z = 0", "draw the profile in the xy plane")
     return _CONVERTERS[entity.dxftype()](entity)
 
 
@@ -158,7 +153,7 @@ def _convert_spline(spline: Any) -> _Spans:
     return Curve(point, tangent), spans
 
 
-_CONVERTERS = {
+_CONVERTERS: dict[str, Callable[[Any], FloatArray | _Spans]] = {
     "LINE": _convert_line,
     "ARC": _convert_arc,
     "CIRCLE": _convert_circle,
@@ -184,8 +179,8 @@ def _make_piece(kind: str, shape: FloatArray | _Spans, factor: float, tolerance:
         curve, spans = shape
         rows: list[FloatArray] = []
         try:
-            for start, end in zip(spans[:-1], spans[1:], strict=True):
-                rows += fit_biarcs(curve, float(start), float(end), tolerance / factor)
+            for start, end in pairwise(spans.tolist()):
+                rows += fit_biarcs(curve, start, end, tolerance / factor)
         except CurveError as error:
             raise ProfileFileError(f"the {kind}: {error}", "mend the drawing, or set a larger tolerance") from error
         segments = np.array(rows)

@@ -23,7 +23,8 @@ X0, X1, CENTRE, TURN = slice(0, 2), slice(2, 4), slice(4, 6), 6
 MEETING = 1e-9
 """Of the profile's extent: how close its ends are when they meet."""
 RELATIVE_TOLERANCE = 1e-5
-"""Of the profile's extent: how far arcs may lie off a smooth curve, and how far apart the ends of a drawing's pieces."""
+"""Of the profile's extent: how far arcs may lie off a smooth curve, and how far apart the ends of a drawing's
+pieces."""
 
 
 class ProfileError(Exception):

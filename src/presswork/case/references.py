@@ -33,8 +33,8 @@ def check_references(case: schema.Case) -> list[Problem]:
                 "small",
             )
         )
-    for name, tool in case.tools.items():
-        problems += _check_unit(f"tools.{name}.unit", tool.unit or "mm")
+    for name, entry in case.tools.items():
+        problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
     names = [stage.name for stage in case.stages]
     unloads = False
     for index, stage in enumerate(case.stages):

@@ -247,7 +247,7 @@ class Tool(Part):
         for key in needs:
             if key not in self.model_fields_set:
                 raise fault("missing key", f'contact = "{self.contact}" needs {" and ".join(needs)}', key=key)
-        given = [key for key in ("m", "mu") if key in self.model_fields_set]
+        given: list[str] = [key for key in ("m", "mu") if key in self.model_fields_set]
         for index, point in enumerate(self.profile or ()):
             given += [f"profile.{index}.{key}" for key in ("m", "mu") if getattr(point, key) is not None]
         for key in given:

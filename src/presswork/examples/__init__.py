@@ -18,20 +18,20 @@ def list_examples() -> dict[str, str]:
 
 
 def copy_example(name: str, target_dir: str | Path) -> Path:
-    """Copy an example's case file into a folder, made if need be; return where it lies.
+    """Copy an example's case file, and the files it names, into a folder, made if need be; return where the case lies.
 
     Raises CaseError for a name that is not known, and rather than write over a file that is there.
     """
     names = list_examples()
     if name not in names:
         raise CaseError([Problem("", f"`{name}` is no example", suggest(name, names, "examples"))], "examples")
-    target = Path(target_dir) / f"{name}.toml"
-    target.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        with target.open("x", encoding="utf-8") as file:
-            file.write((_FOLDER / target.name).read_text("utf-8"))
-    except FileExistsError:
-        raise CaseError(
-            [Problem("", f"{target} is there already", "remove it, or copy elsewhere")], "examples"
-        ) from None
-    return target
+    folder = Path(target_dir)
+    tools = tomllib.loads((_FOLDER / f"{name}.toml").read_text("utf-8")).get("tools", {})
+    files = [f"{name}.toml", *(tool["profile_file"] for tool in tools.values() if "profile_file" in tool)]
+    there = [folder / file for file in files if (folder / file).exists()]
+    if there:
+        raise CaseError([Problem("", f"{path} is there already", "remove it, or copy elsewhere") for path in there], "examples")
+    folder.mkdir(parents=True, exist_ok=True)
+    for file in files:
+        (folder / file).write_bytes((_FOLDER / file).read_bytes())
+    return folder / files[0]

@@ -129,7 +129,7 @@ def test_description_says_the_model_in_words(write_case: WriteCase) -> None:
         "24 tri3",
         "nodes: 18, freedoms: 36",
         "linear hardening: 700 + 300 e MPa",
-        "tool punch: 1 line from (30, 15) to (0, 15), sticking",
+        "tool punch: 1 line from (30, 15) to (0, 15), x 0 to 30 mm, y 15 to 15 mm, sticking",
         "support: x held on left (4 nodes)",
         "tool punch moves by (0, -9) mm",
         "solver: newton = modified",
