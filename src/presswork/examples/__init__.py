@@ -30,7 +30,9 @@ def copy_example(name: str, target_dir: str | Path) -> Path:
     files = [f"{name}.toml", *(tool["profile_file"] for tool in tools.values() if "profile_file" in tool)]
     there = [folder / file for file in files if (folder / file).exists()]
     if there:
-        raise CaseError([Problem("", f"{path} is there already", "remove it, or copy elsewhere") for path in there], "examples")
+        raise CaseError(
+            [Problem("", f"{path} is there already", "remove it, or copy elsewhere") for path in there], "examples"
+        )
     folder.mkdir(parents=True, exist_ok=True)
     for file in files:
         (folder / file).write_bytes((_FOLDER / file).read_bytes())

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -20,9 +22,9 @@ def on_circle(angles: FloatArray, radius: float = RADIUS) -> FloatArray:
 
 
 def largest_kink(segments: FloatArray) -> float:
-    """Largest turn [rad] between a segment and the next, by the gap function's own normals just beside the joint."""
+    """Largest turn [rad] between a segment and the next."""
     kinks = []
-    for before, after in zip(segments[:-1], segments[1:], strict=True):
+    for before, after in pairwise(segments):
         normals = []
         for segment in (before, after):
             if segment[6] == 0.0:
@@ -36,8 +38,9 @@ def largest_kink(segments: FloatArray) -> float:
 
 
 @pytest.mark.parametrize("closed", [True, False])
-def test_circle_of_24_points_is_smooth_and_round(closed: bool) -> None:
-    angles = np.linspace(0.0, 2 * np.pi, 25)[:-1] if closed else np.radians(np.arange(15.0, 196.0, 15.0))
+def test_circle_or_half_circle_of_24_points_is_smooth_and_round(closed: bool) -> None:
+    """At a free end, not-a-knot, the spline's error is ten times that inside: 1.3e-4 R at 15 degrees, 2e-5 R at 8."""
+    angles = np.linspace(0.0, 2 * np.pi, 25)[:-1] if closed else np.linspace(0.0, np.pi, 24)
     segments = fit_smooth(on_circle(angles), closed, 30.0, 1e-5 * RADIUS).segments
     fine = np.linspace(angles[0] + 0.001, angles[-1] - 0.001, 3000)
     gap, normal, second, *_ = _core.touch_profile(segments, on_circle(fine, RADIUS - 1.0))
@@ -92,9 +95,9 @@ def test_three_points_on_a_line_keep_it_straight(seam: int) -> None:
     slot = np.concatenate(
         [
             np.column_stack([x, 0 * x - 10])[:-1],
-            on_circle(half, 10.0) + [20, 0],
+            on_circle(half, 10.0) + np.array([20, 0]),
             np.column_stack([-x, 0 * x + 10])[1:-1],
-            on_circle(half + np.pi, 10.0) - [20, 0],
+            on_circle(half + np.pi, 10.0) - np.array([20, 0]),
         ]
     )[:-1]
     smooth = fit_smooth(np.roll(slot, seam, axis=0), True, 30.0, 1e-3)
