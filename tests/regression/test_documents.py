@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from presswork import Case, run
+from presswork.examples import copy_example
 from presswork.run import NotHeldError
 
 ROOT = Path(__file__).parents[2]
@@ -21,6 +22,14 @@ def test_the_guides_case_file_runs(tmp_path) -> None:
     again = Case.from_toml(tmp_path / "out" / "case.toml")
     assert again.workpiece.mesh.cells == (4, 4), "case.toml is the case as run"
     assert run(again, tmp_path / "out", resume=True).status == "completed"
+
+
+def test_the_example_with_a_die_from_a_file_runs(tmp_path) -> None:
+    outcome = run(Case.from_toml(copy_example("curved_die", tmp_path)), tmp_path / "out")
+    assert outcome.status == "completed"
+    result = outcome.result
+    assert result.history["punch.stroke"][-1] == pytest.approx(6.0)
+    assert result.history["die.force_y"][-1] == pytest.approx(-result.history["punch.force_y"][-1], rel=1e-3)
 
 
 def test_links_in_the_documents_lead_somewhere() -> None:

@@ -11,9 +11,9 @@ YIELD = 700.0
 SIDE, DEPTH = 10.0, 2.0
 
 
-def slide_block(contact: dict[str, object], press: float, slide: float, **solver: object) -> list[np.ndarray]:
-    """An elastic block, its top clamped; a floor presses it, then moves to the right. Force after each increment."""
-    case = Case(
+def sliding_block(contact: dict[str, object], press: float, slide: float, **solver: object) -> Case:
+    """An elastic block, its top clamped; a floor presses it, then moves to the right."""
+    return Case(
         title="sliding block",
         analysis="plane_strain",
         depth=DEPTH,
@@ -33,6 +33,11 @@ def slide_block(contact: dict[str, object], press: float, slide: float, **solver
         ],
         solver={"max_increment": 0.1, "initial_increment": 0.1, "force_tolerance": 1e-9, **solver},
     )
+
+
+def slide_block(contact: dict[str, object], press: float, slide: float, **solver: object) -> list[np.ndarray]:
+    """Force on the floor after each increment."""
+    case = sliding_block(contact, press, slide, **solver)
     procedure = ImplicitProcedure(build_model(case), threads=1)
     forces = []
     for _ in procedure.advance():
@@ -79,6 +84,43 @@ def test_the_answer_does_not_depend_on_the_friction_tangent() -> None:
         for tangent in ("return_mapping", "bond")
     ]
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-6)
+
+
+@pytest.mark.parametrize("law", ["shear", "coulomb"])
+@pytest.mark.parametrize("drawn", ["rightwards", "leftwards"])
+def test_each_zone_of_a_floor_rubs_with_its_own_friction(law, drawn) -> None:
+    """By hand: in plane strain the drag is the sum over zones of m k length depth, or of mu times their normal force.
+
+    The block stands on both zones, 10 mm wide, the border at x = 4 between nodes; the floor slides by 0.02 mm.
+    """
+    low, high = (0.04, 0.16) if law == "shear" else (0.1, 0.4)
+    symbol = "m" if law == "shear" else "mu"
+    border = 4.0
+    profile = [[-30, 0], {"to": [border, 0], symbol: low}, [30, 0]]
+    if drawn == "leftwards":
+        profile = [[30, 0], [border, 0], {"to": [-30, 0], symbol: low}]
+    contact = {"contact": law, symbol: high, "profile": profile}
+    press = 0.01 if law == "shear" else 0.005
+    nodes, drag, push = slide_on_zones(contact, press, 0.02)
+    smooth = nodes < border
+    assert 0 < smooth.sum() < len(nodes)
+    if law == "coulomb":
+        np.testing.assert_allclose(drag / push, np.where(smooth, low, high), rtol=1e-6)
+    else:
+        share = np.where((nodes < 0.1) | (nodes > SIDE - 0.1), 0.5, 1.0) * SIDE / 6 * DEPTH
+        np.testing.assert_allclose(drag, np.where(smooth, low, high) * YIELD / np.sqrt(3) * share, rtol=5e-3)
+
+
+def slide_on_zones(contact: dict[str, object], press: float, slide: float) -> tuple[np.ndarray, ...]:
+    """Position, friction and normal force of the floor's nodes at the end."""
+    procedure = ImplicitProcedure(build_model(sliding_block(contact, press, slide)), threads=1)
+    for _ in procedure.advance():
+        pass
+    bottom = procedure.model.mesh.node_sets["bottom"]
+    force = procedure.state.reaction[bottom]
+    x = procedure.model.mesh.points[bottom, 0] + procedure.state.displacement[bottom, 0]
+    drag = procedure.state.drag[np.searchsorted(procedure.contact.nodes, bottom)]
+    return x, np.abs(drag), np.abs(force[:, 1])
 
 
 def press_ring(m: float) -> float:

@@ -154,6 +154,45 @@ FAULTS = {
         ("[[0, 15], [30, 15]]", "[[0, 14], [30, 14]]"),
         ["tools.punch.profile", "starts inside the workpiece", "1 mm at (", "move the tool by (0, 1) mm"],
     ),
+    "profile_crosses_itself": (
+        ("[[0, 15], [30, 15]]", "[[0, 15], [30, 15], [30, 25], [10, 12]]"),
+        [
+            "tools.punch.profile",
+            "crosses or touches itself at (14.6154, 15)",
+            "the piece that ends at point 1 and the piece that ends at point 3 meet there",
+        ],
+    ),
+    "smooth_profile_swings_out": (
+        ("profile = [[0, 15], [30, 15]]", 'curve = "spline"\nprofile = [[0, 15], [30, 15], [31, 15.1], [32, 15.3]]'),
+        ["tools.punch.profile.1 = [30.0, 15.0]", "swings out by", "three or more make a straight piece", "polyline"],
+    ),
+    "tool_moves_away": (
+        ("direction = [0, -1]", "direction = [0, 1]"),
+        ["stages.0.tools.punch", "never reaches the workpiece", "turn the direction of its motion round"],
+    ),
+    "tool_beside_the_workpiece": (
+        ("[[0, 15], [30, 15]]", "[[20, 30], [30, 30]]"),
+        ["stages.0.tools.punch", "never reaches the workpiece"],
+    ),
+    "unknown_tool_moved": (
+        ("[stages.tools.punch]", "[stages.tools.puncg]"),
+        ["stages.0.tools.puncg", "no such tool", "did you mean `punch`?"],
+    ),
+    "friction_of_a_piece_without_a_law": (
+        ("[[0, 15], [30, 15]]", "[[0, 15], {to = [30, 15], mu = 0.1}]"),
+        ["tools.punch.profile.1.mu", "no meaning"],
+    ),
+    "friction_of_a_piece_above_1": (
+        ("[[0, 15], [30, 15]]", "[[0, 15], {to = [30, 15], m = 1.5}]"),
+        ["tools.punch.profile.1.m = 1.5", "<= 1"],
+    ),
+    "friction_where_no_piece_ends": (
+        (
+            'profile = [[0, 15], [30, 15]]\ncontact = "sticking"',
+            'profile = [{to = [0, 15], mu = 0.1}, [30, 15]]\ncontact = "coulomb"\nmu = 0.2',
+        ),
+        ["tools.punch.profile.0", "no piece ends at the first point"],
+    ),
     "side_unclear": (
         ("[[0, 15], [30, 15]]", "[[0, 7.5], [30, 7.5]]"),
         ['tools.punch.free_side = "auto"', "which side", '"left" or "right"'],

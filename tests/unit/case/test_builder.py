@@ -164,6 +164,43 @@ def test_upsetting_examples_have_the_meshes_of_the_thesis(
     assert built.stages[0].tool_motion["punch"].move[1] <= -9.0, "60 % of 15 mm at least"
 
 
+@pytest.mark.parametrize("free_side", ["auto", "left", "right"])
+def test_friction_goes_with_its_piece_whichever_way_the_profile_runs(write_case: WriteCase, free_side: str) -> None:
+    profile = "[[30, 15], {to = [5, 15], m = 0.3}, {to = [0, 15]}]"
+    if free_side == "right":
+        profile = "[[0, 15], {to = [5, 15]}, {to = [30, 15], m = 0.3}]"
+    change = ('contact = "sticking"', f'contact = "shear"\nm = 0.1\nfree_side = "{free_side}"')
+    tool = build(write_case(("[[0, 15], [30, 15]]", profile), change)).tools[0]
+    np.testing.assert_allclose(tool.segments[:, [0, 2]], [[30, 5], [5, 0]])
+    np.testing.assert_array_equal(tool.m, [0.3, 0.1])
+    np.testing.assert_array_equal(tool.mu, [0.0, 0.0])
+
+
+def test_a_fillet_has_the_friction_of_its_point(write_case: WriteCase) -> None:
+    profile = "[[0, 15], {to = [20, 15], radius = 2, m = 0.3}, [20, 30]]"
+    change = ('contact = "sticking"', 'contact = "shear"\nm = 0.1')
+    tool = build(write_case(("[[0, 15], [30, 15]]", profile), change)).tools[0]
+    assert sorted(zip(tool.segments[:, 6] != 0, tool.m, strict=True)) == [(False, 0.1), (False, 0.3), (True, 0.3)]
+    assert "m = 0.1 and 0.3" in describe(build(write_case(("[[0, 15], [30, 15]]", profile), change)))
+
+
+def test_a_smooth_profile_is_directed_and_mirrored_like_any_other(write_case: WriteCase) -> None:
+    points = [[x, 15 + 0.01 * x * x] for x in range(0, 32, 3)]
+    for profile in (points, points[::-1]):
+        change = ("profile = [[0, 15], [30, 15]]", f'curve = "spline"\nprofile = {profile}')
+        tool = build(write_case(PLANE_STRAIN, change)).tools[0]
+        assert tool.segments[:, 6].all()
+        assert tool.segments[0, 0] > tool.segments[-1, 2], "the workpiece below is on the left"
+        assert tool.mirrored_across == (True, False)
+
+
+def test_a_tool_that_only_withdraws_is_told_in_the_log(write_case: WriteCase, caplog: pytest.LogCaptureFixture) -> None:
+    guard = '[tools.guard]\nprofile = [[20, 0], [20, 30]]\ncontact = "frictionless"\n\n[boundary.axis]'
+    motion = "[stages.tools.guard]\nmove = [5, 0]\n[stages.tools.punch]"
+    build(write_case(("[boundary.axis]", guard), ("[stages.tools.punch]", motion)))
+    assert "tools.guard: the tool moves, but never comes nearer" in caplog.text
+
+
 def test_copying_an_example_refuses_to_overwrite_and_unknown_names(tmp_path: Path) -> None:
     copy_example("heading", tmp_path)
     with pytest.raises(Exception, match="is there already"):

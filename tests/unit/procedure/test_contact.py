@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import Case, _core, build_model
+from presswork.case.profile import measure_distance
 from presswork.procedure.implicit import ImplicitProcedure
 
 FLOOR = np.array([[0.0, 0, 10, 0, 0, 0, 0]])
@@ -56,6 +57,48 @@ def test_the_normal_turns_round_an_outer_corner() -> None:
     gap, normal, _, _ = touch(EDGE, [5.3, 0.4], [5.3, -1])
     np.testing.assert_allclose(gap, [0.5, 0.3])
     np.testing.assert_allclose(normal, [[0.6, 0.8], [1, 0]], atol=1e-12)
+
+
+def test_a_point_behind_an_acute_inner_corner_is_inside() -> None:
+    groove = np.array([[-1.0, 5, 0, 0, 0, 0, 0], [0.0, 0, 1, 5, 0, 0, 0]])  # a groove that opens by 23 degrees
+    gap, _, second_gap, _ = touch(groove, [0, -0.5], [0.2, -0.3], [0.5, 0])
+    assert (np.minimum(gap, second_gap) < 0).all()
+
+
+def test_a_turn_too_small_to_see_is_no_corner() -> None:
+    bent = np.array([[0.0, 0, 5, 0, 0, 0, 0], [5.0, 0, 10, 0.002, 0, 0, 0]])
+    assert np.isinf(touch(bent, [5, 0], [5, -0.1])[2]).all(), "0.4 mm on a metre is smooth"
+    bent[1, 3] = 0.02
+    assert np.isfinite(touch(bent, [5, 0])[2]).all()
+
+
+@pytest.mark.parametrize("arcs", [False, True])
+@pytest.mark.parametrize("n_segments", [1, 3, 8, 37, 400])
+def test_the_closest_of_many_segments_is_found(arcs, n_segments) -> None:
+    """Against distances by numpy to every segment and vertex, for points near a wavy chain, open at its ends."""
+    rng = np.random.default_rng(n_segments)
+    x = np.linspace(0.0, 40.0, n_segments + 1)
+    ends = np.column_stack([x, 4.0 * np.sin(0.4 * x)])
+    segments = np.zeros((n_segments, 7))
+    segments[:, 0:2], segments[:, 2:4] = ends[:-1], ends[1:]
+    if arcs:
+        chord = ends[1:] - ends[:-1]
+        sides = rng.choice([-1.0, 1.0], n_segments)
+        normal = np.column_stack([-chord[:, 1], chord[:, 0]])
+        segments[:, 4:6] = 0.5 * (ends[1:] + ends[:-1]) + 2.0 * sides[:, None] * normal
+        segments[:, 6] = sides
+    foot = rng.uniform(0.0, 40.0, 3000)
+    points = np.column_stack([foot, 4.0 * np.sin(0.4 * foot) + rng.uniform(-0.5, 8.0, 3000)])
+    gap, normal, second_gap, _, segment, second_segment = _core.touch_profile(segments, points)
+    place = measure_distance(points, segments)
+    single = place.beside & np.isinf(second_gap)
+    np.testing.assert_allclose(gap[single], place.distance[single], atol=1e-9)
+    assert single.mean() > 0.5
+    assert ((segment >= 0) == np.isfinite(gap)).all()
+    assert ((second_segment >= 0) == np.isfinite(second_gap)).all()
+    for k in np.flatnonzero(single)[:50]:
+        alone, *_ = _core.touch_profile(segments[segment[k]][None], points[k][None])
+        assert alone[0] == gap[k] or np.linalg.norm(points[k] - segments[segment[k], 2:4]) == pytest.approx(abs(gap[k]))
 
 
 def block_case(**changes) -> Case:
