@@ -27,7 +27,7 @@ def copy_example(name: str, target_dir: str | Path) -> Path:
         raise CaseError([Problem("", f"`{name}` is no example", suggest(name, names, "examples"))], "examples")
     folder = Path(target_dir)
     tools = tomllib.loads((_FOLDER / f"{name}.toml").read_text("utf-8")).get("tools", {})
-    files = [f"{name}.toml", *(tool["profile_file"] for tool in tools.values() if "profile_file" in tool)]
+    files: list[str] = [f"{name}.toml", *(tool["profile_file"] for tool in tools.values() if "profile_file" in tool)]
     there = [folder / file for file in files if (folder / file).exists()]
     if there:
         raise CaseError(
