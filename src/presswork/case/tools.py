@@ -71,9 +71,7 @@ def build_tool(
         direction = schema.unit_vector(tool.spring.direction)
         spring = Spring(tool.spring.stiffness, tool.spring.preload, direction)
     centre = tool.centre or find_centre(segments) or (0.0, 0.0)
-    return Tool(
-        name, segments, tool.contact, m=m, mu=mu, mirrored_across=mirrored, centre=centre, spring=spring
-    )
+    return Tool(name, segments, tool.contact, m=m, mu=mu, mirrored_across=mirrored, centre=centre, spring=spring)
 
 
 def check_motions(case: schema.Case, tools: Sequence[Tool]) -> list[Problem]:
