@@ -9,6 +9,12 @@ from presswork.procedure.implicit import ImplicitProcedure
 from presswork.results.fields import effective_stress, point_fields
 
 
+def fields_of(procedure: ImplicitProcedure) -> dict[str, np.ndarray]:
+    state = procedure.state
+    forces = procedure.contact.forces(state, procedure.equilibrium.fixed(len(procedure.model.stages) - 1))
+    return point_fields(procedure.model, state, forces, procedure.mechanics.nodal_flow_stress(state))
+
+
 @pytest.mark.parametrize("element", ["tri3", "tri6_7pt", "quad4_fbar", "quad8_2x2", "quad9_2x2"])
 @pytest.mark.parametrize("analysis", ["axisymmetric", "plane_strain"])
 def test_uniform_contact_pressure_is_the_stress_beneath_it(element, analysis) -> None:
@@ -33,7 +39,7 @@ def test_uniform_contact_pressure_is_the_stress_beneath_it(element, analysis) ->
     for _ in procedure.advance():
         pass
     state = procedure.state
-    fields = point_fields(model, state, procedure.contact.forces(state, procedure.equilibrium.fixed(0)))
+    fields = fields_of(procedure)
     top = model.mesh.node_sets["top"]
     stress = state.stress[0].reshape(-1, 4)[:, 1]
     np.testing.assert_allclose(fields["contact_pressure"][top], -stress.mean(), rtol=1e-5)
