@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Neutral radius of the ring 6:3:2 against friction, beside Avitzur's.
 
-The shipped ring (10 x 5 blocks of 4CST) at friction factors from 0.05 to 1. Three readings of presswork: on the platen, where
+The shipped ring on 20 x 10 blocks of 4CST, at friction factors from 0.05 to 1. Three readings of presswork: on the platen, where
 the slip vanishes and where the shear changes its sign (presswork.post.find_neutral_radius), and that of the flow
 averaged over the height (presswork.study.measure_ring), which is there too when all of the ring flows outwards.
 Run: python validation/neutral_radius.py [--picture docs/img/ring_neutral_radius.png]
@@ -36,14 +36,15 @@ class Neutral:
 
     reduction: FloatArray
     by_slip: FloatArray
+    stick_width: FloatArray
     by_shear: FloatArray
     of_mean_flow: FloatArray
 
 
 @cache
-def compress(cells: tuple[int, int] = (10, 5)) -> dict[float, Neutral]:
+def compress(cells: tuple[int, int] = (20, 10)) -> dict[float, Neutral]:
     """Run the rings."""
-    settings = [f"workpiece.mesh.cells=[{cells[0]},{cells[1]}]", "output.steps=40"]
+    settings = [f"workpiece.mesh.cells=[{cells[0]},{cells[1]}]", "output.steps=20"]
     rings = {}
     with tempfile.TemporaryDirectory() as folder:
         sweep = run_sweep(EXAMPLE, {"tools.punch.m": FRICTION}, Path(folder) / "rings", settings=settings)
@@ -54,6 +55,7 @@ def compress(cells: tuple[int, int] = (10, 5)) -> dict[float, Neutral]:
             rings[float(member.values["tools.punch.m"])] = Neutral(
                 ring.height_reduction,
                 np.array([f.by_slip for f in found]) / BORE,
+                np.array([f.stick_width for f in found]) / BORE,
                 np.array([f.by_shear for f in found]) / BORE,
                 ring.neutral_radius / BORE,
             )
@@ -64,9 +66,7 @@ def avitzur(m: float, reductions: FloatArray) -> FloatArray:
     """Return Avitzur's neutral radius over the first bore radius, the ring's shape by his field too."""
     bore, outside = integrate_ring(m, reductions)
     heights = HEIGHT * (1 - np.asarray(reductions))
-    square = [
-        find_neutral_square(m, OUTSIDE * o, BORE * i, h) for i, o, h in zip(bore, outside, heights, strict=True)
-    ]
+    square = [find_neutral_square(m, OUTSIDE * o, BORE * i, h) for i, o, h in zip(bore, outside, heights, strict=True)]
     return np.sqrt(square) / BORE
 
 
@@ -77,11 +77,13 @@ def at(ring: Neutral, values: FloatArray, reduction: float) -> float:
 
 def print_table(rings: dict[float, Neutral]) -> None:
     """Print the radii at 10, 25 and 45 % as docs/verification.md has them."""
-    print("| m | reduction | no slip on the platen | shear changes sign | flow averaged over the height | Avitzur |")
-    print("|---|---|---|---|---|---|")
+    print(
+        "| m | reduction | no slip on the platen | width of the zone | shear changes sign | flow averaged over the height | Avitzur |"
+    )
+    print("|---|---|---|---|---|---|---|")
     for m, ring in rings.items():
         for reduction in (0.1, 0.25, 0.45):
-            found = [at(ring, v, reduction) for v in (ring.by_slip, ring.by_shear, ring.of_mean_flow)]
+            found = [at(ring, v, reduction) for v in (ring.by_slip, ring.stick_width, ring.by_shear, ring.of_mean_flow)]
             text = " | ".join("" if np.isnan(f) else f"{f:.3f}" for f in found)
             print(f"| {m:g} | {100 * reduction:.0f} % | {text} | {avitzur(m, np.array([reduction]))[0]:.3f} |")
 
@@ -96,10 +98,11 @@ def draw(path: str, rings: dict[float, Neutral]) -> None:
     left.plot(fine, [avitzur(v, np.array([0.25]))[0] for v in fine], "k--", lw=1.2, label="Avitzur, parallel field")
     for name, style, label in (
         ("of_mean_flow", "C0-", "flow averaged over the height"),
-        ("by_slip", "C1o", "on the platen: no slip"),
         ("by_shear", "C2x", "on the platen: shear changes sign"),
     ):
         left.plot(m, [at(ring, getattr(ring, name), 0.25) for ring in rings.values()], style, ms=6, label=label)
+    slip, width = (np.array([at(r, getattr(r, n), 0.25) for r in rings.values()]) for n in ("by_slip", "stick_width"))
+    left.errorbar(m, slip, width / 2, fmt="C1o", ms=5, capsize=3, label="on the platen: no slip, with its zone")
     left.set(xlabel="friction factor m", ylabel="neutral radius over first bore radius", xlim=(0, 1.02))
     left.set_title("at a height reduction of 25 %", fontsize=10)
     left.legend(frameon=False, fontsize=8, loc="lower right")
@@ -124,7 +127,7 @@ def main() -> None:
     """Print the table; draw if asked to."""
     parser = argparse.ArgumentParser(description="Neutral radius of the ring test")
     parser.add_argument("--picture", help="PNG file to draw")
-    parser.add_argument("--cells", type=int, nargs=2, default=(10, 5), help="blocks along radius and half height")
+    parser.add_argument("--cells", type=int, nargs=2, default=(20, 10), help="blocks along radius and half height")
     arguments = parser.parse_args()
     rings = compress(tuple(arguments.cells))
     print_table(rings)

@@ -71,9 +71,7 @@ def stress_error(model: Model, degrees: float) -> float:
     along = factor * np.log(1 - STROKE / HEIGHT)
     normal = turn(np.array([0.0, 1.0]), degrees)
     out_of_plane = POISSON * along if model.analysis == "plane_strain" else 0.0
-    exact = np.array(
-        [along * normal[0] ** 2, along * normal[1] ** 2, out_of_plane, along * normal[0] * normal[1]]
-    )
+    exact = np.array([along * normal[0] ** 2, along * normal[1] ** 2, out_of_plane, along * normal[0] * normal[1]])
     state, fixed = procedure.state, procedure.equilibrium.fixed(0)
     errors = [np.abs(block - exact).max() for block in state.stress]
     forces = procedure.contact.forces(state, fixed)

@@ -4,12 +4,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.model import FloatArray
 from presswork.post.interface import trace_interface
 from presswork.results import Result, ResultError
+
+_STUCK = 0.02
+"""Part of the largest slip below which a node sticks."""
+
+_NO_FRICTION = 1e-3
+"""Part of the largest pressure below which shear is what the iteration leaves."""
 
 
 @dataclass(frozen=True)
@@ -17,11 +25,13 @@ class NeutralRadius:
     """Radii on the contact surface at which the flow parts [mm]; NaN where there is none."""
 
     by_slip: float
-    """Where the material's velocity along the tool is that of the tool. It is what Avitzur's neutral radius means, and
-    it is found within a cell, since the slip varies smoothly. None where everything sticks."""
+    """Where the material's velocity along the tool is that of the tool, in the middle of the zone that hardly slips
+    (less than 2 % of the fastest). It is what Avitzur's neutral radius means; NaN where everything sticks."""
+    stick_width: float
+    """Width of that zone, by which by_slip is uncertain [mm]: with much friction it spans cells."""
     by_shear: float
     """Where the contact shear changes its sign, as friction does with the slip. Under constant shear friction it jumps
-    there, so it is found to the size of a cell; it is there on a sticking tool too, and not without friction."""
+    there, so it is found to half a cell; it is there on a sticking tool too, and not without friction."""
 
 
 def find_neutral_radius(result: Result, step: int = -1, tool: str | None = None) -> NeutralRadius:
@@ -50,15 +60,19 @@ def find_neutral_radius(result: Result, step: int = -1, tool: str | None = None)
     moved = result.points(last) - result.points(first)
     carried = result.tool_displacement(names[0], last) - result.tool_displacement(names[0], first)
     slip = np.einsum("ni,ni->n", tangent, moved[trace.nodes] - carried)
-    slides = np.abs(slip).max(initial=0.0) > 1e-6 * np.linalg.norm(carried)
+    still = np.abs(slip).max(initial=0.0) <= 1e-6 * np.linalg.norm(carried)
     same = trace.patch[1:] == trace.patch[:-1]
+    part = _find_parting(radius, slip, same & lasting[1:] & lasting[:-1]) if not still else None
+    rubs = np.abs(trace.contact_shear).max(initial=0.0) > _NO_FRICTION * np.abs(trace.contact_pressure).max(initial=0.0)
+    turn = _find_parting(radius, trace.contact_shear, same, share=0.0) if rubs else None
     return NeutralRadius(
-        by_slip=_first_crossing(radius, slip, same & lasting[1:] & lasting[:-1]) if slides else np.nan,
-        by_shear=_first_crossing(radius, trace.contact_shear, same),
+        by_slip=float(np.mean(part)) if part else np.nan,
+        stick_width=part[1] - part[0] if part else np.nan,
+        by_shear=turn[0] if turn else np.nan,
     )
 
 
-def _tangents(points: FloatArray, patch: np.ndarray) -> FloatArray:
+def _tangents(points: FloatArray, patch: NDArray[np.int64]) -> FloatArray:
     """Return unit vectors along each part of the contact surface (n, 2), by differences."""
     tangent = np.zeros_like(points)
     for part in np.unique(patch):
@@ -69,9 +83,25 @@ def _tangents(points: FloatArray, patch: np.ndarray) -> FloatArray:
     return tangent
 
 
-def _first_crossing(radius: FloatArray, value: FloatArray, joined: np.ndarray) -> float:
-    """Return the smallest radius at which the value, linear between neighbours that are joined, changes its sign."""
-    a, b = value[:-1], value[1:]
-    (places,) = np.nonzero((a * b < 0) & joined)
-    crossings = radius[places] + (radius[places + 1] - radius[places]) * a[places] / (a[places] - b[places])
-    return float(crossings.min(initial=np.inf)) if len(places) else float("nan")
+def _find_parting(
+    radius: FloatArray, value: FloatArray, joined: NDArray[np.bool_], share: float = _STUCK
+) -> tuple[float, float] | None:
+    """Return the innermost zone in which the value, linear between neighbours that are joined, changes its sign.
+
+    The zone (from, to) is where the value is less than `share` of the largest; None if it does not change its sign.
+    """
+    level = share * np.abs(value).max(initial=0.0)
+    sign = np.where(np.abs(value) > level, np.sign(value), 0.0)
+    (moving,) = np.nonzero(sign)
+    zones = []
+    for p, q in pairwise(moving):
+        if sign[p] == sign[q] or not joined[p:q].all():
+            continue
+        leaves, arrives = _reach(radius, value, p, sign[p] * level), _reach(radius, value, q - 1, sign[q] * level)
+        zones.append((min(leaves, arrives), max(leaves, arrives)))
+    return min(zones, default=None)
+
+
+def _reach(radius: FloatArray, value: FloatArray, i: int, level: float) -> float:
+    """Return the radius between nodes i and i + 1 at which the value is this."""
+    return float(radius[i] + (radius[i + 1] - radius[i]) * (level - value[i]) / (value[i + 1] - value[i]))

@@ -31,9 +31,7 @@ def cell_fields(state: State) -> dict[str, FloatArray]:
     return {name: np.concatenate(values) for name, values in parts.items()}
 
 
-def point_fields(
-    model: Model, state: State, contact: ContactForces, flow_stress: FloatArray
-) -> dict[str, FloatArray]:
+def point_fields(model: Model, state: State, contact: ContactForces, flow_stress: FloatArray) -> dict[str, FloatArray]:
     """Return displacement, gap, and the contact's status, stresses, forces and friction limit at the nodes.
 
     flow_stress: of the material at the nodes (n_points,) [MPa]. With several tools there is a traction for each.
@@ -64,9 +62,7 @@ def point_fields(
     return fields
 
 
-def friction_limit(
-    model: Model, contact: ContactForces, pressure: FloatArray, flow_stress: FloatArray
-) -> FloatArray:
+def friction_limit(model: Model, contact: ContactForces, pressure: FloatArray, flow_stress: FloatArray) -> FloatArray:
     """Return the largest friction stress that the laws of the tools allow at each node (n_points,) [MPa].
 
     m k, mu p or the smaller of both; k is the flow stress at the node over root 3. Zero apart from tools with friction.

@@ -43,7 +43,9 @@ def test_edges_of_a_coarse_mesh_cut_the_corner_of_a_tool_and_nodes_do_not(tmp_pa
     assert depth[1] < depth[0]
 
 
-@pytest.mark.parametrize("example", ["upsetting_4cst", "upsetting_q4", "upsetting_q8_2x2", "upsetting_t6_7pt", "heading"])
+@pytest.mark.parametrize(
+    "example", ["upsetting_4cst", "upsetting_q4", "upsetting_q8_2x2", "upsetting_t6_7pt", "heading"]
+)
 def test_no_node_is_inside_a_tool_in_the_examples(tmp_path: Path, example: str) -> None:
     case = Case.from_toml(copy_example(example, tmp_path))
     result = run(case, tmp_path / "out").result
