@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hertz contact of a cylinder and a sphere: computed pressure on the exact ellipse, and the error against the width a/R.
+"""Hertz contact of a cylinder and a sphere: computed pressure on the exact ellipse, and its error over the width a/R.
 
 Run: python validation/hertz.py [--picture docs/img/hertz.png]
 """
@@ -24,9 +24,8 @@ def print_row(shape: str, element: str, width: float, contact: Hertz) -> None:
     """Print one line of the table in docs/verification.md."""
     half_width = contact.half_width / contact.exact_half_width - 1
     largest, fitted = (p / contact.exact_peak - 1 for p in (contact.pressure.max(), contact.peak))
-    print(
-        f"| {shape} | {element} | {width:g} | {contact.nodes_across} | {half_width:+.2%} | {fitted:+.2%} | {largest:+.2%} |"
-    )
+    errors = f"{half_width:+.2%} | {fitted:+.2%} | {largest:+.2%}"
+    print(f"| {shape} | {element} | {width:g} | {contact.nodes_across} | {errors} |")
 
 
 def draw(path: str, contacts: dict[tuple[str, str], Hertz]) -> None:

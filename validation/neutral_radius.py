@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Neutral radius of the ring 6:3:2 against friction, beside Avitzur's.
 
-The shipped ring on 20 x 10 blocks of 4CST, at friction factors from 0.05 to 1. Three readings of presswork: on the platen, where
-the slip vanishes and where the shear changes its sign (presswork.post.find_neutral_radius), and that of the flow
-averaged over the height (presswork.study.measure_ring), which is there too when all of the ring flows outwards.
+The shipped ring on 20 x 10 blocks of 4CST, at friction factors from 0.05 to 1. Three readings of presswork: on the
+platen, where the slip vanishes and where the shear changes its sign (presswork.post.find_neutral_radius), and that of
+the flow averaged over the height (presswork.study.measure_ring), which is there too when all the ring flows outwards.
 Run: python validation/neutral_radius.py [--picture docs/img/ring_neutral_radius.png]
 """
 
@@ -77,10 +77,17 @@ def at(ring: Neutral, values: FloatArray, reduction: float) -> float:
 
 def print_table(rings: dict[float, Neutral]) -> None:
     """Print the radii at 10, 25 and 45 % as docs/verification.md has them."""
-    print(
-        "| m | reduction | no slip on the platen | width of the zone | shear changes sign | flow averaged over the height | Avitzur |"
+    names = (
+        "m",
+        "reduction",
+        "no slip",
+        "width of the zone",
+        "shear changes sign",
+        "averaged over the height",
+        "Avitzur",
     )
-    print("|---|---|---|---|---|---|---|")
+    print(f"| {' | '.join(names)} |")
+    print("|---" * len(names) + "|")
     for m, ring in rings.items():
         for reduction in (0.1, 0.25, 0.45):
             found = [at(ring, v, reduction) for v in (ring.by_slip, ring.stick_width, ring.by_shear, ring.of_mean_flow)]

@@ -16,7 +16,18 @@ import numpy as np
 from problems import N_CORNERS, elastic, fixed_increments, run
 
 from presswork.mesh import mesh_rectangle
-from presswork.model import Analysis, ElementName, FloatArray, Mesh, Model, OutputSettings, Stage, Support, Tool
+from presswork.model import (
+    Analysis,
+    ElementName,
+    FloatArray,
+    Mesh,
+    Model,
+    OutputSettings,
+    Stage,
+    Support,
+    Tool,
+    ToolMotion,
+)
 from presswork.results.contact_stress import ContactSurface
 
 RADIUS, YOUNG, POISSON = 10.0, 200e3, 0.3
@@ -120,7 +131,7 @@ def press(
         materials=(elastic(YOUNG, POISSON),),
         tools=(plane,),
         supports=(Support("left", (True, False)), Support("top", (False, True))),
-        stages=(Stage("press", tool_motion={"plane": (0.0, approach)}),),
+        stages=(Stage("press", tool_motion={"plane": ToolMotion((0.0, approach))}),),
         solver=fixed_increments(increments, max_iterations=60, force_tolerance=1e-7),
         output=OutputSettings(every=1),
     )

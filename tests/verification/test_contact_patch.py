@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from problems import ELEMENTS, block_mesh, distort, elastic, fixed_increments, run
 
-from presswork.model import Analysis, ElementName, Mesh, Model, OutputSettings, Stage, Support, Tool
+from presswork.model import Analysis, ElementName, Mesh, Model, OutputSettings, Stage, Support, Tool, ToolMotion
 from presswork.results.fields import point_fields
 
 YOUNG, POISSON = 200e3, 0.3
@@ -58,7 +58,7 @@ def patch(element: ElementName, analysis: Analysis, degrees: float) -> Model:
         materials=(elastic(YOUNG, POISSON),),
         tools=(corner, punch),
         supports=(Support("left", (True, False)),) if analysis == "axisymmetric" else (),
-        stages=(Stage("press", tool_motion={"punch": (float(move[0]), float(move[1]))}),),
+        stages=(Stage("press", tool_motion={"punch": ToolMotion((float(move[0]), float(move[1])))}),),
         solver=fixed_increments(2),
         output=OutputSettings(every=1),
     )

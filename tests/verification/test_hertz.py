@@ -24,7 +24,7 @@ def test_pressure_and_half_width_are_those_of_hertz(analysis, element) -> None:
 
 
 def test_what_hertz_leaves_out_grows_with_the_width_of_the_contact() -> None:
-    """His paraboloid and half-space are the first terms in a/R: ten times the width, more than three times the error."""
+    """His paraboloid and half-space are first terms in a/R: ten times the width, more than three times the error."""
     errors = [
         abs(contact.half_width / contact.exact_half_width - 1)
         for contact in (press("plane_strain", "quad4_fbar", half_width=a * RADIUS) for a in (0.01, 0.1))

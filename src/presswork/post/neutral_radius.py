@@ -94,7 +94,7 @@ def _find_parting(
     sign = np.where(np.abs(value) > level, np.sign(value), 0.0)
     (moving,) = np.nonzero(sign)
     zones = []
-    for p, q in pairwise(moving):
+    for p, q in pairwise(moving.tolist()):
         if sign[p] == sign[q] or not joined[p:q].all():
             continue
         leaves, arrives = _reach(radius, value, p, sign[p] * level), _reach(radius, value, q - 1, sign[q] * level)

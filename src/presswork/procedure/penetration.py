@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How deep the workpiece has been inside tools: its nodes, and the edges between them, which may cut a tool's corner."""
+"""How deep the workpiece has been in tools: its nodes, and the edges between them, which may cut a tool's corner."""
 
 from __future__ import annotations
 
