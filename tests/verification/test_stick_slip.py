@@ -5,7 +5,8 @@ The strip, t thick, lies between a frictionless symmetry plane and a tool with c
 cannot get thicker: its modulus along is E_u = E (1 - nu) / ((1 + nu)(1 - 2 nu)). From the pushed end a front runs in,
 behind which the strip slips and before which it sticks, unstressed. With stress s at the end the front is at s t / tau,
 and the end has moved by u = s^2 t / (2 E_u tau) (equilibrium t ds/dx = tau, integrated twice; the shear-lag of pull-out
-tests). Pulled back by v, friction turns round from the end on, by Masing's rule: the stress falls by 2 sqrt(E_u tau v/t).
+tests). Pulled back by v, friction turns round from the end on, by Masing's rule: the stress falls by
+2 sqrt(E_u tau v / t).
 """
 
 from functools import cache
