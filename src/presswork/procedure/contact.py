@@ -113,7 +113,7 @@ class Contact:
             _core.touch_profile(segments, np.ascontiguousarray(to_tool_frame(points, self._pose(state, t))))[0]
             for t, segments in enumerate(self._segments)
         ]
-        return np.array(gaps).reshape(-1, len(points))
+        return np.array(gaps).reshape(len(gaps), len(points))
 
     def begin(self, state: State) -> None:
         """Find the nodes that touch before the first increment; on sticking tools they are stuck at once."""
@@ -217,10 +217,10 @@ class Contact:
         n_tools, n_points = len(self._model.tools), len(state.displacement)
         held = state.contact > 0
         both = held.sum(axis=0) > 1
-        by_tool: BoolArray = np.asarray(held.reshape(n_tools, 2, -1).any(axis=1))
+        by_tool: BoolArray = np.asarray(held.reshape(n_tools, 2, len(self.nodes)).any(axis=1))
         tool, place = np.nonzero(by_tool)
         push = np.where(held, self.normal_forces(state, state.reaction, fixed), 0.0)
-        by_face = (push[..., None] * self.normal).reshape(n_tools, 2, -1, 2).sum(axis=1)
+        by_face = (push[..., None] * self.normal).reshape(n_tools, 2, len(self.nodes), 2).sum(axis=1)
         whole = state.reaction[self.nodes[place]] * ~fixed[self.nodes[place]]
         force = np.where((by_tool.sum(axis=0) > 1)[place, None], by_face[tool, place], whole)
         normal = self.normal[2 * tool + ~held[2 * tool, place], place]
@@ -233,7 +233,7 @@ class Contact:
         return ContactForces(
             nodes=self.nodes[place],
             tool=tool,
-            push=np.where(both[place], push.reshape(n_tools, 2, -1).sum(axis=1)[tool, place], along),
+            push=np.where(both[place], push.reshape(n_tools, 2, len(self.nodes)).sum(axis=1)[tool, place], along),
             drag=np.where(both[place], 0.0, np.einsum("ni,ni->n", tangent, force)),
             force=force,
             status=status,
