@@ -122,7 +122,8 @@ def press(
     mesh = mesh_quarter_disc(element, half_width, edges)
     a_over_r = half_width / RADIUS
     approach = RADIUS * a_over_r**2 if analysis == "axisymmetric" else _approach_of_cylinder(half_width)
-    plane = Tool("plane", np.array([[-RADIUS, -RADIUS, 2 * RADIUS, -RADIUS, 0, 0, 0]], dtype=float), "frictionless")
+    line = np.array([[-RADIUS, -RADIUS, 2 * RADIUS, -RADIUS, 0, 0, 0]], dtype=float)
+    plane = Tool("plane", line, "frictionless", np.zeros(1), np.zeros(1))
     model = Model(
         title="Hertz",
         analysis=analysis,

@@ -47,8 +47,8 @@ def patch(element: ElementName, analysis: Analysis, degrees: float) -> Model:
     mesh = replace(mesh, points=turn(mesh.points, degrees))
     far = 3 * WIDTH
     floor = [(0.0, far), (0.0, 0.0), (far, 0.0)] if analysis == "plane_strain" else [(-1.0, 0.0), (far, 0.0)]
-    corner = Tool("corner", line(*floor, degrees=degrees), "frictionless")
-    punch = Tool("punch", line((far, HEIGHT), (-1.0, HEIGHT), degrees=degrees), "frictionless")
+    corner = Tool("corner", line(*floor, degrees=degrees), "frictionless", *np.zeros((2, len(floor) - 1)))
+    punch = Tool("punch", line((far, HEIGHT), (-1.0, HEIGHT), degrees=degrees), "frictionless", *np.zeros((2, 1)))
     move = turn(np.array([0.0, -STROKE]), degrees)
     return Model(
         title="contact patch test",

@@ -223,7 +223,8 @@ class Contact:
         by_face = (push[..., None] * self.normal).reshape(n_tools, 2, len(self.nodes), 2).sum(axis=1)
         whole = state.reaction[self.nodes[place]] * ~fixed[self.nodes[place]]
         force = np.where((by_tool.sum(axis=0) > 1)[place, None], by_face[tool, place], whole)
-        normal = self.normal[2 * tool + ~held[2 * tool, place], place]
+        face = 2 * tool + ~held[2 * tool, place]
+        normal = self.normal[face, place]
         tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
         along = np.einsum("ni,ni->n", normal, force)
         status, gap = np.zeros(n_points, dtype=np.int8), np.full(n_points, np.nan)
@@ -233,6 +234,7 @@ class Contact:
         return ContactForces(
             nodes=self.nodes[place],
             tool=tool,
+            segment=self.segment[face, place],
             push=np.where(both[place], push.reshape(n_tools, 2, len(self.nodes)).sum(axis=1)[tool, place], along),
             drag=np.where(both[place], 0.0, np.einsum("ni,ni->n", tangent, force)),
             force=force,

@@ -32,6 +32,8 @@ class ContactForces:
     """(n,); a node that two tools hold comes twice."""
     tool: IndexArray
     """Index into Model.tools (n,)."""
+    segment: IntArray
+    """Of the tool's profile that the node touches (n,); of its first face in an inner corner."""
     push: FloatArray
     """Along the normal into the workpiece (n,) [N]; in an inner corner of a tool the sum over both faces."""
     drag: FloatArray

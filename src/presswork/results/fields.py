@@ -69,8 +69,10 @@ def friction_limit(model: Model, contact: ContactForces, pressure: FloatArray, f
     """
     limit = np.zeros(len(pressure))
     for t, tool in enumerate(model.tools):
-        nodes = contact.nodes[contact.tool == t]
-        by_shear, by_push = tool.m * flow_stress[nodes] / np.sqrt(3.0), tool.mu * np.maximum(pressure[nodes], 0.0)
+        own = contact.tool == t
+        nodes, segment = contact.nodes[own], contact.segment[own]
+        by_shear = tool.m[segment] * flow_stress[nodes] / np.sqrt(3.0)
+        by_push = tool.mu[segment] * np.maximum(pressure[nodes], 0.0)
         if tool.contact in ("shear", "coulomb", "coulomb_capped"):
             laws = {"shear": by_shear, "coulomb": by_push, "coulomb_capped": np.minimum(by_shear, by_push)}
             limit[nodes] = laws[tool.contact]
