@@ -12,10 +12,12 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
+import test_contact_patch as contact_patch
 import test_limit_loads as limit
 import test_newton_rate as newton
 import test_patch_tests as patch
 import test_simple_shear_closed_form as shear
+import test_stick_slip as stick_slip
 import test_thick_cylinder_and_sphere as ring
 import test_uniaxial_closed_form as uniaxial
 from problems import ELEMENTS, fit_rate, fixed_increments
@@ -99,6 +101,25 @@ def print_limits() -> None:
         print(f"punch {element} refined 6, 12, 24: " + " ".join(f"{x:.4f}" for x in loads))
 
 
+def print_contact() -> None:
+    """Contact patch test, and the strip that sticks and slips."""
+    for element in ELEMENTS:
+        errors = [
+            contact_patch.stress_error(contact_patch.patch(element, analysis, degrees), degrees)
+            for analysis, degrees in (("plane_strain", 0.0), ("plane_strain", 30.0), ("axisymmetric", 0.0))
+        ]
+        print(f"contact patch test {element:12s} " + " ".join(f"{e:.1e}" for e in errors))
+    fall = 2 * np.sqrt(stick_slip.MODULUS * stick_slip.SHEAR * 0.5 * stick_slip.WAY / stick_slip.THICKNESS)
+    for element in ("quad4_fbar", "quad8_2x2", "tri6_7pt"):
+        stresses, drags = stick_slip.push_strip(element)
+        front = np.abs(drags[0]).sum() / stick_slip.SHEAR
+        back = stick_slip.STRESS - stresses[1]
+        print(
+            f"strip {element:10s} stress {stresses[0] / stick_slip.STRESS - 1:+.3%}, "
+            f"front {front / stick_slip.FRONT - 1:+.3%}, pulled back {back / fall - 1:+.3%}"
+        )
+
+
 def print_newton() -> None:
     """Order of the Newton iteration."""
     for element in ELEMENTS:
@@ -116,4 +137,5 @@ if __name__ == "__main__":
     print_shear()
     print_rings()
     print_limits()
+    print_contact()
     print_newton()

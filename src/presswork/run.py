@@ -30,6 +30,7 @@ from presswork.procedure.implicit import (
     IncrementReport,
     NotHeldError,
 )
+from presswork.procedure.penetration import Penetration
 from presswork.procedure.tool_quantities import ToolQuantities, measure_tools
 from presswork.results import (
     History,
@@ -127,6 +128,7 @@ class _Run:
         columns = history_columns([t.name for t in model.tools], self.turning)
         self.history = History(folder / HISTORY, columns)
         self.saved_steps = 0
+        self.penetration = Penetration()
         self.log = logging.getLogger(f"presswork.{id(self)}")
         self.log.setLevel(logging.INFO)
         self.log.propagate = False
@@ -173,6 +175,7 @@ class _Run:
             sum(report.log.contact_changes),
         )
         started = perf_counter()
+        self.penetration.note(self.model, self.procedure.contact, self.procedure.state)
         tools = measure_tools(self.procedure, self._stage())
         row: dict[str, float | int | str] = {
             "time": report.time,
@@ -225,13 +228,19 @@ class _Run:
             self.folder / RESULTS,
             model.mesh,
             float(state.progress[TIME]),
-            point_fields(model, state, forces),
+            point_fields(model, state, forces, procedure.mechanics.nodal_flow_stress(state)),
             cell_fields(state),
             tools={t.name: t.segments for t in model.tools},
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
             tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.tools)},
-            info={"title": model.title, "analysis": model.analysis},
+            info={
+                "title": model.title,
+                "analysis": model.analysis,
+                "depth": model.depth,
+                "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
+                "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
+            },
         )
 
     def save_checkpoint(self) -> None:
@@ -242,6 +251,8 @@ class _Run:
             "saved_steps": self.saved_steps,
             "increments": int(self.procedure.state.progress[INCREMENTS]),
             "initial_volume": self.procedure.initial_volume,
+            "node_penetration": self.penetration.node,
+            "edge_penetration": self.penetration.edge,
         }
         save_checkpoint(self.folder / CHECKPOINT, self.procedure.state.to_arrays(), meta)
 
@@ -259,6 +270,7 @@ class _Run:
         except ValueError as error:
             raise OutputError(f"{self.folder / CHECKPOINT}: {error}; use --overwrite to start anew") from error
         self.saved_steps = int(meta["saved_steps"])
+        self.penetration = Penetration(float(meta["node_penetration"]), float(meta["edge_penetration"]))
         self.history.truncate(int(meta["increments"]))
         truncate_steps(self.folder / RESULTS, self.saved_steps)
         self.log.info("resumed after increment %d", int(meta["increments"]))
@@ -300,6 +312,11 @@ class _Run:
                     "final_mm3": volume,
                     "change_percent": 100 * (volume / initial - 1),
                     "elastic_part_percent": 100 * elastic_volume / initial,
+                },
+                "contact": {
+                    "tolerance_mm": procedure.contact.tolerance,
+                    "largest_node_penetration_mm": self.penetration.node,
+                    "largest_edge_penetration_mm": self.penetration.edge,
                 },
                 "energy": procedure.energy_balance(),
                 "linear_solver": procedure.equilibrium.solver.name,

@@ -28,7 +28,7 @@ PYTHON_ROOMS = {
     "examples": {"case"},
     "results": {"model", "mesh", "state", "pose"},
     "procedure": {"model", "mesh", "state", "pose", "results"},
-    "post": {"model", "results"},
+    "post": {"mesh", "model", "results"},
     "view": {"model", "results", "post"},
     "run": {"model", "procedure", "results"},
     "study": {"case", "model", "run", "results", "view", "post"},

@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is worked out from the results: nodal averages, the contact surface, tool profiles."""
+"""What is worked out from the results: nodal averages, the contact surface and its force, neutral radius, profiles."""
 
+from presswork.post.contact_force import integrate_contact_force
 from presswork.post.interface import Interface, order_along_boundary, trace_interface
+from presswork.post.neutral_radius import NeutralRadius, find_neutral_radius
 from presswork.post.nodal import average_to_nodes, cell_areas, count_corners
 from presswork.post.tool_profile import distance_to_profile, trace_profile
 
 __all__ = [
     "Interface",
+    "NeutralRadius",
     "average_to_nodes",
     "cell_areas",
     "count_corners",
     "distance_to_profile",
+    "find_neutral_radius",
+    "integrate_contact_force",
     "order_along_boundary",
     "trace_interface",
     "trace_profile",

@@ -29,6 +29,8 @@ class Interface:
     """[MPa], positive in compression."""
     contact_shear: FloatArray
     """[MPa]."""
+    friction_limit: FloatArray
+    """The largest shear that the tool's friction law allows [MPa]; zero without friction, or if it was not saved."""
 
 
 def trace_interface(result: Result, tool: str | None = None, step: int = -1) -> Interface:
@@ -47,6 +49,8 @@ def trace_interface(result: Result, tool: str | None = None, step: int = -1) -> 
         touching &= _nearest_tool(result, points, tool, step)
     patches = order_along_boundary(points, result.mesh.boundary_edges, touching)
     nodes = np.concatenate([np.zeros(0, dtype=np.int64), *patches])
+    has_limit = "friction_limit" in result.field_names
+    limit = result.field("friction_limit", step) if has_limit else np.zeros(len(points))
     lengths = [_arc_length(points[patch]) for patch in patches]
     return Interface(
         nodes=nodes,
@@ -55,6 +59,7 @@ def trace_interface(result: Result, tool: str | None = None, step: int = -1) -> 
         arc_length=np.concatenate([np.zeros(0), *lengths]),
         contact_pressure=pressure[nodes],
         contact_shear=shear[nodes],
+        friction_limit=limit[nodes],
     )
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from presswork import _core
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
 from presswork.pose import ToolPose, place_points, to_tool_frame, turn_vectors
-from presswork.results.fields import ContactForces
+from presswork.results.contact_stress import ContactForces
 from presswork.state import SLIDING, STUCK, ContactArray, State
 
 RELEASE = 1e-3
@@ -106,6 +106,14 @@ class Contact:
             local = to_tool_frame(points[own], self._pose(state_n, t))
             carried[own] = place_points(local, self._pose(state, t)) - points[own]
         return carried
+
+    def find_gaps(self, state: State, points: FloatArray) -> FloatArray:
+        """Return the distance of points (n, 2) from each tool (n_tools, n) [mm]; infinite where there is none."""
+        gaps = [
+            _core.touch_profile(segments, np.ascontiguousarray(to_tool_frame(points, self._pose(state, t))))[0]
+            for t, segments in enumerate(self._segments)
+        ]
+        return np.array(gaps).reshape(len(gaps), len(points))
 
     def begin(self, state: State) -> None:
         """Find the nodes that touch before the first increment; on sticking tools they are stuck at once."""
@@ -204,15 +212,35 @@ class Contact:
         return forces, torques
 
     def forces(self, state: State, fixed: BoolArray) -> ContactForces:
-        """Return the nodes in contact with their push and drag; the normal is that of the first face held."""
-        if not self._model.tools:
-            return ContactForces(np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2)))
+        """Return what each tool does to the nodes that it holds, as tool_forces() adds it up."""
         self.search(state, state.displacement)
+        n_tools, n_points = len(self._model.tools), len(state.displacement)
         held = state.contact > 0
-        nodes = np.nonzero(held.any(axis=0))[0]
-        normal = self.normal[held[:, nodes].argmax(axis=0), nodes]
-        at = self.nodes[nodes]
-        return ContactForces(at, normal, state.reaction[at] * ~fixed[at])
+        both = held.sum(axis=0) > 1
+        by_tool: BoolArray = np.asarray(held.reshape(n_tools, 2, len(self.nodes)).any(axis=1))
+        tool, place = np.nonzero(by_tool)
+        push = np.where(held, self.normal_forces(state, state.reaction, fixed), 0.0)
+        by_face = (push[..., None] * self.normal).reshape(n_tools, 2, len(self.nodes), 2).sum(axis=1)
+        whole = state.reaction[self.nodes[place]] * ~fixed[self.nodes[place]]
+        force = np.where((by_tool.sum(axis=0) > 1)[place, None], by_face[tool, place], whole)
+        face = 2 * tool + ~held[2 * tool, place]
+        normal = self.normal[face, place]
+        tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
+        along = np.einsum("ni,ni->n", normal, force)
+        status, gap = np.zeros(n_points, dtype=np.int8), np.full(n_points, np.nan)
+        status[self.nodes] = np.where(both, STUCK, state.contact.max(axis=0, initial=0))
+        nearest = self.gap.min(axis=0, initial=np.inf)
+        gap[self.nodes] = np.where(np.isfinite(nearest), nearest, np.nan)
+        return ContactForces(
+            nodes=self.nodes[place],
+            tool=tool,
+            segment=self.segment[face, place],
+            push=np.where(both[place], push.reshape(n_tools, 2, len(self.nodes)).sum(axis=1)[tool, place], along),
+            drag=np.where(both[place], 0.0, np.einsum("ni,ni->n", tangent, force)),
+            force=force,
+            status=status,
+            gap=gap,
+        )
 
     def constrain(self, trial: State, displacement: FloatArray, supports: Constraints) -> Constraints:
         """Return the supports' constraints together with those of the held nodes."""

@@ -28,7 +28,7 @@ import numpy as np
 
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.procedure.contact import Contact
-from presswork.results.fields import edge_shares
+from presswork.results.contact_stress import edge_shares
 from presswork.state import SLIDING, State
 
 ELASTIC_SLIP = 2e-3

@@ -27,8 +27,12 @@ VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28}
 
 UNITS = {
     "displacement": "mm",
+    "gap": "mm",
+    "contact_status": "1",
     "contact_pressure": "MPa",
     "contact_shear": "MPa",
+    "contact_traction": "MPa",
+    "friction_limit": "MPa",
     "contact_force": "N",
     "equivalent_plastic_strain": "1",
     "effective_stress": "MPa",
@@ -209,8 +213,9 @@ def _create_field(group: h5py.Group, name: str, values: FloatArray) -> None:
     columns = values.shape[1:]
     chunks = (max(1, min(len(values), _ROWS_PER_CHUNK)), *columns)
     field = group.create_dataset(name, (0, *columns), np.float64, maxshape=(None, *columns), chunks=chunks)
-    if name in UNITS:
-        field.attrs["units"] = UNITS[name]
+    of_tool = "contact_traction" if name.startswith("contact_traction_") else name
+    if of_tool in UNITS:
+        field.attrs["units"] = UNITS[of_tool]
 
 
 def _append_time(file: h5py.File, time: float) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from rich.console import Console
@@ -18,6 +18,7 @@ from presswork.case.errors import Problem
 from presswork.results import OutputError
 from presswork.study.calibrate import SYMBOLS, BorePlace, Calibration, FrictionLaw, calibrate_ring
 from presswork.study.sweep import TABLE, SweepProgress, SweepResult, run_sweep
+from presswork.study.table import require_pyarrow, write_parquet
 from presswork.study.vary import parse_variation
 
 BAD_INPUT, GAVE_UP, INTERRUPTED = 2, 3, 130
@@ -54,6 +55,9 @@ def sweep(
     set_: Settings = None,
     output: Annotated[Path | None, typer.Option(help="Folder; default: the case's name with _sweep.")] = None,
     jobs: Jobs = 0,
+    table_format: Annotated[
+        Literal["csv", "parquet"], typer.Option(help="parquet: leave table.parquet beside table.csv.")
+    ] = "csv",
     resume: Resume = False,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
@@ -61,6 +65,8 @@ def sweep(
     """Run a family of cases in parallel, and leave one table and one picture."""
     folder = output or case.with_name(f"{case.stem}_sweep")
     with _errors_told():
+        if table_format == "parquet":
+            require_pyarrow()  # before anything is run
         varied: dict[str, list[Any]] = {}
         for text in vary:
             key, values = parse_variation(text)
@@ -78,6 +84,8 @@ def sweep(
                 overwrite=overwrite,
                 on_progress=show,
             )
+        if table_format == "parquet":
+            write_parquet(result.folder / TABLE.replace("csv", "parquet"), result.rows)
     _report_members(result, quiet)
 
 

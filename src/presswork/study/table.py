@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""table.csv: one row a member, with what its summary and the end of its history say."""
+"""table.csv, and table.parquet if asked for: one row a member, from its summary and the end of its history."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def make_row(folder: Path, name: str, values: Mapping[str, Any], status: str, re
 
 def write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Replace the table; a value that a row lacks is left empty. Raises OutputError."""
-    columns = list(dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row))
+    columns = _columns(rows)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -59,6 +59,45 @@ def write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     content = text.getvalue().encode()
     with replace_whole(path, needed_bytes=len(content)) as temporary:
         temporary.write_bytes(content)
+
+
+def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Replace the table in Parquet: numbers as int64 or float64, lists and mixed columns as text, as in the CSV.
+
+    Raises OutputError.
+    """
+    pyarrow = require_pyarrow()
+    from pyarrow import parquet
+
+    arrays = {name: pyarrow.array(_column([row.get(name) for row in rows])) for name in _columns(rows)}
+    table = pyarrow.table(arrays)
+    with replace_whole(path, needed_bytes=table.nbytes + 65536) as temporary:
+        parquet.write_table(table, temporary)
+
+
+def require_pyarrow() -> Any:
+    """Return pyarrow. Raises OutputError with the remedy if it is missing."""
+    try:
+        import pyarrow
+    except ImportError as error:
+        raise OutputError('a Parquet table needs pyarrow: pip install "presswork[parquet]"') from error
+    return pyarrow
+
+
+def _columns(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the names of all columns, in the order of the fullest row."""
+    return list(dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row))
+
+
+def _column(values: Sequence[Any]) -> list[Any]:
+    """Return a column of one type: all numbers, or else text; None stays."""
+    plain = [value.tolist() if isinstance(value, np.generic | np.ndarray) else value for value in values]
+    kinds = {type(value) for value in plain if value is not None}
+    if kinds <= {int}:
+        return plain
+    if kinds <= {int, float}:
+        return [None if value is None else float(value) for value in plain]
+    return [None if value is None else _format(value) for value in plain]
 
 
 def _format(value: Any) -> str:

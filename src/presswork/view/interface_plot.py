@@ -33,7 +33,7 @@ def plot_interface(
 
     `steps` are by default six, equally spaced; a step without contact has no curve. `x` is by default the radius (the x
     coordinate) in axisymmetry, unless a wall has many nodes at one radius, and otherwise the arc length. Each connected
-    part of the contact surface is a line of its own.
+    part of the contact surface is a line of its own. Dashed is the largest shear that friction allows at the last step.
     """
     figure = new_figure(7.6, 6.0) if figure is None else figure
     figure.set_size_inches(7.6, 6.0)
@@ -47,6 +47,8 @@ def plot_interface(
         colour = _colour(number, len(traces))
         _draw(upper, trace, trace.contact_pressure, x, colour, _label(result, step))
         _draw(lower, trace, trace.contact_shear, x, colour, "")
+    if traces:
+        _draw_limit(lower, list(traces.values())[-1], x)
     _finish(upper, lower, x, " r" if result.info.get("analysis") == "axisymmetric" else "")
     if traces:
         progress = measure_progress(result, -1)
@@ -93,6 +95,20 @@ def _draw(ax: Axes, trace: Interface, values: FloatArray, x: str, colour: object
             along[of_patch], values[of_patch], color=colour, marker=marker, markersize=3, linewidth=1.6, label=label
         )
         label = ""
+
+
+def _draw_limit(ax: Axes, trace: Interface, x: str) -> None:
+    """Draw what friction allows, in both directions, dashed; nothing without friction."""
+    if not trace.friction_limit.any():
+        return
+    along = trace.points[:, 0] if x == "radius" else trace.arc_length
+    label = "friction limit, last step shown"
+    for sign in (1.0, -1.0):
+        for patch in np.unique(trace.patch):
+            part = trace.patch == patch
+            ax.plot(along[part], sign * trace.friction_limit[part], "--", color="0.35", linewidth=0.9, label=label)
+            label = ""
+    ax.legend(frameon=False, fontsize="small", loc="best")
 
 
 def _colour(number: int, count: int) -> object:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.upset_output import make_fields, make_mesh, write_upset_output
+from results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 from presswork.results import OutputError, Result, ResultError, append_step
 from presswork.view import (
@@ -134,6 +134,28 @@ def test_interface_shows_one_curve_per_step(result: Result) -> None:
     assert lower.get_xlabel() == "radius r [mm]"
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["3.00 mm, 20.0 %", "9.00 mm, 60.0 %"]
+
+
+def test_interface_shows_what_friction_allows(tmp_path: Path) -> None:
+    mesh = make_mesh()
+    for step, stroke in enumerate((3.0, 6.0)):
+        point_data, cell_data = make_fields(mesh, stroke)
+        point_data["friction_limit"] = np.where(point_data["contact_pressure"] > 0, 100.0 + stroke, 0.0)
+        append_step(
+            tmp_path / "results.vtkhdf",
+            mesh,
+            float(step),
+            point_data,
+            cell_data,
+            tools={"die": DIE},
+            tool_displacement={"die": np.array([0.0, -stroke])},
+            info={"title": "friction", "analysis": "axisymmetric"},
+        )
+    upper, lower = plot_interface(Result(tmp_path), "die").axes
+    dashed = [line for line in lower.lines if line.get_linestyle() == "--"]
+    assert sorted(float(line.get_ydata()[0]) for line in dashed) == [-106.0, 106.0], "at the last step, both ways"
+    assert [text.get_text() for text in lower.get_legend().get_texts()] == ["friction limit, last step shown"]
+    assert all(line.get_linestyle() == "-" for line in upper.lines)
 
 
 def test_interface_can_be_drawn_along_its_length(result: Result) -> None:
