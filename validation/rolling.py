@@ -120,7 +120,11 @@ def print_table() -> None:
     """Print every pass beside the theories."""
     print("reduction mu | force N/mm: FE, von Karman, Orowan | torque N: FE, von Karman, Orowan | neutral mm | spread")
     for reduction, mu in PASSES:
-        found, karman, orowan = roll(reduction, mu), theory(reduction, mu, orowan=False), theory(reduction, mu, orowan=True)
+        found, karman, orowan = (
+            roll(reduction, mu),
+            theory(reduction, mu, orowan=False),
+            theory(reduction, mu, orowan=True),
+        )
         print(
             f"{reduction:.0%} {mu:.2f} | {found.force:.0f} {karman.force:.0f} {orowan.force:.0f} | "
             f"{found.torque:.0f} {karman.torque:.0f} {orowan.torque:.0f} | "
