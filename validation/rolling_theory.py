@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid, quad, solve_ivp
+from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.optimize import brentq
 
 SQRT3 = np.sqrt(3.0)
@@ -156,9 +156,8 @@ def bland_ford(gap: RollGap) -> Rolling:
     pressure = np.minimum(behind, before)
     friction = gap.mu * pressure * np.where(phi < neutral, -1.0, 1.0)
     force = gap.radius * float(np.trapezoid(pressure, phi))
-    inward, _ = quad(lambda p: float(np.interp(p, phi, pressure)), neutral, phi[-1], limit=400)
-    outward, _ = quad(lambda p: float(np.interp(p, phi, pressure)), 0.0, neutral, limit=400)
-    torque = gap.radius**2 * gap.mu * (inward - outward)
+    size = gap.mu * cumulative_trapezoid(pressure, phi, initial=0.0)
+    torque = gap.radius**2 * float(size[-1] - 2.0 * np.interp(neutral, phi, size))
     return Rolling(phi, pressure, friction, neutral, force, torque)
 
 
