@@ -192,17 +192,21 @@ class ProfileSearch {
     Touch best;
     Near near{std::numeric_limits<double>::infinity(), true, 0, {}};
     descend(x, y, near.bound2, true, [&](int i) { touch_face(i, x, y, near, best); });
-    if (std::min(squared_distance(segments_, x, y), squared_distance(segment(n_ - 1) + 2, x, y)) <=
-            near.bound2 * (1 + 1e-9) &&
-        std::isinf(prepared_[n_ - 1].turn)) {
+    const double to_open_end2 =
+        std::isinf(prepared_[n_ - 1].turn)
+            ? std::min(squared_distance(segments_, x, y), squared_distance(segment(n_ - 1) + 2, x, y))
+            : std::numeric_limits<double>::infinity();
+    if (to_open_end2 <= near.bound2 * (1 + 1e-9)) {
       best = Touch{};
       near = {std::numeric_limits<double>::infinity(), false, 0, {}};
       descend(x, y, near.bound2, true, [&](int i) { touch_face(i, x, y, near, best); });
     }
-    // 2. the vertices that are as close, in their order along the profile
+    // 2. the vertices that are as close, and no farther than an open end, in their order along the profile
     auto touch_end = [&](int i) {
       const int next = next_to(i);
-      if (std::isinf(prepared_[i].turn) || squared_distance(segment(i) + 2, x, y) > near.bound2 * (1 + 1e-9)) return;
+      const double d2 = squared_distance(segment(i) + 2, x, y);
+      if (std::isinf(prepared_[i].turn) || d2 > near.bound2 * (1 + 1e-9)) return;
+      if (d2 > std::max(to_open_end2, tolerance_ * tolerance_)) return;
       profile::touch_vertex(segment(i), prepared_[i], prepared_[next], i, next, x, y, tolerance_, best);
     };
     if (near.count > Near::capacity) {

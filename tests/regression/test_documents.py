@@ -66,3 +66,18 @@ def test_a_workpiece_that_nothing_holds_is_refused_before_anything_is_computed(t
     with pytest.raises(NotHeldError, match="nothing holds the workpiece in x and y"):
         run(case, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "tool"), [("extrusion_cone", "ram"), ("extrusion_curved", "ram"), ("forging_flash", "die")]
+)
+def test_bulk_examples_begin_well(name, tool, tmp_path) -> None:
+    """Their first increments, where contact with the whole die begins, without a node inside a tool."""
+    case = Case.from_toml(copy_example(name, tmp_path))
+    motion = case.stages[0].tools[tool]
+    overrides = [f"stages.0.tools.{tool}.stroke={0.02 * motion.stroke}", "solver.max_increment=0.25", "output.steps=1"]
+    overrides += ["solver.initial_increment=0.05"]
+    outcome = run(Case.from_toml(tmp_path / f"{name}.toml", overrides), tmp_path / "out")
+    assert outcome.status == "completed", outcome.reason
+    assert outcome.result.history[f"{tool}.force"][-1] > 50e3
+    assert outcome.result.summary["cutbacks"] <= 3

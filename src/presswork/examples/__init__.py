@@ -26,8 +26,10 @@ def copy_example(name: str, target_dir: str | Path) -> Path:
     if name not in names:
         raise CaseError([Problem("", f"`{name}` is no example", suggest(name, names, "examples"))], "examples")
     folder = Path(target_dir)
-    tools = tomllib.loads((_FOLDER / f"{name}.toml").read_text("utf-8")).get("tools", {})
+    case = tomllib.loads((_FOLDER / f"{name}.toml").read_text("utf-8"))
+    tools, mesh = case.get("tools", {}), case.get("workpiece", {}).get("mesh", {})
     files: list[str] = [f"{name}.toml", *(tool["profile_file"] for tool in tools.values() if "profile_file" in tool)]
+    files += [mesh["path"]] if "path" in mesh else []
     there = [folder / file for file in files if (folder / file).exists()]
     if there:
         raise CaseError(

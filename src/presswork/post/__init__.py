@@ -2,12 +2,14 @@
 """What is worked out from the results: nodal averages, the contact surface and its force, neutral radius, profiles."""
 
 from presswork.post.contact_force import integrate_contact_force
+from presswork.post.die_fill import DieFill, measure_die_fill
 from presswork.post.interface import Interface, order_along_boundary, trace_interface
 from presswork.post.neutral_radius import NeutralRadius, find_neutral_radius
 from presswork.post.nodal import average_to_nodes, cell_areas, count_corners
 from presswork.post.tool_profile import distance_to_profile, trace_profile
 
 __all__ = [
+    "DieFill",
     "Interface",
     "NeutralRadius",
     "average_to_nodes",
@@ -16,6 +18,7 @@ __all__ = [
     "distance_to_profile",
     "find_neutral_radius",
     "integrate_contact_force",
+    "measure_die_fill",
     "order_along_boundary",
     "trace_interface",
     "trace_profile",

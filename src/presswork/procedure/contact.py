@@ -8,7 +8,9 @@ is no penalty: the tangent stays as well conditioned as the workpiece itself, an
 
 What prevents chatter: a node lets go only near equilibrium, and only if it pulls with more than RELEASE of the largest
 contact force (or `floor`, where all forces vanish); and a node that has changed its state MAX_CHANGES times in an
-increment keeps hold for the rest of it.
+increment keeps hold for the rest of it. If it pulls with more than STRONG of the largest contact force when all else is
+in equilibrium, the increment has failed: to let it go in the next would set free a large force at once. (A weaker pull
+may have no remedy: constant shear drags a node without pressure down, where it lifts off as soon as it is let go.)
 
 Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
 """
@@ -26,7 +28,10 @@ from presswork.results.contact_stress import ContactForces
 from presswork.state import SLIDING, STUCK, ContactArray, State
 
 RELEASE = 1e-3
+STRONG = 0.3
 MAX_CHANGES = 4
+FLUSH = 1 - 1e-6
+"""Cosine between two faces above which they are one: a node held by both would not slide."""
 
 
 @dataclass
@@ -58,6 +63,8 @@ class Contact:
         self.normal = np.zeros((2 * len(model.tools), len(self.nodes), 2))
         self.segment = np.full(self.gap.shape, -1, dtype=np.int32)  # of the tool's profile; -1 where there is no gap
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
+        self.n_unsettled = 0
+        """Nodes that may change no more in this increment, and pull strongly."""
 
     def _find_leaders(self) -> IndexArray:
         """Place whose reaction decides for each candidate: its own, but the mid-side's for a vertex on the axis.
@@ -139,28 +146,34 @@ class Contact:
             own = face // 2 == t
             state.anchor[node[own]] = to_tool_frame(position[own], self._pose(state, t))
 
-    def _limit_faces(self, contact: ContactArray) -> None:
-        """Keep at most two faces a node: those it is deepest in."""
-        crowded = np.nonzero((contact > 0).sum(axis=0) > 2)[0]
+    def _limit_faces(self, contact: ContactArray, before: ContactArray | None = None) -> None:
+        """Keep at most two faces a node: those held before, then those it is deepest in; one where both are flush."""
+        crowded = np.nonzero((contact > 0).sum(axis=0) > 1)[0]
         for node in crowded:
             faces = np.nonzero(contact[:, node])[0]
-            keep = faces[np.argsort(self.gap[faces, node])[:2]]
-            contact[np.setdiff1d(faces, keep), node] = 0
+            fresh = np.zeros(len(faces)) if before is None else before[faces, node] == 0
+            order = faces[np.lexsort((self.gap[faces, node], fresh))]
+            flush = self.normal[order[0], node] @ self.normal[order[1], node] > FLUSH
+            contact[order[1:] if flush and len(order) == 2 else order[2:], node] = 0
 
     def update(self, trial: State, reaction: FloatArray, fixed: BoolArray, *, near: bool, floor: float) -> int:
         """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes."""
         if not len(self.nodes):
             return 0
+        self.n_unsettled = 0
         before = trial.contact.copy()
         lost = (trial.contact == SLIDING) & ~np.isfinite(self.gap)  # slid off the end of a profile, or out of a corner
         trial.contact[lost] = 0
-        trial.contact[(self.gap < -self.tolerance) & (trial.contact == 0) & self._free(fixed)] = SLIDING
-        self._limit_faces(trial.contact)
+        limit = np.where(lost.any(axis=0), self.tolerance, -self.tolerance)  # where tools adjoin, the next one takes it
+        trial.contact[(self.gap < limit) & (trial.contact == 0) & self._free(fixed)] = SLIDING
+        self._limit_faces(trial.contact, before)
         if near:
             push = self.normal_forces(trial, reaction, fixed)
             largest = float(np.abs(push).max(initial=0.0))
             pulls = (self._judge(push) < -max(RELEASE * largest, floor)) & (before > 0) & (trial.contact > 0)
             trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
+            strongly = pulls & (self._judge(push) < -STRONG * largest) & (self._changes >= MAX_CHANGES)
+            self.n_unsettled = int(strongly.any(axis=0).sum())
         changed = (before != trial.contact).any(axis=0)
         self._changes[changed] += 1
         return int(changed.sum())

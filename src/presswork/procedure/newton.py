@@ -197,6 +197,8 @@ class Equilibrium:
             if iteration > 0 and log.residual[-1] < CALM:
                 self.friction.softness = max(1.0, self.friction.softness / STIFFENING)
             if iteration > 0 and balance.changes == 0 and stiff and self._has_converged(log):
+                if self._contact.n_unsettled:
+                    return Failed(log, f"contact of {self._contact.n_unsettled} nodes does not settle", 0.5)
                 trial.displacement, trial.increment = point.displacement, increment
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
                 self.friction.settle(state_n, trial, balance.constraints.turned == 1)

@@ -207,3 +207,13 @@ def test_copying_an_example_refuses_to_overwrite_and_unknown_names(tmp_path: Pat
         copy_example("heading", tmp_path)
     with pytest.raises(Exception, match="did you mean `heading`"):
         copy_example("headng", tmp_path)
+
+
+def test_an_example_with_a_mesh_file_brings_it_along(tmp_path: Path) -> None:
+    case_file = copy_example("extrusion_cone", tmp_path)
+    assert (tmp_path / "extrusion_cone.inp").exists()
+    assert build(case_file).mesh.blocks[0].element == "quad4_fbar"
+    case_file.unlink()
+    with pytest.raises(Exception, match=r"extrusion_cone.inp is there already"):
+        copy_example("extrusion_cone", tmp_path)
+    assert not case_file.exists()

@@ -30,6 +30,15 @@ def test_there_is_no_tool_beyond_an_open_end() -> None:
     assert np.isinf(touch(FLOOR, [10.5, -0.5])[0]).all()
 
 
+def test_a_corner_is_not_closest_where_an_open_end_is_nearer() -> None:
+    """Behind both faces of an inner corner, but far up beyond the wall's end: no tool is there."""
+    gap, _, second, _ = touch(L_SHAPE, [-0.1, 12.0])
+    assert np.isinf(gap).all()
+    assert np.isinf(second).all()
+    relief = np.array([[8.4, -30, 8.4, -10, 0, 0, 0], [8.4, -10, 8, -9, 0, 0, 0], [8.0, -9, 10, 0, 0, 0, 0]])
+    assert np.isinf(touch(relief, [8.75, 30])[0]).all()
+
+
 def test_gap_and_normal_of_an_arc_point_away_from_its_metal() -> None:
     gap, normal, _, _ = touch(HILL, [0, 1.5], [0.6, 0.0 + 0.8 * 0.9])
     np.testing.assert_allclose(gap, [0.5, np.hypot(0.6, 0.72) - 1])
@@ -191,6 +200,39 @@ def test_a_corner_node_is_held_by_both_faces() -> None:
     plastic = (2 * shear * abs(strain) - 700) / (3 * shear + 300)
     assert plastic > 0
     np.testing.assert_allclose(procedure.state.eqps[0], plastic, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("inner_end", "outer_start"), [(10.4, 10.4), (10.4, 9.5)])
+def test_flush_tools_press_like_one(inner_end, outer_start) -> None:
+    """A platen in two pieces that adjoin or overlap: nodes slide from one to the other, and are pinned by neither."""
+    tools = {
+        "inner": {"profile": [[0, 15], [inner_end, 15]], "contact": "frictionless"},
+        "outer": {"profile": [[outer_start, 15], [30, 15]], "contact": "frictionless"},
+    }
+    motion = {"stroke": 3, "direction": [0, -1]}
+    stages = [{"name": "press", "tools": {"inner": motion, "outer": motion}}]
+    whole, parts = advance(block_case()), advance(block_case(tools=tools, stages=stages))
+    assert tool_force(parts)[:, 1].sum() == pytest.approx(tool_force(whole)[0, 1], rel=1e-6)
+    np.testing.assert_allclose(parts.state.displacement, whole.state.displacement, atol=1e-6)
+    assert tool_force(parts)[1, 1] > 0, "the outer piece has taken over the rim"
+
+
+def test_an_increment_fails_whose_contact_does_not_settle() -> None:
+    """A node that has changed too often to be let go and pulls strongly: cut back, not kept."""
+    procedure = advance(block_case())
+    contact, state, fixed = procedure.contact, procedure.state, procedure.equilibrium.fixed(0)
+    contact.search(state, state.displacement)
+    held = int(np.nonzero(state.contact[0])[0][-1])
+    pulling = state.reaction.copy()
+    pulling[contact.nodes[held]] *= -1.0
+    contact.begin_increment()
+    assert contact.update(state.duplicate(), pulling, fixed, near=True, floor=0.0) == 1, "it lets go"
+    assert contact.n_unsettled == 0
+    contact._changes[held] = 4
+    assert contact.update(state.duplicate(), pulling, fixed, near=True, floor=0.0) == 0, "it may not let go"
+    assert contact.n_unsettled == 1
+    assert contact.update(state.duplicate(), state.reaction, fixed, near=True, floor=0.0) == 0
+    assert contact.n_unsettled == 0
 
 
 def test_held_nodes_lie_on_the_tool() -> None:
