@@ -9,8 +9,9 @@ is no penalty: the tangent stays as well conditioned as the workpiece itself, an
 What prevents chatter: a node lets go only near equilibrium, and only if it pulls with more than RELEASE of the largest
 contact force (or `floor`, where all forces vanish); and a node that has changed its state MAX_CHANGES times in an
 increment keeps hold for the rest of it. If it pulls with more than STRONG of the largest contact force when all else is
-in equilibrium, the increment has failed: to let it go in the next would set free a large force at once. (A weaker pull
-may have no remedy: constant shear drags a node without pressure down, where it lifts off as soon as it is let go.)
+in equilibrium, or such nodes together with more than STRONG_TOGETHER of all contact force, the increment has failed: to
+let them go in the next would set free a large force at once. (A weaker pull may have no remedy: constant shear drags a
+node without pressure down, where it lifts off as soon as it is let go.)
 
 Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
 """
@@ -28,7 +29,7 @@ from presswork.results.contact_stress import ContactForces
 from presswork.state import SLIDING, STUCK, ContactArray, State
 
 RELEASE = 1e-3
-STRONG = 0.3
+STRONG, STRONG_TOGETHER = 0.3, 0.03
 MAX_CHANGES = 4
 FLUSH = 1 - 1e-6
 """Cosine between two faces above which they are one: a node held by both would not slide."""
@@ -172,7 +173,10 @@ class Contact:
             largest = float(np.abs(push).max(initial=0.0))
             pulls = (self._judge(push) < -max(RELEASE * largest, floor)) & (before > 0) & (trial.contact > 0)
             trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
-            strongly = pulls & (self._judge(push) < -STRONG * largest) & (self._changes >= MAX_CHANGES)
+            keeps = pulls & (self._changes >= MAX_CHANGES)
+            strongly = keeps & (self._judge(push) < -STRONG * largest)
+            if -push[keeps].sum() > STRONG_TOGETHER * np.maximum(push, 0.0).sum():
+                strongly = keeps
             self.n_unsettled = int(strongly.any(axis=0).sum())
         changed = (before != trial.contact).any(axis=0)
         self._changes[changed] += 1
