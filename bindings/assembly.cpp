@@ -18,13 +18,19 @@ void bind_assembly(nb::module_& m) {
   nb::class_<Assembler>(m, "Assembler", "Sparsity pattern and scatter of element arrays, two freedoms a node.")
       .def(
           "__init__",
-          [](Assembler* self, int n_nodes, const std::vector<Ints>& connectivity, bool symmetric) {
+          [](Assembler* self, int n_nodes, const std::vector<Ints>& connectivity, bool symmetric,
+             std::optional<Ints> couplings) {
             std::vector<BlockConnectivity> blocks;
             for (const auto& c : connectivity)
               blocks.push_back({static_cast<int>(c.shape(0)), static_cast<int>(c.shape(1)), c.data()});
-            new (self) Assembler(n_nodes, blocks, symmetric);
+            const int n_couplings = couplings ? static_cast<int>(couplings->shape(0)) : 0;
+            require(!couplings || couplings->size() == 2 * std::size_t(n_couplings),
+                    "couplings must have shape (n, 2)");
+            for (int i = 0; i < 2 * n_couplings; ++i)
+              require(couplings->data()[i] >= 0 && couplings->data()[i] < n_nodes, "couplings must be node indices");
+            new (self) Assembler(n_nodes, blocks, symmetric, n_couplings, couplings ? couplings->data() : nullptr);
           },
-          nb::arg("n_nodes"), nb::arg("connectivity"), nb::arg("symmetric"))
+          nb::arg("n_nodes"), nb::arg("connectivity"), nb::arg("symmetric"), nb::arg("couplings") = nb::none())
       .def_prop_ro("indptr",
                    [](const Assembler& a) {
                      return nb::ndarray<nb::numpy, const int>(a.indptr().data(), {a.indptr().size()}, nb::find(a));

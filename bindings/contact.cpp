@@ -2,9 +2,106 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "contact/interface.hpp"
 #include "contact/profile.hpp"
 
 namespace presswork::bindings {
+
+namespace {
+
+EdgeList edge_list(const Ints& edges) {
+  require(edges.ndim() == 2 && (edges.shape(1) == 2 || edges.shape(1) == 3), "edges must have shape (n, 2 | 3)");
+  return {static_cast<int>(edges.shape(0)), static_cast<int>(edges.shape(1)), edges.data()};
+}
+
+template <class T>
+auto view(const std::vector<T>& values, std::vector<std::size_t> shape, const InterfaceOutput& owner) {
+  return nb::ndarray<nb::numpy, const T>(values.data(), shape.size(), shape.data(), nb::find(owner));
+}
+
+template <auto member, std::size_t... columns>
+auto field(const InterfaceOutput& o) {
+  const auto& values = o.*member;
+  return view(values, {values.size() / (std::size_t(1) * ... * columns), columns...}, o);
+}
+
+InterfaceOutput evaluate(Ints slave, Ints master, Ints slots, Ints pairs, Doubles x, Doubles x_n, Doubles slave_depth,
+                         Doubles master_depth, Bytes held, Doubles pressure, Doubles shear, Doubles slip,
+                         Doubles stiffness, Doubles shear_limit, double mu, double tangential_part, double reach,
+                         double touching, double largest_pressure, double thickness, bool with_tangent) {
+  const std::size_t n_slots = pressure.size();
+  require(slave.shape(1) == master.shape(1), "slave and master edges must have as many nodes");
+  require(slots.size() == 2 * slave.shape(0), "slots must have shape (n_slave, 2)");
+  require(x.size() == x_n.size() && x.ndim() == 2, "x and x_n must have shape (n_points, 2)");
+  require(slave_depth.size() == slave.shape(0) && master_depth.size() == master.shape(0), "one depth an edge");
+  require(held.size() == n_slots && shear.size() == n_slots && slip.size() == n_slots && stiffness.size() == n_slots &&
+              shear_limit.size() == n_slots,
+          "one value a slot");
+  InterfaceInput in{edge_list(slave),
+                    edge_list(master),
+                    slots.data(),
+                    static_cast<int>(n_slots),
+                    static_cast<int>(x.shape(0)),
+                    {},
+                    x.data(),
+                    x_n.data(),
+                    slave_depth.data(),
+                    master_depth.data(),
+                    reach,
+                    thickness,
+                    held.data(),
+                    pressure.data(),
+                    shear.data(),
+                    slip.data(),
+                    stiffness.data(),
+                    tangential_part,
+                    shear_limit.data(),
+                    mu,
+                    touching,
+                    largest_pressure,
+                    with_tangent};
+  for (std::size_t i = 0; i < pairs.shape(0); ++i) in.pairs.push_back({pairs.data()[2 * i], pairs.data()[2 * i + 1]});
+  return evaluate_interface(in);
+}
+
+void bind_interface(nb::module_& m) {
+  nb::class_<InterfaceOutput>(m, "InterfaceResult", "Forces, tangent and slots of an interface between bodies.")
+      .def_ro("too_deep", &InterfaceOutput::too_deep, "Pairs that have gone through each other in this increment.")
+      .def_prop_ro("force", &field<&InterfaceOutput::force, 2>, "On the nodes (n_points, 2) [N].")
+      .def_prop_ro("pairs", &field<&InterfaceOutput::block_pairs, 2>, "Nodes of the blocks (n_blocks, 2).")
+      .def_prop_ro("blocks", &field<&InterfaceOutput::blocks, 2, 2>, "d(-force) / d(position) (n_blocks, 2, 2) [N/mm].")
+      .def_prop_ro("pressure", &field<&InterfaceOutput::pressure>, "(n_slots,) [MPa].")
+      .def_prop_ro("shear", &field<&InterfaceOutput::shear>, "Along the slave edge (n_slots,) [MPa].")
+      .def_prop_ro("gap", &field<&InterfaceOutput::gap>, "Weighted mean (n_slots,) [mm]; infinite where none faces.")
+      .def_prop_ro("slip", &field<&InterfaceOutput::slip>, "Weighted mean (n_slots,) [mm].")
+      .def_prop_ro("status", &field<&InterfaceOutput::status>, "0 apart, 1 sticks, 2 slides (n_slots,).")
+      .def_prop_ro("push", &field<&InterfaceOutput::push>, "On the master's nodes (n_points,) [N].")
+      .def_prop_ro("drag", &field<&InterfaceOutput::drag>, "On the master's nodes (n_points,) [N].")
+      .def_prop_ro("area", &field<&InterfaceOutput::area>, "Share of the master's nodes in the contact [mm2].")
+      .def_prop_ro(
+          "master_force",
+          [](const InterfaceOutput& o) { return std::make_tuple(o.master_force[0], o.master_force[1]); },
+          "Of the slave on the master [N].");
+  m.def("evaluate_interface", &evaluate, nb::arg("slave"), nb::arg("master"), nb::arg("slots"), nb::arg("pairs"),
+        nb::arg("x"), nb::arg("x_n"), nb::kw_only(), nb::arg("slave_depth"), nb::arg("master_depth"), nb::arg("held"),
+        nb::arg("pressure"), nb::arg("shear"), nb::arg("slip"), nb::arg("stiffness"), nb::arg("shear_limit"),
+        nb::arg("mu"), nb::arg("tangential_part"), nb::arg("reach"), nb::arg("touching"), nb::arg("largest_pressure"),
+        nb::arg("thickness"), nb::arg("with_tangent"),
+        "Mortar contact of slave and master edges at positions x; see interface.hpp.");
+  m.def(
+      "find_edge_pairs",
+      [](Ints slave, Ints master, Doubles x, double margin, bool self) {
+        const auto pairs = find_edge_pairs(edge_list(slave), edge_list(master), x.data(), margin, self);
+        int* data = new int[2 * pairs.size() + 1];
+        nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<int*>(p); });
+        for (std::size_t i = 0; i < pairs.size(); ++i) data[2 * i] = pairs[i].slave, data[2 * i + 1] = pairs[i].master;
+        return nb::ndarray<nb::numpy, int>(data, {pairs.size(), 2}, owner);
+      },
+      nb::arg("slave"), nb::arg("master"), nb::arg("x"), nb::arg("margin"), nb::arg("self"),
+      "Pairs of half-edges (n, 2) that may touch within the margin [mm], slave and master.");
+}
+
+}  // namespace
 
 void bind_contact(nb::module_& m) {
   m.def(
@@ -38,6 +135,7 @@ void bind_contact(nb::module_& m) {
       nb::arg("segments"), nb::arg("points"),
       "Gap (n) and normal (n, 2) of points to a tool profile, those of the second face where a point lies in an inner "
       "corner (infinite elsewhere), and the indices of the segments touched by the first and the second (-1: none).");
+  bind_interface(m);
 }
 
 }  // namespace presswork::bindings

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
+import test_body_contact as bodies
 import test_contact_patch as contact_patch
 import test_limit_loads as limit
 import test_newton_rate as newton
@@ -131,6 +132,23 @@ def print_newton() -> None:
         )
 
 
+def print_bodies() -> None:
+    """Contact of bodies: Hertz's pressure, Coulomb's drag, a slot that closes."""
+    for refined, slave in ((1, 0), (1, 1), (2, 1)):
+        x, pressure, a, peak = bodies.press_cylinders(slave, refined)
+        exact = peak * np.sqrt(np.maximum(0.0, 1 - (x / a) ** 2))
+        inner = x < 0.6 * a
+        print(
+            f"hertz, slave {slave}, refined {refined}: a = {a:.4f} mm, contact to {x.max():.4f} mm, peak "
+            f"{pressure.max() / peak:.4f}, within 0.6 a {np.abs(pressure / exact - 1)[inner].max():.4f}"
+        )
+    for (force, _), way in zip(bodies.slide_block("coulomb", mu=0.2), ("press", "slide", "back"), strict=True):
+        print(f"sliding block, {way}: drag over load {force[0] / force[1]:+.8f}")
+    for n in (1, 2, 4):
+        whole, half = (bodies.close_slot(n, whole=w)[0] for w in (True, False))
+        print(f"slot that closes, refined {n}: force {whole / half - 1:+.5%} off the half on a rigid plane")
+
+
 if __name__ == "__main__":
     print_patch()
     print_uniaxial()
@@ -139,3 +157,4 @@ if __name__ == "__main__":
     print_limits()
     print_contact()
     print_newton()
+    print_bodies()

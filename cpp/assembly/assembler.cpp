@@ -38,14 +38,15 @@ const double* frame_of(int node, const std::uint8_t* turned, const double* frame
 
 }  // namespace
 
-Assembler::Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric)
+Assembler::Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric, int n_couplings,
+                     const int* couplings)
     : n_nodes_(n_nodes), symmetric_(symmetric) {
-  build_pairs(blocks);
+  build_pairs(blocks, n_couplings, couplings);
   build_csr();
   for (const auto& block : blocks) build_sources(block);
 }
 
-void Assembler::build_pairs(const std::vector<BlockConnectivity>& blocks) {
+void Assembler::build_pairs(const std::vector<BlockConnectivity>& blocks, int n_couplings, const int* couplings) {
   std::vector<std::vector<int>> columns(n_nodes_);
   for (int i = 0; i < n_nodes_; ++i) columns[i].push_back(i);
   for (const auto& block : blocks)
@@ -55,6 +56,11 @@ void Assembler::build_pairs(const std::vector<BlockConnectivity>& blocks) {
         for (int b = 0; b < block.nodes; ++b)
           if (!symmetric_ || cell[b] >= cell[a]) columns[cell[a]].push_back(cell[b]);
     }
+  for (int i = 0; i < n_couplings; ++i) {
+    const int a = couplings[2 * i], b = couplings[2 * i + 1];
+    if (!symmetric_ || b >= a) columns[a].push_back(b);
+    if (!symmetric_ || a >= b) columns[b].push_back(a);
+  }
   pair_start_.assign(n_nodes_ + 1, 0);
   for (int i = 0; i < n_nodes_; ++i) {
     auto& c = columns[i];

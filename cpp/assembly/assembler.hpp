@@ -19,7 +19,9 @@ struct BlockConnectivity {
 
 class Assembler {
  public:
-  Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric);
+  // couplings: further node pairs (n_couplings, 2) that the pattern must hold, in either order.
+  Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric, int n_couplings = 0,
+            const int* couplings = nullptr);
 
   int n_nodes() const { return n_nodes_; }
   bool symmetric() const { return symmetric_; }
@@ -53,7 +55,7 @@ class Assembler {
     std::vector<std::int32_t> source;
   };
 
-  void build_pairs(const std::vector<BlockConnectivity>& blocks);
+  void build_pairs(const std::vector<BlockConnectivity>& blocks, int n_couplings, const int* couplings);
   void build_csr();
   void build_sources(const BlockConnectivity& block);
   std::int64_t find_pair(int row, int column) const;

@@ -114,6 +114,38 @@ class Tool:
 
 
 @dataclass(frozen=True)
+class Body:
+    """A body of its own: a run of the mesh's points and cell blocks that no other body uses."""
+
+    name: str
+    points: range
+    blocks: range
+
+    def owns(self, edges: IntArray) -> BoolArray:
+        """Say which edges (n, 2 | 3) belong to the body, shape (n,)."""
+        return np.asarray((edges[:, 0] >= self.points.start) & (edges[:, 0] < self.points.stop), dtype=bool)
+
+
+@dataclass(frozen=True)
+class BodyContact:
+    """Contact between two bodies, or of a body with itself where both are the same."""
+
+    name: str
+    between: tuple[int, int]
+    """Indices into Model.bodies, as the case names them."""
+    slave: int
+    """Index of the body whose nodes carry the pressure: one of the two."""
+    contact: ContactLaw
+    m: float = 0.0
+    mu: float = 0.0
+
+    @property
+    def master(self) -> int:
+        """The other body, or the same."""
+        return self.between[1] if self.slave == self.between[0] else self.between[0]
+
+
+@dataclass(frozen=True)
 class Support:
     """Displacement components held at zero in every stage: symmetry planes, the axis, clamps."""
 
@@ -252,5 +284,8 @@ class Model:
     stages: tuple[Stage, ...]
     solver: SolverSettings
     output: OutputSettings
+    bodies: tuple[Body, ...] = ()
+    """The workpiece first; empty stands for a single body."""
+    contacts: tuple[BodyContact, ...] = ()
     case_text: str = ""
     """The case file as read, kept with the results."""

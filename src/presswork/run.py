@@ -109,6 +109,7 @@ def fingerprint(model: Model) -> str:
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
         parts = (model.analysis, model.depth, model.materials, model.tools, model.supports, model.stages, model.solver)
         digest.update(repr(parts).encode())
+        digest.update(repr((model.bodies, model.contacts)).encode())
     digest.update(np.ascontiguousarray(model.mesh.points).tobytes())
     for block in model.mesh.blocks:
         digest.update(block.element.encode() + np.ascontiguousarray(block.connectivity).tobytes())
@@ -125,7 +126,7 @@ class _Run:
         self.turning = [
             t.name for t in model.tools if any(s.tool_motion.get(t.name, ToolMotion()).turn for s in model.stages)
         ]
-        columns = history_columns([t.name for t in model.tools], self.turning)
+        columns = history_columns([t.name for t in model.tools], self.turning, [c.name for c in model.contacts])
         self.history = History(folder / HISTORY, columns)
         self.saved_steps = 0
         self.penetration = Penetration()
@@ -189,6 +190,8 @@ class _Run:
             row[f"{name}.force_z"] = 0.0
             if name in self.turning:
                 row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
+        for name, (force_x, force_y) in self.procedure.contact_forces().items():
+            row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
         self.history.append(row)
         if report.is_save_point:
             self.save_step()
@@ -228,8 +231,10 @@ class _Run:
             self.folder / RESULTS,
             model.mesh,
             float(state.progress[TIME]),
-            point_fields(model, state, forces, procedure.mechanics.nodal_flow_stress(state)),
-            cell_fields(state),
+            point_fields(
+                model, state, forces, procedure.mechanics.nodal_flow_stress(state), procedure.interface_stress()
+            ),
+            cell_fields(model, state),
             tools={t.name: t.segments for t in model.tools},
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},

@@ -49,6 +49,16 @@ class State:
     """Where a STUCK node sits, in its tool's frame (n_candidates, 2)."""
     drag: FloatArray
     """Friction of each candidate along its tangent, a quarter turn from the normal (n_candidates,) [N]."""
+    interface_pressure: FloatArray
+    """Between bodies, per slave node of each contact (n_slots,) [MPa]."""
+    interface_shear: FloatArray
+    """Along the slave edge (n_slots,) [MPa]."""
+    interface_slip: FloatArray
+    """Elastic slip of nodes that stick, still to be undone (n_slots,) [mm]."""
+    interface_force: FloatArray
+    """Of the bodies on each other, at the nodes (n_points, 2) [N]; no rows without contact of bodies."""
+    search_displacement: FloatArray
+    """At which edges that may touch were last looked for (n_points, 2) [mm]; no rows without contact of bodies."""
     stress: list[FloatArray]
     """Cauchy stress xx, yy, zz, xy per block (n_cells, n_points, 4)."""
     eqps: list[FloatArray]
@@ -65,9 +75,10 @@ class State:
     """Largest nodal force so far (1,) [N]: what a residual is small beside once the load is taken off."""
 
     @classmethod
-    def at_rest(cls, model: Model, n_candidates: int) -> State:
+    def at_rest(cls, model: Model, n_candidates: int, n_slots: int = 0) -> State:
         """Return the State before the first increment."""
         n = len(model.mesh.points)
+        n_coupled = n if model.contacts else 0
         sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in model.mesh.blocks]
         n_tools = len(model.tools)
         return cls(
@@ -84,6 +95,11 @@ class State:
             contact=np.zeros((2 * n_tools, n_candidates), dtype=np.int8),
             anchor=np.zeros((n_candidates, 2)),
             drag=np.zeros(n_candidates),
+            interface_pressure=np.zeros(n_slots),
+            interface_shear=np.zeros(n_slots),
+            interface_slip=np.zeros(n_slots),
+            interface_force=np.zeros((n_coupled, 2)),
+            search_displacement=np.zeros((n_coupled, 2)),
             stress=[np.zeros((*s, 4)) for s in sizes],
             eqps=[np.zeros(s) for s in sizes],
             hourglass=[np.zeros((s[0], 2)) for s in sizes],

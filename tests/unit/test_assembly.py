@@ -102,3 +102,24 @@ def test_prescribed_freedoms_get_their_values_and_load_the_rest(assembled) -> No
     wanted = value.copy()
     wanted[free] = np.linalg.solve(dense[np.ix_(free, free)], rhs[free] - dense[np.ix_(free, ~free)] @ value[~free])
     np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+def test_couplings_widen_the_pattern_for_blocks_between_cells_that_share_no_node(assembled) -> None:
+    couplings = np.array([[6, 0], [2, 5], [2, 2]], dtype=np.int32)
+    narrow = assembled.assembler
+    assembled.assembler = _core.Assembler(N, [TRIANGLES, QUADS], assembled.symmetric, couplings)
+    assert len(assembled.assembler.indices) == len(narrow.indices) + 8 * (1 if assembled.symmetric else 2)
+    data = assembled.data()
+    block = np.array([[[1.0, 2.0], [3.0, 4.0]]])
+    for row, column, k in ((0, 6, block), (6, 0, block.transpose(0, 2, 1))):
+        pair = np.array([[row, column]], dtype=np.int32)
+        assembled.assembler.add_blocks(pair, np.ascontiguousarray(k), assembled.turned, assembled.frames, data)
+    wanted = assembled.dense.copy()
+    wanted[0:2, 12:14] += block[0]
+    wanted[12:14, 0:2] += block[0].T
+    np.testing.assert_allclose(assembled.to_dense(data), wanted, atol=1e-14)
+
+
+def test_couplings_must_be_nodes() -> None:
+    with pytest.raises(ValueError, match="node indices"):
+        _core.Assembler(N, [TRIANGLES, QUADS], True, np.array([[0, N]], dtype=np.int32))

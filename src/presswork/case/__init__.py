@@ -2,6 +2,7 @@
 """The case: schema, units, reading of case files, and the way from a case to the Model."""
 
 from presswork.case.builder import build_model
+from presswork.case.contact import Contact
 from presswork.case.describe import describe
 from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import HockettSherby, Linear, Ludwik, Swift, Table, Voce
@@ -10,24 +11,22 @@ from presswork.case.schema import (
     Case,
     Displacement,
     Material,
-    MeshFile,
     NodeForce,
     Pressure,
     ProfilePoint,
-    Rectangle,
     Stage,
     Tool,
     ToolMotion,
-    Workpiece,
-    Zone,
     json_schema,
 )
 from presswork.case.settings import Output, Solver, Terms
+from presswork.case.workpiece import MeshFile, Rectangle, Workpiece, Zone
 
 __all__ = [
     "Boundary",
     "Case",
     "CaseError",
+    "Contact",
     "Displacement",
     "HockettSherby",
     "Linear",

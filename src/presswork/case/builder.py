@@ -7,23 +7,19 @@ of the workpiece normal to that component. In plane strain a tool that reaches o
 
 from __future__ import annotations
 
-import logging
 from pathlib import Path
 
 import numpy as np
 
 from presswork import model
 from presswork.case import schema
+from presswork.case.bodies import build_bodies, build_contacts
 from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import build_hardening
 from presswork.case.reach import check_reach
 from presswork.case.references import check_references, check_sets
 from presswork.case.settings import build_output, build_solver
 from presswork.case.tools import build_tool, check_motions
-from presswork.case.units import LENGTH, unit_factor
-from presswork.mesh import MeshError, grade_line, mesh_rectangle, read_mesh
-
-logger = logging.getLogger(__name__)
 
 _AXES = ("x", "y")
 
@@ -35,10 +31,12 @@ def build_model(case: schema.Case) -> model.Model:
     and tools that do not fit the workpiece.
     """
     _stop_at(check_references(case), case)
-    mesh = _build_mesh(case)
+    mesh, bodies = build_bodies(case)
     problems = check_sets(case, mesh)
     _stop_at(problems, case)
-    planes, problems = _find_symmetry_planes(case, mesh)
+    contacts, problems = build_contacts(case, mesh, bodies)
+    planes, plane_problems = _find_symmetry_planes(case, mesh, bodies)
+    problems += plane_problems
     if case.analysis == "axisymmetric":
         problems += _check_axis(case, mesh)
     built = [build_tool(name, tool, mesh, planes, _folder(case)) for name, tool in case.tools.items()]
@@ -61,9 +59,13 @@ def build_model(case: schema.Case) -> model.Model:
         ),
         stages=stages,
         solver=build_solver(
-            case.solver, with_coulomb=any(t.contact.startswith("coulomb") for t in case.tools.values())
+            case.solver,
+            with_coulomb=any(t.contact.startswith("coulomb") for t in case.tools.values()),
+            with_body_contact=bool(contacts),
         ),
         output=build_output(case.output),
+        bodies=bodies,
+        contacts=contacts,
         case_text=case.text,
     )
 
@@ -78,57 +80,23 @@ def _folder(case: schema.Case) -> Path:
     return case.source.parent if case.source is not None else Path()
 
 
-def _build_mesh(case: schema.Case) -> model.Mesh:
-    """Mesh the workpiece, or read its mesh."""
-    workpiece = case.workpiece
-    material = list(case.materials).index(workpiece.material)
-    if isinstance(workpiece.mesh, schema.Rectangle):
-        x_lines, y_lines = _grid_lines(workpiece.mesh)
-        return mesh_rectangle(
-            x_lines, y_lines, element=workpiece.element, pattern=workpiece.mesh.pattern, material=material
-        )
-    scale = unit_factor(workpiece.mesh.unit, LENGTH)
-    try:
-        mesh, notes = read_mesh(
-            _folder(case) / workpiece.mesh.path, element=workpiece.element, scale=scale, material=material
-        )
-    except MeshError as error:
-        problem = Problem("workpiece.mesh.path", error.fault, error.remedy, workpiece.mesh.path)
-        raise CaseError([problem], case.source) from error
-    for note in notes:
-        logger.warning("workpiece.mesh.path = %s: %s", workpiece.mesh.path, note)
-    return mesh
-
-
-def _grid_lines(rectangle: schema.Rectangle) -> tuple[model.FloatArray, model.FloatArray]:
-    """Return the grid lines [mm] of a rectangle along x and y."""
-    lines = []
-    for axis, zones in enumerate((rectangle.zones_x, rectangle.zones_y)):
-        if zones is not None:
-            sizes = [(zone.length, zone.cells, zone.ratio) for zone in zones]
-        else:
-            assert rectangle.size is not None
-            assert rectangle.cells is not None
-            sizes = [(rectangle.size[axis], rectangle.cells[axis], rectangle.grading[axis])]
-        lines.append(grade_line(rectangle.origin[axis], sizes))
-    return lines[0], lines[1]
-
-
 def _find_symmetry_planes(
-    case: schema.Case, mesh: model.Mesh
+    case: schema.Case, mesh: model.Mesh, bodies: tuple[model.Body, ...]
 ) -> tuple[tuple[model.FloatArray, model.FloatArray], list[Problem]]:
     """Return the positions [mm] of the symmetry planes normal to x and y that count for tools, and problems."""
     planes: tuple[list[float], list[float]] = ([], [])
     problems = []
-    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-    tolerance = 1e-6 * float(np.linalg.norm(high - low))
+    tolerance = 1e-6 * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     for name, entry in case.boundary.items():
         fixed = sorted(set(entry.fix))
         axis = _AXES.index(fixed[0])
         nodes = mesh.node_sets[entry.set]
+        body = next(body for body in bodies if nodes[0] in body.points)
+        points = mesh.points[body.points.start : body.points.stop]
+        low, high = points.min(axis=0), points.max(axis=0)
         coordinate = mesh.points[nodes, axis]
         outermost = min(coordinate.min() - low[axis], high[axis] - coordinate.max()) < tolerance
-        on_line = np.abs(mesh.points[:, axis] - coordinate[0]) < tolerance
+        on_line = np.abs(points[:, axis] - coordinate[0]) < tolerance
         is_whole_side = len(nodes) > 1 and on_line.sum() == len(nodes)
         if len(fixed) == 1 and np.ptp(coordinate) < tolerance and outermost and is_whole_side:
             if entry.symmetry is not False:

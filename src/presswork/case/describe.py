@@ -38,6 +38,7 @@ def describe(problem: model.Model) -> str:
     lines = [problem.title, *_describe_body(problem)]
     lines += [f"material {material.name}: {_describe_material(material)}" for material in problem.materials]
     lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.tools]
+    lines += [f"contact {contact.name}: {_describe_contact(problem, contact)}" for contact in problem.contacts]
     lines += [_describe_support(support, problem.mesh) for support in problem.supports]
     for number, stage in enumerate(problem.stages, 1):
         lines += [
@@ -52,13 +53,16 @@ def describe(problem: model.Model) -> str:
 
 def _describe_body(problem: model.Model) -> Iterator[str]:
     mesh = problem.mesh
-    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     depth = f", depth {problem.depth:g} mm" if problem.analysis == "plane_strain" else " (x is the radius, y the axis)"
     yield f"analysis: {problem.analysis.replace('_', ' ')}{depth}"
-    yield f"workpiece: x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm"
-    for block in mesh.blocks:
-        material = problem.materials[block.material].name
-        yield f"elements: {len(block.connectivity)} {block.element} ({_ELEMENTS[block.element]}) of {material}"
+    whole = model.Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks)))
+    for body in problem.bodies or (whole,):
+        points = mesh.points[body.points.start : body.points.stop]
+        low, high = points.min(axis=0), points.max(axis=0)
+        yield f"{body.name}: x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm"
+        for block in mesh.blocks[body.blocks.start : body.blocks.stop]:
+            material = problem.materials[block.material].name
+            yield f"elements: {len(block.connectivity)} {block.element} ({_ELEMENTS[block.element]}) of {material}"
     n_points = len(mesh.points)
     yield f"nodes: {n_points}, freedoms: {2 * n_points} before supports, boundary edges: {len(mesh.boundary_edges)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
@@ -111,6 +115,15 @@ def _describe_friction(tool: model.Tool) -> str:
     laws = {"shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu")}
     values = [(symbol, np.unique(getattr(tool, symbol))) for symbol in laws.get(tool.contact, ())]
     return "".join(f", {symbol} = {' and '.join(f'{value:g}' for value in found)}" for symbol, found in values)
+
+
+def _describe_contact(problem: model.Model, contact: model.BodyContact) -> str:
+    first, second = (problem.bodies[i].name for i in contact.between)
+    friction = [f"{name} = {value:g}" for name, value in (("m", contact.m), ("mu", contact.mu)) if value]
+    law = ", ".join([contact.contact, *friction])
+    if first == second:
+        return f"{first} with itself, {law}"
+    return f"{first} with {second}, {law}; pressure on the nodes of {problem.bodies[contact.slave].name}"
 
 
 def _describe_support(support: model.Support, mesh: model.Mesh) -> str:

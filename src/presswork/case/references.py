@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from presswork import model
 from presswork.case import schema
+from presswork.case.bodies import check_bodies, list_bodies
 from presswork.case.errors import Problem, suggest
 from presswork.case.units import LENGTH, unit_factor
+from presswork.case.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.mesh import fitting_patterns
 
 MOST_CELLS = 20_000_000
@@ -14,7 +16,9 @@ MOST_CELLS = 20_000_000
 
 def check_references(case: schema.Case) -> list[Problem]:
     """Return the problems that show without the mesh."""
-    problems = _check_workpiece(case)
+    problems = check_bodies(case)
+    for key, body in list_bodies(case).values():
+        problems += _check_body(case, key, body)
     if case.analysis == "axisymmetric" and case.depth != 1.0:
         problems.append(
             Problem(
@@ -24,7 +28,8 @@ def check_references(case: schema.Case) -> list[Problem]:
                 case.depth,
             )
         )
-    if case.solver.strain_measure == "small" and case.workpiece.element == "quad4_fbar":
+    elements = [body.element for _, body in list_bodies(case).values()]
+    if case.solver.strain_measure == "small" and "quad4_fbar" in elements:
         problems.append(
             Problem(
                 "solver.strain_measure",
@@ -90,28 +95,27 @@ def _check_unit(key: str, unit: str) -> list[Problem]:
     return []
 
 
-def _check_workpiece(case: schema.Case) -> list[Problem]:
+def _check_body(case: schema.Case, key: str, body: Workpiece) -> list[Problem]:
     problems = []
-    workpiece = case.workpiece
-    cells = workpiece.mesh.cells if isinstance(workpiece.mesh, schema.Rectangle) else None
+    cells = body.mesh.cells if isinstance(body.mesh, Rectangle) else None
     if cells and cells[0] * cells[1] > MOST_CELLS:
         remedy = f"take no more than {MOST_CELLS:,} in all"
-        problems.append(Problem("workpiece.mesh.cells", "more cells than memory will hold", remedy, list(cells)))
-    if workpiece.material not in case.materials:
-        remedy = suggest(workpiece.material, case.materials, "materials")
-        problems.append(Problem("workpiece.material", "no such material", remedy, workpiece.material))
-    if isinstance(workpiece.mesh, schema.MeshFile):
-        problems += _check_unit("workpiece.mesh.unit", workpiece.mesh.unit)
-    elif workpiece.mesh.pattern is not None:
-        fitting = fitting_patterns(workpiece.element)
-        if workpiece.mesh.pattern not in fitting:
-            shape = "triangles" if workpiece.mesh.pattern != "quad" else "quadrilaterals"
+        problems.append(Problem(f"{key}.mesh.cells", "more cells than memory will hold", remedy, list(cells)))
+    if body.material not in case.materials:
+        remedy = suggest(body.material, case.materials, "materials")
+        problems.append(Problem(f"{key}.material", "no such material", remedy, body.material))
+    if isinstance(body.mesh, MeshFile):
+        problems += _check_unit(f"{key}.mesh.unit", body.mesh.unit)
+    elif body.mesh.pattern is not None:
+        fitting = fitting_patterns(body.element)
+        if body.mesh.pattern not in fitting:
+            shape = "triangles" if body.mesh.pattern != "quad" else "quadrilaterals"
             problems.append(
                 Problem(
-                    "workpiece.mesh.pattern",
-                    f"this makes {shape}, which do not fit element = {workpiece.element}",
+                    f"{key}.mesh.pattern",
+                    f"this makes {shape}, which do not fit element = {body.element}",
                     f"choose one of: {', '.join(fitting)}; or another element",
-                    workpiece.mesh.pattern,
+                    body.mesh.pattern,
                 )
             )
     return problems

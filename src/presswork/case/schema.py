@@ -12,11 +12,10 @@ import functools
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Literal, Self
 
 import tomli_w
 from pydantic import (
-    BeforeValidator,
     Field,
     ModelWrapValidatorHandler,
     PrivateAttr,
@@ -26,6 +25,7 @@ from pydantic import (
 )
 
 from presswork import model
+from presswork.case.contact import Contact, require_friction
 from presswork.case.errors import CaseError
 from presswork.case.hardening import Hardening
 from presswork.case.part import Part, ShortForm
@@ -44,10 +44,9 @@ from presswork.case.units import (
     Time,
     fault,
 )
+from presswork.case.workpiece import Workpiece
 
-Pattern = Literal["quad", "crossed", "left", "right"]
 Axis = Literal["x", "y"]
-Count = Annotated[int, Field(strict=True, ge=1, le=100_000)]
 
 
 def require_direction(direction: tuple[float, float]) -> None:
@@ -60,84 +59,6 @@ def unit_vector(direction: tuple[float, float]) -> tuple[float, float]:
     """Return a direction at length 1."""
     length = math.hypot(*direction)
     return direction[0] / length + 0.0, direction[1] / length + 0.0
-
-
-class Zone(ShortForm):
-    """A run of cells along one direction; short form [length, cells, ratio]."""
-
-    short_form = ("length", "cells", "ratio")
-
-    length: Length = Field(gt=0, description="length of the zone [mm]")
-    cells: Count = Field(description="number of cells along the zone")
-    ratio: Number = Field(default=1.0, gt=0, description="size of the zone's last cell over its first")
-
-
-class Rectangle(Part):
-    """A rectangle meshed by the program; its sets are left, right, bottom, top, all, boundary and the corners."""
-
-    kind: Literal["rectangle"] = Field(default="rectangle", description="a rectangle meshed by the program")
-    origin: Point = Field(default=(0.0, 0.0), description="lower left corner [x, y] [mm]")
-    size: Point | None = Field(default=None, description="width and height [mm]")
-    cells: tuple[Count, Count] | None = Field(default=None, description="number of cells along x and y")
-    grading: Direction = Field(default=(1.0, 1.0), description="size of the last cell over the first along x and y")
-    zones_x: tuple[Zone, ...] | None = Field(
-        default=None, description="instead of size, cells and grading: zones [length, cells, ratio] from left to right"
-    )
-    zones_y: tuple[Zone, ...] | None = Field(
-        default=None, description="instead of size, cells and grading: zones [length, cells, ratio] from bottom to top"
-    )
-    pattern: Pattern | None = Field(
-        default=None,
-        description="quad, or how each quad is cut into triangles: crossed (by both diagonals), left or right (by the "
-        "diagonal that leans so); without it: crossed for triangles, quad for quadrilaterals",
-    )
-
-    @model_validator(mode="after")
-    def _check_one_way_of_sizing(self) -> Self:
-        zones = [name for name in ("zones_x", "zones_y") if getattr(self, name) is not None]
-        sizes = [name for name in ("size", "cells") if getattr(self, name) is not None]
-        if zones and (len(zones) == 1 or sizes):
-            raise fault(
-                f"{' and '.join(zones + sizes)} do not describe one mesh",
-                "give size and cells, or zones_x and zones_y; one zone is [[length, cells, 1]]",
-                key=(sizes or zones)[0],
-            )
-        for name in () if zones else ("size", "cells"):
-            if name not in sizes:
-                raise fault("missing key", "give size and cells, or zones_x and zones_y", key=name)
-        for name in ("size", "grading"):
-            value = getattr(self, name)
-            if value is not None and min(value) <= 0:
-                raise fault("expected two values > 0", "give [x, y], both positive", key=name)
-        for name in zones:
-            if not getattr(self, name):
-                raise fault("expected at least one zone", "give [[length, cells, 1]]", key=name)
-        return self
-
-
-class MeshFile(Part):
-    """A mesh from a file: gmsh .msh, Abaqus/CalculiX .inp, VTK .vtk and .vtu, I-DEAS .unv."""
-
-    kind: Literal["file"] = Field(default="file", description="a mesh from a file")
-    path: str = Field(description="the mesh file, relative to the case file")
-    unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
-
-
-def _assume_rectangle(mesh: object) -> object:
-    """A mesh without `kind` is a rectangle, unless it names a file."""
-    if isinstance(mesh, dict) and "kind" not in mesh:
-        return {"kind": "file" if "path" in mesh else "rectangle", **mesh}
-    return mesh
-
-
-class Workpiece(Part):
-    """The body that is formed."""
-
-    material: str = Field(description="name of one of the [materials]")
-    element: model.ElementName = Field(description="element formulation")
-    mesh: Annotated[Rectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
-        description="the mesh of the workpiece"
-    )
 
 
 class Material(Part):
@@ -243,18 +164,13 @@ class Tool(Part):
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:
-        needs = {"shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu")}.get(self.contact, ())
-        for key in needs:
-            if key not in self.model_fields_set:
-                raise fault("missing key", f'contact = "{self.contact}" needs {" and ".join(needs)}', key=key)
-        given: list[str] = [key for key in ("m", "mu") if key in self.model_fields_set]
-        for index, point in enumerate(self.profile or ()):
-            given += [f"profile.{index}.{key}" for key in ("m", "mu") if getattr(point, key) is not None]
-        for key in given:
-            if key.rsplit(".", 1)[-1] not in needs:
-                raise fault(
-                    f'has no meaning with contact = "{self.contact}"', "remove it, or choose a friction law", key=key
-                )
+        pieces = [
+            f"profile.{index}.{key}"
+            for index, point in enumerate(self.profile or ())
+            for key in ("m", "mu")
+            if getattr(point, key) is not None
+        ]
+        require_friction(self, self.contact, pieces)
         return self
 
     @model_validator(mode="after")
@@ -401,6 +317,8 @@ class Case(Part):
     workpiece: Workpiece = Field(description="the body that is formed")
     materials: dict[str, Material] = Field(min_length=1, description="materials by name")
     tools: dict[str, Tool] = Field(default={}, description="rigid tools by name")
+    bodies: dict[str, Workpiece] = Field(default={}, description="further deformable bodies by name")
+    contacts: dict[str, Contact] = Field(default={}, description="contacts between bodies by name")
     boundary: dict[str, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
     stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
@@ -448,7 +366,9 @@ class Case(Part):
 
 def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
     """Return the tables of a case that may name a file, each with the key that does."""
-    return [(data["workpiece"]["mesh"], "path"), *((tool, "profile_file") for tool in data.get("tools", {}).values())]
+    bodies = [data["workpiece"], *data.get("bodies", {}).values()]
+    tools = data.get("tools", {}).values()
+    return [*((body["mesh"], "path") for body in bodies), *((tool, "profile_file") for tool in tools)]
 
 
 def _write_as_run(data: dict[str, Any], folder: Path) -> str:

@@ -42,7 +42,7 @@ class Solver(Part):
     terms: Terms = Field(default=Terms(), description='parts of the tangent with tangent = "thesis"')
     symmetric: bool | None = Field(
         default=None,
-        description="factorise the symmetric part of the tangent; without it: unless Coulomb's law acts on a tool",
+        description="factorise the tangent's symmetric part; without it: unless Coulomb's law acts or bodies touch",
     )
     pressure_stiffness: bool = Field(default=_SOLVER.pressure_stiffness, description="follower stiffness of pressures")
     friction_tangent: model.FrictionTangent = Field(
@@ -105,11 +105,11 @@ class Output(Part):
     )
 
 
-def build_solver(solver: Solver, *, with_coulomb: bool) -> model.SolverSettings:
-    """Turn a case's solver settings into the Model's; with Coulomb friction the tangent stays unsymmetric."""
+def build_solver(solver: Solver, *, with_coulomb: bool, with_body_contact: bool = False) -> model.SolverSettings:
+    """Turn a case's solver settings into the Model's; Coulomb friction and contact of bodies keep the whole tangent."""
     values = solver.model_dump(exclude={"terms"})
     if solver.symmetric is None:
-        values["symmetric"] = not with_coulomb
+        values["symmetric"] = not (with_coulomb or with_body_contact)
     if "initial_increment" not in solver.model_fields_set:
         values["initial_increment"] = min(max(_SOLVER.initial_increment, solver.min_increment), solver.max_increment)
     return model.SolverSettings(**values, terms=model.TangentTerms(**solver.terms.model_dump()))

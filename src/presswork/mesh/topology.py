@@ -56,6 +56,30 @@ def count_cells_of_edges(connectivities: Sequence[IntArray]) -> tuple[IntArray, 
     return edges[index], count.astype(np.int32)
 
 
+def chain_edges(edges: IntArray, points: FloatArray) -> IntArray:
+    """Return directed boundary edges in the order in which they follow each other, loop after loop.
+
+    A closed loop starts at the node farthest from its middle, an open chain at its beginning.
+    """
+    leaving: dict[int, list[int]] = {}
+    for number, first in enumerate(edges[:, 0].tolist()):
+        leaving.setdefault(first, []).append(number)
+    starts = np.setdiff1d(edges[:, 0], edges[:, 1]).tolist()
+    order: list[int] = []
+    for start in [*starts, *edges[:, 0].tolist()]:
+        chain: list[int] = []
+        node = start
+        while leaving.get(node):
+            chain.append(leaving[node].pop(0))
+            node = int(edges[chain[-1], 1])
+        if chain and node == start:
+            loop = points[edges[chain, 0]]
+            farthest = int(np.argmax(((loop - loop.mean(axis=0)) ** 2).sum(axis=1)))
+            chain = chain[farthest:] + chain[:farthest]
+        order += chain
+    return edges[order]
+
+
 def select_edges(edges: IntArray, nodes: IntArray) -> IntArray:
     """Return the edges all of whose nodes are among the nodes given."""
     return edges[np.isin(edges, nodes).all(axis=1)]

@@ -13,6 +13,9 @@ from presswork.model import FloatArray
 from presswork.post.tool_profile import distance_to_profile, trace_profile
 from presswork.results import Result
 
+_NEAR = 5e-3
+"""Of the size of the body: how far from a tool's polyline a node that touches the tool may lie."""
+
 
 @dataclass(frozen=True)
 class Interface:
@@ -108,9 +111,11 @@ def _arc_length(points: FloatArray) -> FloatArray:
 
 
 def _nearest_tool(result: Result, points: FloatArray, tool: str, step: int) -> NDArray[np.bool_]:
-    """Return which points are nearer to this tool than to any other."""
+    """Return which points lie on this tool, nearer than to any other; contact elsewhere is that of bodies."""
     distance = {
         name: distance_to_profile(points, trace_profile(result.placed_tool(name, step)))
         for name in {tool, *result.tools}  # an unknown name raises
     }
-    return np.asarray(np.all([distance[tool] <= other for other in distance.values()], axis=0), dtype=np.bool_)
+    near = distance[tool] < _NEAR * float(np.ptp(points, axis=0).max())
+    nearest = np.all([distance[tool] <= other for other in distance.values()], axis=0)
+    return np.asarray(near & nearest, dtype=np.bool_)

@@ -13,10 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswork import _core
-from presswork.model import BoolArray, FloatArray, Model, Stage, ToolMotion
+from presswork.model import Body, BoolArray, FloatArray, Model, Stage, ToolMotion
 from presswork.procedure.contact import Contact
 from presswork.procedure.mechanics import Mechanics, elastic_energy, plastic_work_of_increment
-from presswork.procedure.newton import Converged, Equilibrium, Failed, IterationLog, Step
+from presswork.procedure.newton import Equilibrium
+from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
 from presswork.procedure.timing import Timing
 from presswork.state import State
 
@@ -61,7 +62,7 @@ class ImplicitProcedure:
         self.mechanics = Mechanics(model, self.timing)
         self.contact = Contact(model)
         self.equilibrium = Equilibrium(model, self.mechanics, self.contact, self.timing, threads)
-        self.state = State.at_rest(model, len(self.contact.nodes))
+        self.state = State.at_rest(model, len(self.contact.nodes), self.equilibrium.bodies.n_slots)
         self.state.progress[SIZE] = model.solver.initial_increment
         self.contact.begin(self.state)
         self._check_held()
@@ -69,27 +70,42 @@ class ImplicitProcedure:
         self.initial_volume = self.volume()
 
     def _check_held(self) -> None:
-        """Refuse a workpiece that the first increment would push away."""
-        held: BoolArray = np.asarray(self.equilibrium.fixed(0).any(axis=0))
+        """Refuse bodies that the first increment would push away."""
+        whole = Body("workpiece", range(len(self.model.mesh.points)), range(len(self.model.mesh.blocks)))
+        bodies = self.model.bodies or (whole,)
+        touching = self.equilibrium.bodies.touching(self.state)
+        for number, body in enumerate(bodies):
+            held = self._held_by_tools(body)
+            for contact, directions in touching:
+                if number in contact.between and contact.between[0] != contact.between[1]:
+                    held |= (np.abs(directions) > 0.1).any(axis=0)
+            if not held.all():
+                free = " and ".join(axis for axis, is_held in zip("xy", held, strict=True) if not is_held)
+                name = f"the {body.name}" if number == 0 else f"the body {body.name!r}"
+                others = " and no other body" if self.model.contacts else ""
+                raise NotHeldError(
+                    f"nothing holds {name} in {free}: no boundary or displacement fixes a point there, and no tool "
+                    f"that holds its place{others} touches it at the start. Add a [boundary] entry, or let a tool "
+                    "touch it"
+                )
+        self._check_pushed(0)
+
+    def _held_by_tools(self, body: Body) -> BoolArray:
+        """Say for x and y whether supports, or tools that touch it at the start, hold a body."""
+        held: BoolArray = np.asarray(self.equilibrium.fixed(0)[body.points.start : body.points.stop].any(axis=0))
         held[0] |= self.model.analysis == "axisymmetric"  # a ring resists its growth
         pushed = self.equilibrium.floating_tools.pushed(0)
-        rubs = np.array([t.contact != "frictionless" for t in self.model.tools], dtype=bool)
-        for t in range(len(self.model.tools)):
-            face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2])
+        own = np.isin(self.contact.nodes, body.points)
+        for t, tool in enumerate(self.model.tools):
+            face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2] * own)
             along = self.contact.normal[2 * t + face, place]
-            if rubs[t]:
+            if tool.contact != "frictionless":
                 along = np.concatenate([along, along[:, ::-1] * (-1, 1)])
             if t in pushed:  # it holds only across its way
                 direction, _ = pushed[t]
                 along = along - (along @ direction)[:, None] * direction
             held |= (np.abs(along) > 0.1).any(axis=0)
-        if not held.all():
-            free = " and ".join(axis for axis, is_held in zip("xy", held, strict=True) if not is_held)
-            raise NotHeldError(
-                f"nothing holds the workpiece in {free}: no boundary or displacement fixes a point there, and no tool "
-                "that holds its place touches it at the start. Add a [boundary] entry, or let a tool touch it"
-            )
-        self._check_pushed(0)
+        return held
 
     def _check_pushed(self, stage: int) -> None:
         """Refuse a tool that a force pushes at nothing."""
@@ -102,6 +118,14 @@ class ImplicitProcedure:
                     "stop it: it does not touch the workpiece there when the stage begins. Bring it there first by a "
                     "stage with a stroke, or put it on a spring"
                 )
+
+    def contact_forces(self) -> dict[str, FloatArray]:
+        """Return what the first body of each contact does to the second (2,) [N], as modelled."""
+        return self.equilibrium.bodies.total_forces(self.state)
+
+    def interface_stress(self) -> tuple[FloatArray, FloatArray] | None:
+        """Return pressure and shear of the bodies on each other (n_points,) [MPa], if bodies touch each other."""
+        return self.equilibrium.bodies.nodal_stress(self.state) if self.model.contacts else None
 
     def volume(self) -> float:
         """Volume of the workpiece as modelled [mm3]."""
@@ -213,6 +237,9 @@ class ImplicitProcedure:
                 * trial.increment
             ).sum()
         )
+        if self.model.contacts:  # what friction between bodies takes
+            forces = self.state.interface_force + trial.interface_force
+            trial.work[0] += 0.5 * float((forces * trial.increment).sum())
         trial.work[1] += plastic_work_of_increment(self.mechanics, self.state, trial)
         p = trial.progress
         p[TIME] += self.model.stages[stage].duration * (fraction - fraction_n)

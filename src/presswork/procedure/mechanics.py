@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
-from presswork.model import FloatArray, MaskArray, Material, Model, SolverSettings
+from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
 from presswork.procedure.timing import Timing
 from presswork.state import State
 
@@ -23,6 +23,19 @@ class TurnedInsideOut:
 
     def __str__(self) -> str:
         return f"cell {self.cell} of block {self.block} turned inside out"
+
+
+@dataclass(frozen=True)
+class PassedThrough:
+    """Bodies whose surfaces the trial displacement has moved through each other; the increment must be cut."""
+
+    contact: str
+
+    def __str__(self) -> str:
+        return f"surfaces of contact {self.contact!r} passed through each other"
+
+
+BadGuess = TurnedInsideOut | PassedThrough
 
 
 def make_law(material: Material, solver: SolverSettings) -> _core.VonMises:
@@ -61,7 +74,8 @@ class Mechanics:
         laws = [make_law(m, model.solver) for m in model.materials]
         self._laws = [laws[b.material] for b in model.mesh.blocks]
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in model.mesh.blocks]
-        self.assembler = _core.Assembler(len(model.mesh.points), self._connectivity, model.solver.symmetric)
+        self.assembler = self._make_assembler(None)
+        self._couplings: IntArray | None = None
         self._force: list[FloatArray] = []
         self._stiffness: list[FloatArray] = []
         for connectivity in self._connectivity:
@@ -69,6 +83,16 @@ class Mechanics:
             packs = -(-cells // _core.pack_width)
             self._force.append(np.zeros((packs, 2 * nodes, _core.pack_width)))
             self._stiffness.append(np.zeros((packs, 2 * nodes, 2 * nodes, _core.pack_width)))
+
+    def _make_assembler(self, couplings: IntArray | None) -> _core.Assembler:
+        n_points = len(self._model.mesh.points)
+        return _core.Assembler(n_points, self._connectivity, self._model.solver.symmetric, couplings)
+
+    def couple(self, couplings: IntArray) -> None:
+        """Let the matrix hold these node pairs (n, 2) beside those of the cells; a change makes a new assembler."""
+        if self._couplings is None or not np.array_equal(couplings, self._couplings):
+            self._couplings = couplings
+            self.assembler = self._make_assembler(couplings)
 
     def evaluate(
         self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool

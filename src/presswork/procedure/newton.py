@@ -3,19 +3,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
 
 from presswork.model import BoolArray, FloatArray, MaskArray, Model
+from presswork.procedure.body_contact import BodyContacts, BodyForces
 from presswork.procedure.contact import Constraints, Contact
 from presswork.procedure.floating_tools import Floating, FloatingTools, LostWorkpieceError
 from presswork.procedure.friction import Friction, FrictionForces
 from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
 from presswork.procedure.loads import AppliedLoads, evaluate_loads
-from presswork.procedure.mechanics import Mechanics, TurnedInsideOut
+from presswork.procedure.mechanics import BadGuess, Mechanics, PassedThrough, TurnedInsideOut
+from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
 from presswork.procedure.timing import Timing
 from presswork.state import State
 
@@ -38,34 +40,6 @@ STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 
 
-@dataclass
-class IterationLog:
-    """Relative residual, relative correction and contact changes of every iteration of an increment."""
-
-    residual: list[float] = field(default_factory=list)
-    correction: list[float] = field(default_factory=list)
-    contact_changes: list[int] = field(default_factory=list)
-
-    def __len__(self) -> int:
-        return len(self.residual)
-
-
-@dataclass(frozen=True)
-class Converged:
-    """The trial state is in equilibrium."""
-
-    log: IterationLog
-
-
-@dataclass(frozen=True)
-class Failed:
-    """The increment cannot be solved; try again with `factor` of it."""
-
-    log: IterationLog
-    reason: str
-    factor: float
-
-
 @dataclass(frozen=True)
 class _Point:
     """The forces at one guess."""
@@ -73,6 +47,7 @@ class _Point:
     displacement: FloatArray
     internal: FloatArray
     loads: AppliedLoads
+    bodies: BodyForces
     reaction: FloatArray
 
     @property
@@ -101,15 +76,6 @@ class _Balance:
         return max(float(np.abs(self.lacking).max()), of_tools)
 
 
-@dataclass(frozen=True)
-class Step:
-    """Where an increment leads: a fraction of a stage, from the fraction before."""
-
-    stage: int
-    fraction_n: float
-    fraction: float
-
-
 class Equilibrium:
     """Solves increments of one model; holds the matrix and its factors, but nothing that a restart would need."""
 
@@ -119,17 +85,12 @@ class Equilibrium:
         self._contact = contact
         self.friction = Friction(model, contact)
         self.floating_tools = FloatingTools(model, contact)
+        self.bodies = BodyContacts(model, mechanics)
         self._timing = timing
-        started = perf_counter()
-        assembler = mechanics.assembler
-        self._data = np.zeros(len(assembler.indices))
+        self._threads = threads
         self._noise = self._force_of_round_off()
-        self._unconstrained = self._data
         self._diagonal = 1.0
-        self.solver: LinearSolver = make_solver(
-            assembler.indptr, assembler.indices, symmetric=model.solver.symmetric, threads=threads
-        )
-        timing.add("analysis", started)
+        self._analyse()
         n = len(model.mesh.points)
         self._supported = np.zeros((n, 2), dtype=bool)
         for support in model.supports:
@@ -143,6 +104,17 @@ class Equilibrium:
         axisymmetric = self._model.analysis == "axisymmetric"
         thickness = 2 * np.pi * float(self._model.mesh.points[:, 0].max()) if axisymmetric else self._model.depth
         return NOISE * max(m.young for m in self._model.materials) * size * thickness
+
+    def _analyse(self) -> None:
+        """Make matrix and solver for the assembler's pattern."""
+        started = perf_counter()
+        assembler = self._analysed = self._mechanics.assembler
+        self._data = np.zeros(len(assembler.indices))
+        self._unconstrained = self._data
+        self.solver: LinearSolver = make_solver(
+            assembler.indptr, assembler.indices, symmetric=self._model.solver.symmetric, threads=self._threads
+        )
+        self._timing.add("analysis", started)
 
     def fixed(self, stage: int) -> BoolArray:
         """Return the components that supports and prescribed displacements hold in a stage (n_points, 2)."""
@@ -173,35 +145,45 @@ class Equilibrium:
         peak = max(float(state_n.peak_force[0]), self._noise / UNLOADED)
         self._contact.begin_increment()
         self.floating_tools.begin_increment()
+        self.bodies.begin_increment(state_n)
         self.friction.softness = SOFT if gently else 1.0
         if self.friction.is_needed:
             self.friction.begin_increment(state_n, self._mechanics.nodal_flow_stress(state_n))
         increment, point = guess, self._evaluate(state_n, trial, step, guess, with_stiffness=True)
-        if isinstance(point, TurnedInsideOut):
+        if isinstance(point, BadGuess):
             increment = np.zeros_like(guess)
             point = self._evaluate(state_n, trial, step, increment, with_stiffness=True)
-            if isinstance(point, TurnedInsideOut):
+            if isinstance(point, BadGuess):
                 return Failed(log, str(point), 0.5)
         size, factorised = 0.0, False
         most = settings.max_iterations * (2 if gently else 1)
         for iteration in range(most + 1):
             # 1. contact at the present guess, and what is out of balance
             near = iteration > 0 and log.residual[-1] < NEAR
+            body_changes = self.bodies.update(point.bodies, near=near)
+            if body_changes:
+                point = self._touch_again(state_n, trial, point)
             balance = self._balance(state_n, trial, step, increment, point, fixed, near=near)
 
             # 2. converged?
             missing = float(np.abs(balance.constraints.value).max())
             scale = max(point.largest_force, UNLOADED * peak)
-            self._note(log, balance, scale, max(size, missing), increment)
+            changes = balance.changes + body_changes
+            self._note(log, balance, scale, max(size, missing), increment, changes)
             stiff = self.friction.softness == 1.0
             if iteration > 0 and log.residual[-1] < CALM:
                 self.friction.softness = max(1.0, self.friction.softness / STIFFENING)
-            if iteration > 0 and balance.changes == 0 and stiff and self._has_converged(log):
+            has_converged = iteration > 0 and changes == 0 and stiff and self._has_converged(log)
+            if has_converged and self.bodies.augment(trial, point.bodies):
+                point = self._touch_again(state_n, trial, point)
+                continue
+            if has_converged:
                 if self._contact.n_unsettled:
                     return Failed(log, f"contact of {self._contact.n_unsettled} nodes does not settle", 0.5)
                 trial.displacement, trial.increment = point.displacement, increment
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
                 self.friction.settle(state_n, trial, balance.constraints.turned == 1)
+                self.bodies.settle(trial, point.bodies)
                 trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
             if iteration == most or (stiff and self._is_hopeless(log)):
@@ -209,16 +191,14 @@ class Equilibrium:
 
             # 3. correction; constrained freedoms go all the way to where they must be
             try:
-                refactorise = (
-                    settings.newton == "full" or not factorised or balance.changes > 0 or missing > 1e-3 * size
-                )
-                correction, travel = self._correct(balance, point.loads, refactorise=refactorise)
+                refactorise = settings.newton == "full" or not factorised or changes > 0 or missing > 1e-3 * size
+                correction, travel = self._correct(balance, point, refactorise=refactorise)
             except (SolverError, LostWorkpieceError) as error:
                 return Failed(log, str(error), 0.25)
             factorised = True
             missing = max(missing, float(np.abs(travel).max(initial=0.0)))
             moved = self._advance(state_n, trial, step, point, balance.drag, increment, correction, missing)
-            if isinstance(moved, TurnedInsideOut):
+            if isinstance(moved, BadGuess):
                 return Failed(log, str(moved), 0.5)
             increment, point, part = moved
             if balance.floating:
@@ -252,13 +232,28 @@ class Equilibrium:
 
     def _evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
-    ) -> _Point | TurnedInsideOut:
+    ) -> _Point | BadGuess:
         internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness)
         if isinstance(internal, TurnedInsideOut):
             return internal
         displacement = state_n.displacement + increment
         loads = evaluate_loads(self._model, self._model.mesh.points + displacement, step.stage, step.fraction)
-        return _Point(displacement, internal, loads, internal - loads.force)
+        bodies = self._touch_bodies(state_n, trial, displacement)
+        if isinstance(bodies, PassedThrough):
+            return bodies
+        return _Point(displacement, internal, loads, bodies, internal - loads.force - bodies.force)
+
+    def _touch_bodies(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
+        started = perf_counter()
+        bodies = self.bodies.evaluate(state_n, trial, displacement)
+        self._timing.add("contact", started)
+        return bodies
+
+    def _touch_again(self, state_n: State, trial: State, point: _Point) -> _Point:
+        """Return the point with the forces between bodies that follow from new multipliers or another active set."""
+        bodies = self._touch_bodies(state_n, trial, point.displacement)
+        assert isinstance(bodies, BodyForces)  # where they are has not changed
+        return replace(point, bodies=bodies, reaction=point.reaction + point.bodies.force - bodies.force)
 
     def _advance(
         self,
@@ -270,17 +265,17 @@ class Equilibrium:
         increment: FloatArray,
         correction: FloatArray,
         missing: float,
-    ) -> tuple[FloatArray, _Point, float] | TurnedInsideOut:
+    ) -> tuple[FloatArray, _Point, float] | BadGuess:
         """Take the correction, or the part of it that keeps cells whole and does not overshoot; return the part too."""
         full = self._model.solver.newton == "full"
         part = 1.0
         while True:
             taken = increment + part * correction
             found = self._evaluate(state_n, trial, step, taken, with_stiffness=full)
-            if not isinstance(found, TurnedInsideOut) or part < SMALLEST_PART:
+            if not isinstance(found, BadGuess) or part < SMALLEST_PART:
                 break
             part *= 0.5
-        if isinstance(found, TurnedInsideOut):
+        if isinstance(found, BadGuess):
             return found
         largest = float(np.abs(correction).max())
         if not self._model.solver.line_search or part < 1.0 or missing > 1e-3 * largest:
@@ -291,7 +286,7 @@ class Equilibrium:
             return taken, found, part
         part = float(np.clip(before / (before - after), 0.1, 0.9)) if before != after else 0.5
         shorter = self._evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
-        if isinstance(shorter, TurnedInsideOut):
+        if isinstance(shorter, BadGuess):
             return shorter
         return increment + part * correction, shorter, part
 
@@ -326,14 +321,17 @@ class Equilibrium:
         vector[nodes] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes])
         return vector
 
-    def _correct(self, balance: _Balance, loads: AppliedLoads, *, refactorise: bool) -> tuple[FloatArray, FloatArray]:
+    def _correct(self, balance: _Balance, point: _Point, *, refactorise: bool) -> tuple[FloatArray, FloatArray]:
         """Solve for the next correction (n_points, 2), global frame, and the travel of floating tools (n_floating,)."""
         constraints, floating = balance.constraints, balance.floating
         travels = floating is not None and len(floating.tools) > 0
         flat = balance.lacking.reshape(-1).copy()
-        if refactorise:
+        is_new = self._analysed is not self._mechanics.assembler
+        if is_new:
+            self._analyse()
+        if refactorise or is_new:
             started = perf_counter()
-            self._assemble(constraints, loads, balance.friction)
+            self._assemble(constraints, point, balance.friction)
             self._diagonal = float(self._data.max())  # of the size of the others, for the condition
             if travels:
                 self._unconstrained = self._data.copy()
@@ -358,12 +356,14 @@ class Equilibrium:
         self._timing.add("solve", started)
         return self._turn_back(constraints, solution), travel
 
-    def _assemble(self, constraints: Constraints, loads: AppliedLoads, friction: FrictionForces | None) -> None:
+    def _assemble(self, constraints: Constraints, point: _Point, friction: FrictionForces | None) -> None:
         """Fill the matrix with all stiffnesses, in the nodes' own frames."""
-        assembler = self._mechanics.assembler
+        assembler, loads, bodies = self._mechanics.assembler, point.loads, point.bodies
         self._mechanics.assemble_stiffness(constraints.turned, constraints.frames, self._data)
         if self._model.solver.pressure_stiffness and len(loads.pairs):
             assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
+        if len(bodies.pairs):
+            assembler.add_blocks(bodies.pairs, bodies.blocks, constraints.turned, constraints.frames, self._data)
         if friction:
             self._add_friction(friction, constraints)
 
@@ -378,11 +378,13 @@ class Equilibrium:
         return matrix + sp.triu(matrix, 1).T if self._model.solver.symmetric else matrix
 
     @staticmethod
-    def _note(log: IterationLog, balance: _Balance, scale: float, size: float, increment: FloatArray) -> None:
+    def _note(
+        log: IterationLog, balance: _Balance, scale: float, size: float, increment: FloatArray, changes: int
+    ) -> None:
         log.residual.append(balance.largest_lacking / scale if scale > 0 else 0.0)
         moved = float(np.abs(increment).max())
         log.correction.append(size / moved if moved > 0 else (np.inf if size > 0 else 0.0))
-        log.contact_changes.append(balance.changes)
+        log.contact_changes.append(changes)
 
     def _has_converged(self, log: IterationLog) -> bool:
         settings = self._model.solver
@@ -391,10 +393,13 @@ class Equilibrium:
         return residual <= settings.force_tolerance and small
 
     def _is_hopeless(self, log: IterationLog) -> bool:
-        """Five iterations of full Newton with its own tangent that come no closer than the best before them."""
+        """Five iterations of full Newton with its own tangent that come no closer than the best before them.
+
+        The first residual does not count: before anything has moved it may be zero.
+        """
         r, settings = log.residual, self._model.solver
         if not np.isfinite(r[-1]):
             return True
         rubs_otherwise = self.friction.is_needed and settings.friction_tangent != "return_mapping"
         quadratic = settings.newton == "full" and settings.tangent == "consistent" and not rubs_otherwise
-        return quadratic and len(r) > 8 and min(r[-5:]) > min(r[:-5])
+        return quadratic and len(r) > 8 and min(r[-5:]) > min(r[1:-5])

@@ -17,8 +17,8 @@ def effective_stress(stress: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(squares))
 
 
-def cell_fields(state: State) -> dict[str, FloatArray]:
-    """Return the volume-weighted cell means, cells in the order of the blocks."""
+def cell_fields(model: Model, state: State) -> dict[str, FloatArray]:
+    """Return the volume-weighted cell means, cells in the order of the blocks; of several bodies their number too."""
     names = ("equivalent_plastic_strain", "effective_stress", "stress", "hydrostatic_stress")
     parts: dict[str, list[FloatArray]] = {name: [] for name in names}
     for stress, eqps, volume in zip(state.stress, state.eqps, state.volume, strict=True):
@@ -28,13 +28,25 @@ def cell_fields(state: State) -> dict[str, FloatArray]:
         parts["effective_stress"].append((weight * effective_stress(stress)).sum(axis=1))
         parts["stress"].append(np.column_stack([mean, np.zeros((len(mean), 2))]))
         parts["hydrostatic_stress"].append(mean[:, :3].mean(axis=1))
-    return {name: np.concatenate(values) for name, values in parts.items()}
+    fields = {name: np.concatenate(values) for name, values in parts.items()}
+    if len(model.bodies) > 1:
+        n_cells = [len(block.connectivity) for block in model.mesh.blocks]
+        numbers = [np.full(n_cells[b], float(i)) for i, body in enumerate(model.bodies) for b in body.blocks]
+        fields["body"] = np.concatenate(numbers)
+    return fields
 
 
-def point_fields(model: Model, state: State, contact: ContactForces, flow_stress: FloatArray) -> dict[str, FloatArray]:
+def point_fields(
+    model: Model,
+    state: State,
+    contact: ContactForces,
+    flow_stress: FloatArray,
+    between_bodies: tuple[FloatArray, FloatArray] | None = None,
+) -> dict[str, FloatArray]:
     """Return displacement, gap, and the contact's status, stresses, forces and friction limit at the nodes.
 
     flow_stress: of the material at the nodes (n_points,) [MPa]. With several tools there is a traction for each.
+    between_bodies: pressure and shear of the bodies on each other (n_points,) [MPa]; they and their forces are added.
     """
     n = len(model.mesh.points)
     surface = ContactSurface(model, model.mesh.points + state.displacement, contact.status > 0)
@@ -46,6 +58,10 @@ def point_fields(model: Model, state: State, contact: ContactForces, flow_stress
         along[contact.nodes[own]] += np.column_stack([contact.push[own], contact.drag[own]])
     total = force.sum(axis=2)
     pressure, shear = surface.stress_of(along).T
+    bodies_force = np.zeros((n, 3))
+    if between_bodies is not None:
+        pressure, shear = np.where(between_bodies[0] != 0, between_bodies, (pressure, shear))
+        bodies_force[:, :2] = state.interface_force
     fields = {
         "displacement": np.column_stack([state.displacement, np.zeros(n)]),
         "gap": contact.gap,
@@ -53,7 +69,7 @@ def point_fields(model: Model, state: State, contact: ContactForces, flow_stress
         "contact_pressure": pressure,
         "contact_shear": shear,
         "contact_traction": surface.stress_of(total),
-        "contact_force": total,
+        "contact_force": total + bodies_force,
         "friction_limit": friction_limit(model, contact, pressure, flow_stress),
     }
     if len(model.tools) > 1:

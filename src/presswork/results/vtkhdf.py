@@ -38,6 +38,7 @@ UNITS = {
     "effective_stress": "MPa",
     "stress": "MPa",
     "hydrostatic_stress": "MPa",
+    "body": "1",
     "thickness": "mm",
 }
 

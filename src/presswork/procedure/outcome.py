@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an increment is asked to do, and how its iteration went."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class IterationLog:
+    """Relative residual, relative correction and contact changes of every iteration of an increment."""
+
+    residual: list[float] = field(default_factory=list)
+    correction: list[float] = field(default_factory=list)
+    contact_changes: list[int] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.residual)
+
+
+@dataclass(frozen=True)
+class Converged:
+    """The trial state is in equilibrium."""
+
+    log: IterationLog
+
+
+@dataclass(frozen=True)
+class Failed:
+    """The increment cannot be solved; try again with `factor` of it."""
+
+    log: IterationLog
+    reason: str
+    factor: float
+
+
+@dataclass(frozen=True)
+class Step:
+    """Where an increment leads: a fraction of a stage, from the fraction before."""
+
+    stage: int
+    fraction_n: float
+    fraction: float
