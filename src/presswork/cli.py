@@ -105,6 +105,8 @@ def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads:
         outcome = run_model(model, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=show)
     if not quiet:
         s = outcome.result.summary
+        for tool in s["contact"]["tools_never_touched"] if outcome.status == "completed" else []:
+            console.print(f"warning: the tool {tool} never touched the workpiece", style="yellow", markup=False)
         console.print(
             f"{s['increments']} increments, {s['iterations']} iterations, {s['cutbacks']} cut-backs, "
             f"{s['wall_seconds']['total']:.1f} s; results in {folder}",

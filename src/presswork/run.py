@@ -40,6 +40,7 @@ from presswork.results import (
     history_columns,
     load_checkpoint,
     open_output_folder,
+    read_history,
     save_checkpoint,
     truncate_steps,
     write_summary,
@@ -280,6 +281,12 @@ class _Run:
         truncate_steps(self.folder / RESULTS, self.saved_steps)
         self.log.info("resumed after increment %d", int(meta["increments"]))
 
+    def _never_touched(self) -> list[str]:
+        """Return the tools that no force of the workpiece has ever reached."""
+        history = read_history(self.folder / HISTORY)
+        forces = {t.name: [history[f"{t.name}.{way}"] for way in ("force_x", "force_y")] for t in self.model.tools}
+        return [name for name, columns in forces.items() if not np.any(columns)]
+
     def _write_summary(self, status: Status, reason: str) -> None:
         procedure, model = self.procedure, self.model
         state = procedure.state
@@ -322,6 +329,7 @@ class _Run:
                     "tolerance_mm": procedure.contact.tolerance,
                     "largest_node_penetration_mm": self.penetration.node,
                     "largest_edge_penetration_mm": self.penetration.edge,
+                    "tools_never_touched": self._never_touched(),
                 },
                 "energy": procedure.energy_balance(),
                 "linear_solver": procedure.equilibrium.solver.name,

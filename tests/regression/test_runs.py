@@ -195,3 +195,12 @@ def test_run_draws_pictures(case_file, tmp_path) -> None:
     pictures = list((tmp_path / "out" / "plots").glob("*.png"))
     assert len(pictures) >= 4
     assert all(os.path.getsize(p) > 5000 for p in pictures)
+
+
+def test_a_tool_that_never_touched_is_named_at_the_end(case_file, tmp_path) -> None:
+    far = 'tools.gauge={profile=[[0,40],[30,40]],contact="frictionless"}'
+    settings = [part for setting in [*SMALL, far, "stages.0.tools.punch.stroke=1"] for part in ("--set", setting)]
+    done = presswork("run", str(case_file), *settings, "--output", str(tmp_path / "out"), "--no-plot")
+    assert done.returncode == 0, done.stderr
+    assert "the tool gauge never touched the workpiece" in " ".join((done.stdout + done.stderr).split())
+    assert Result(tmp_path / "out").summary["contact"]["tools_never_touched"] == ["gauge"]

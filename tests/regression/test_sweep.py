@@ -170,3 +170,21 @@ def test_calibrate_recovers_the_friction_of_a_run_between_its_curves(case_file, 
     found, (low, high) = calibrate(case_file, curves, ring.height_reduction[at], ring.bore_mean[at])
     assert found == pytest.approx(m, abs=3e-3)
     assert low < found < high
+
+
+def test_calibrate_by_coulombs_law_finds_its_coefficient(case_file, tmp_path):
+    """A run with mu = 0.08 from the same program: the coefficient comes back, and m would not stand for it."""
+    settings = ["workpiece.mesh.cells=[6,3]"]
+    coulomb = 'tools.punch={profile=[[0,6],[60,6]],contact="coulomb",mu=0.08}'
+    ring = measure_ring(run(Case.from_toml(case_file, [*settings, coulomb]), tmp_path / "truth").result)
+    at = [len(ring.height_reduction) // 2, -1]
+    measured = tmp_path / "measured.csv"
+    rows = [f"{ring.height_reduction[i]},{ring.bore_mean[i]}" for i in at]
+    measured.write_text("\n".join(["height_reduction,bore_ratio", *rows]), encoding="utf-8")
+    out = tmp_path / "fit"
+    options = ["--case", case_file, "--law", "coulomb", "--values", "0.02,0.06,0.1,0.14", "--output", out, "--quiet"]
+    done = presswork("calibrate", "ring", measured, *options, *sets(settings))
+    assert done.returncode == 0, done.stderr
+    fit = json.loads((out / "calibration.json").read_text("utf-8"))
+    assert fit["law"] == "coulomb"
+    assert fit["mu"] == pytest.approx(0.08, abs=0.004)

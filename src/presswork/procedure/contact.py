@@ -123,10 +123,13 @@ class Contact:
         ]
         return np.array(gaps).reshape(len(gaps), len(points))
 
-    def begin(self, state: State) -> None:
-        """Find the nodes that touch before the first increment; on sticking tools they are stuck at once."""
+    def begin(self, state: State, fixed: BoolArray) -> None:
+        """Find the nodes that touch before the first increment; on sticking tools they are stuck at once.
+
+        A node that a support holds along the normal needs no tool: both would pin it.
+        """
         self.search(state, state.displacement)
-        state.contact[self.gap <= self.tolerance] = SLIDING
+        state.contact[(self.gap <= self.tolerance) & self._free(fixed)] = SLIDING
         self._limit_faces(state.contact)
         self.settle(state)
 

@@ -64,7 +64,7 @@ class ImplicitProcedure:
         self.equilibrium = Equilibrium(model, self.mechanics, self.contact, self.timing, threads)
         self.state = State.at_rest(model, len(self.contact.nodes), self.equilibrium.bodies.n_slots)
         self.state.progress[SIZE] = model.solver.initial_increment
-        self.contact.begin(self.state)
+        self.contact.begin(self.state, self.equilibrium.fixed(0))
         self._check_held()
         self.mechanics.evaluate(self.state, self.state, self.state.increment, with_stiffness=False)
         self.initial_volume = self.volume()
