@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A sheet material: elasticity, yield function and hardening, as a table of a case or of a material file."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, Self
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+
+from presswork import _core
+from presswork.case.errors import CaseError
+from presswork.case.hardening import Hardening
+from presswork.case.part import Part
+from presswork.case.reader import list_problems
+from presswork.case.units import Number, Stress, fault
+from presswork.case.yield_function import VonMisesYield, YieldFunction
+
+_EARLY_STRAIN = 0.002
+"""Plastic strain at which the flow stress must look like a metal's beside Young's modulus."""
+
+
+class SheetMaterial(Part):
+    """An elastic-plastic sheet in plane stress; x is the rolling direction."""
+
+    young: Stress = Field(gt=0, description="Young's modulus [MPa]")
+    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, e.g. 0.3 for steel")
+    yield_function: YieldFunction = Field(default=VonMisesYield(), description="anisotropic yield function")
+    hardening: Hardening = Field(description="flow stress along the rolling direction against plastic strain")
+
+    @model_validator(mode="after")
+    def _check_sizes(self) -> Self:
+        """Refuse what only a mistaken unit makes: a modulus or a flow stress of no metal."""
+        if not 1e3 < self.young < 2e6:
+            raise fault(
+                f"Young's modulus is {self.young:g} MPa, that of no metal",
+                'plain numbers are MPa; with a unit: "206 GPa"',
+                key="young",
+            )
+        early = float(self.build_law().flow_stress(np.array([_EARLY_STRAIN]))[0][0])
+        if not 1e-4 < early / self.young < 0.1:
+            raise fault(
+                f"the flow stress at a plastic strain of {_EARLY_STRAIN:g} is {early:g} MPa, {early / self.young:.1e} "
+                "of Young's modulus",
+                "metals have 0.0005 to 0.02; plain numbers are MPa",
+                key="hardening",
+            )
+        return self
+
+    def build_law(self) -> _core.SheetLaw:
+        """Return the compiled law."""
+        return _core.SheetLaw(
+            self.young,
+            self.poisson,
+            self.yield_function.build(),
+            _core.HardeningLaw[self.hardening.law],
+            self.hardening.parameters(),
+        )
+
+
+@functools.cache
+def _schema() -> dict[str, Any]:
+    return SheetMaterial.model_json_schema()
+
+
+def check_sheet_material(data: object, source: str | None = None) -> SheetMaterial:
+    """Turn a table into a SheetMaterial. Raises CaseError with every problem, named by key."""
+    try:
+        return SheetMaterial.model_validate(data)
+    except ValidationError as error:
+        raise CaseError(list_problems(error, data, _schema()), source) from None
