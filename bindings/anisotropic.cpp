@@ -87,13 +87,11 @@ void make_law(AnisotropicLaw<N>* self, double young, double poisson, const Yield
   KinematicLaw kinematic;
   if (chaboche) kinematic = *chaboche;
   if (yoshida_uemori) kinematic = *yoshida_uemori;
-  new (self) AnisotropicLaw<N>{young,
-                               poisson,
-                               yield,
-                               {{hardening, std::move(parameters)}, {rate, rate_parameters[0], rate_parameters[1]}},
-                               kinematic,
-                               young_saturated,
-                               young_rate};
+  new (self)
+      AnisotropicLaw<N>{young,     poisson,
+                        yield,     {{hardening, std::move(parameters)}, {rate, rate_parameters[0], rate_parameters[1]}},
+                        kinematic, young_saturated,
+                        young_rate};
 }
 
 template <int N>

@@ -7,8 +7,8 @@
 //   YoshidaUemori   d theta = C [(a/Y) xi - sqrt(a / f(theta)) theta] dp,  a = B + R - Y
 //                   d beta = m (b xi/Y - beta) dp,   d R = m (Rsat - R) dp outside the stagnation surface
 //
-// The direction xi/Y is Ziegler's. In plane stress a back stress is kept as the plane stress with the same deviator; for
-// von Mises the laws are then those of Chaboche (1986) and Yoshida & Uemori (2002) with (2/3) C d(plastic strain).
+// The direction xi/Y is Ziegler's. In plane stress a back stress is kept as the plane stress with the same deviator;
+// for von Mises the laws are then those of Chaboche (1986) and Yoshida & Uemori (2002) with (2/3) C d(plastic strain).
 // Yoshida & Uemori: R and the stagnation surface (centre q, size r) are those of the start of the increment while it is
 // solved, and follow at its end: with x = f(beta - q) - r > 0, r grows by h x and q follows radially. Young's modulus
 // falls with the plastic strain: E = E0 - (E0 - Ea)(1 - exp(-xi p)).
@@ -71,7 +71,8 @@ struct Chaboche {
       for (int i = 0; i < N; ++i) back[i] += history[N * k + i];
   }
   template <int N, class Yield, class T>
-  void evaluate(const Yield&, const T* history, const T xi[N], T dp, T flow, T flow_slope, BackStress<N, T>& out) const {
+  void evaluate(const Yield&, const T* history, const T xi[N], T dp, T flow, T flow_slope,
+                BackStress<N, T>& out) const {
     T direction[N], growth(0.0), growth_slope(0.0), over = T(1.0) / flow;
     back_direction<N>(xi, direction);
     for (int i = 0; i < N; ++i) {
@@ -118,7 +119,8 @@ struct YoshidaUemori {
   void total(const T* history, T back[N]) const {
     for (int i = 0; i < N; ++i) back[i] = history[i] + history[N + i];
   }
-  // Theta = theta_n + C a dp/Y direction; theta = Theta x / (x + C dp sqrt(a)) with x = sqrt(f(theta)) from the quadratic
+  // Theta = theta_n + C a dp/Y direction; theta = Theta x / (x + C dp sqrt(a)) with x = sqrt(f(theta)) from the
+  // quadratic
   template <int N, class Yield, class T>
   void move_theta(const Yield& yield, const T* history, const T direction[N], T dp, T theta[N], T& root_a, T& x,
                   YieldTerms<N, T>& terms) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Yield functions: equivalent stress, its gradient and its Hessian. All are homogeneous of degree one in the stress, so
-// that stress : gradient = equivalent stress and the plastic multiplier is the work-conjugate equivalent plastic strain.
+// that stress : gradient = equivalent stress and the plastic multiplier is the work-conjugate equivalent plastic
+// strain.
 //
 // Stress order xx, yy, xy (plane stress) or xx, yy, zz, xy, yz, zx; x is the rolling direction. The gradient belongs to
 // engineering shear strains: gradient[xy] is the rate of gamma_xy per unit of equivalent plastic strain.
@@ -67,7 +68,8 @@ struct QuadraticYield {
   }
 };
 
-// Hill 1948: F (yy-zz)^2 + G (zz-xx)^2 + H (xx-yy)^2 + 2 L yz^2 + 2 M zx^2 + 2 N xy^2; von Mises is F=G=H=1/2, L=M=N=3/2.
+// Hill 1948: F (yy-zz)^2 + G (zz-xx)^2 + H (xx-yy)^2 + 2 L yz^2 + 2 M zx^2 + 2 N xy^2; von Mises is F=G=H=1/2,
+// L=M=N=3/2.
 struct HillParameters {
   double F = 0.5, G = 0.5, H = 0.5, L = 1.5, M = 1.5, N = 1.5;
 
@@ -209,8 +211,12 @@ EvenPowerYield<k> make_yld2000(const double alpha[8]) {
   const double l11 = 2 * a1 / 3, l12 = -a1 / 3, l21 = -a2 / 3, l22 = 2 * a2 / 3;
   const double k11 = (8 * a5 - 2 * a3 - 2 * a6 + 2 * a4) / 9, k12 = (4 * a6 - 4 * a4 - 4 * a5 + a3) / 9;
   const double k21 = (4 * a3 - 4 * a5 - 4 * a4 + a6) / 9, k22 = (8 * a4 - 2 * a6 - 2 * a3 + 2 * a5) / 9;
-  return {{0.5 * (l11 - l21), 0.5 * (l12 - l22)}, alpha[6], {1.5 * (k11 + k21), 1.5 * (k12 + k22)},
-          {0.5 * (k11 - k21), 0.5 * (k12 - k22)}, alpha[7], 1.0,
+  return {{0.5 * (l11 - l21), 0.5 * (l12 - l22)},
+          alpha[6],
+          {1.5 * (k11 + k21), 1.5 * (k12 + k22)},
+          {0.5 * (k11 - k21), 0.5 * (k12 - k22)},
+          alpha[7],
+          1.0,
           1.0};
 }
 

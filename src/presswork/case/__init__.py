@@ -4,7 +4,7 @@
 from presswork.case.builder import build_model
 from presswork.case.describe import describe
 from presswork.case.errors import CaseError, Problem
-from presswork.case.hardening import HockettSherby, Linear, Ludwik, Swift, Table, Voce
+from presswork.case.hardening import HockettSherby, Linear, Ludwik, MonotoneTable, Swift, SwiftVoce, Table, Voce
 from presswork.case.schema import (
     Boundary,
     Case,
@@ -34,6 +34,7 @@ __all__ = [
     "Ludwik",
     "Material",
     "MeshFile",
+    "MonotoneTable",
     "NodeForce",
     "Output",
     "Pressure",
@@ -43,6 +44,7 @@ __all__ = [
     "Solver",
     "Stage",
     "Swift",
+    "SwiftVoce",
     "Table",
     "Terms",
     "Tool",
