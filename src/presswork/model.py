@@ -24,9 +24,7 @@ Analysis = Literal["axisymmetric", "plane_strain"]
 ElementName = Literal[
     "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
 ]
-HardeningLaw = Literal[
-    "linear", "swift", "ludwik", "voce", "hockett_sherby", "table", "swift_voce", "monotone_table"
-]
+HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table", "swift_voce", "monotone_table"]
 Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
 ContactLaw = Literal["frictionless", "sticking", "shear", "coulomb", "coulomb_capped"]
