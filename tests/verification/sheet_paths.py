@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Strain and stress paths at a material point, and the rate equations integrated independently of the return mapping."""
+"""Strain and stress paths at a material point, and rate equations integrated independently of the return mapping."""
 
 from __future__ import annotations
 

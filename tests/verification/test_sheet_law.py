@@ -158,7 +158,7 @@ def test_yoshida_uemori_converges_to_the_independent_integration(change):
 
 def test_young_modulus_falls_with_plastic_strain_as_measured_on_unloading():
     law = make_law(young_saturated=60e3, young_rate=50.0)
-    stress, p, strain = pull(law, np.array([0.02, 0.0199]))
+    stress, p, _ = pull(law, np.array([0.02, 0.0199]))
     slope = (stress[0] - stress[1]) / 1e-4
     assert slope == pytest.approx(60e3 + 10e3 * np.exp(-50 * p[0]), rel=1e-9)
 
