@@ -95,12 +95,27 @@ void make_law(AnisotropicLaw<N>* self, double young, double poisson, const Yield
 }
 
 template <int N>
-auto evaluate_flow(const AnisotropicLaw<N>& law, Doubles eqps) {
+auto evaluate_flow(const AnisotropicLaw<N>& law, Doubles eqps, double rate) {
   double *flow, *slope;
   auto flows = new_array({eqps.size()}, &flow);
   auto slopes = new_array({eqps.size()}, &slope);
-  for (std::size_t i = 0; i < eqps.size(); ++i) law.flow.hardening.evaluate(eqps.data()[i], flow[i], slope[i]);
+  double factor, factor_slope;
+  law.flow.rate.evaluate(rate, factor, factor_slope);
+  for (std::size_t i = 0; i < eqps.size(); ++i) {
+    law.flow.hardening.evaluate(eqps.data()[i], flow[i], slope[i]);
+    flow[i] *= factor;
+    slope[i] *= factor;
+  }
   return std::make_tuple(flows, slopes);
+}
+
+template <int N>
+auto evaluate_rate(const AnisotropicLaw<N>& law, Doubles rate) {
+  double *factor, *slope;
+  auto factors = new_array({rate.size()}, &factor);
+  auto slopes = new_array({rate.size()}, &slope);
+  for (std::size_t i = 0; i < rate.size(); ++i) law.flow.rate.evaluate(rate.data()[i], factor[i], slope[i]);
+  return std::make_tuple(factors, slopes);
 }
 
 // What SheetLaw and SolidLaw share; make takes the yield function as Python gives it.
@@ -122,8 +137,10 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
           nb::arg("chaboche") = nb::none(), nb::arg("yoshida_uemori") = nb::none(), nb::arg("young_saturated") = 0.0,
           nb::arg("young_rate") = 0.0)
       .def_prop_ro("history_size", &Law::history_size, "Values a point keeps: eqps, then back stresses.")
-      .def("flow_stress", &evaluate_flow<N>, nb::arg("eqps"),
-           "Flow stress at rest and its slope [MPa] at equivalent plastic strains (n).")
+      .def("flow_stress", &evaluate_flow<N>, nb::arg("eqps"), nb::arg("rate") = 0.0,
+           "Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].")
+      .def("rate_factor", &evaluate_rate<N>, nb::arg("rate"),
+           "Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].")
       .def("update", &update_arrays<N>, nb::arg("strain"), nb::arg("stress"), nb::arg("history"), nb::kw_only(),
            nb::arg("dt") = 1.0, nb::arg("softening") = nb::none(), nb::arg("tangent") = true, nb::arg("packed") = true,
            update_doc);

@@ -47,6 +47,10 @@ class HardeningLaw(enum.Enum):
 
     table = 5
 
+    swift_voce = 6
+
+    monotone_table = 7
+
 class Integrator(enum.Enum):
     """Stress integrator of the von Mises law."""
 
@@ -134,14 +138,45 @@ class SheetLaw:
     def history_size(self) -> int:
         """Values a point keeps: eqps, then back stresses."""
 
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Flow stress at rest and its slope [MPa] at equivalent plastic strains (n).
+        Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].
+        """
+
+    def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
     def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, softening: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
         """
         Advance points by strain increments (n, 3) over dt [s]; returns stress (n, 3), history (n, history_size), thickness strain increment (n), tangent (n, 3, 3; (0, 3, 3) if not asked for) and failed (n).
+        """
+
+class SolidLaw:
+    """
+    Elastic-plastic solid, Hill 1948 from F, G, H, L, M, N; stresses in MPa.
+    """
+
+    def __init__(self, young: float, poisson: float, yield_function: Sequence[float], hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+
+    @property
+    def history_size(self) -> int:
+        """Values a point keeps: eqps, then back stresses."""
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].
+        """
+
+    def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
+        """
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, softening: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+        """
+        Advance points by strain increments (n, 6): xx, yy, zz, xy, yz, zx; as SheetLaw.update, without thickness.
         """
 
 class TangentKind(enum.Enum):
