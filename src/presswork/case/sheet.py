@@ -11,9 +11,10 @@ from pydantic import Field, ValidationError, model_validator
 
 from presswork import _core
 from presswork.case.errors import CaseError
-from presswork.case.hardening import Hardening
+from presswork.case.hardening import Hardening, Linear
 from presswork.case.part import Part
 from presswork.case.reader import list_problems
+from presswork.case.sheet_laws import Chaboche, FormingLimit, Kinematic, RateLaw, YoshidaUemori, YoungDecrease
 from presswork.case.units import Number, Stress, fault
 from presswork.case.yield_function import VonMisesYield, YieldFunction
 
@@ -28,6 +29,12 @@ class SheetMaterial(Part):
     poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, e.g. 0.3 for steel")
     yield_function: YieldFunction = Field(default=VonMisesYield(), description="anisotropic yield function")
     hardening: Hardening = Field(description="flow stress along the rolling direction against plastic strain")
+    kinematic: Kinematic | None = Field(default=None, description="back stresses")
+    rate: RateLaw | None = Field(default=None, description="factor on the flow stress by strain rate")
+    young_decrease: YoungDecrease | None = Field(
+        default=None, description="how Young's modulus falls with plastic strain"
+    )
+    forming_limit: FormingLimit | None = Field(default=None, description="forming limit curve")
 
     @model_validator(mode="after")
     def _check_sizes(self) -> Self:
@@ -38,6 +45,7 @@ class SheetMaterial(Part):
                 'plain numbers are MPa; with a unit: "206 GPa"',
                 key="young",
             )
+        self._check_laws()
         early = float(self.build_law().flow_stress(np.array([_EARLY_STRAIN]))[0][0])
         if not 1e-4 < early / self.young < 0.1:
             raise fault(
@@ -48,14 +56,43 @@ class SheetMaterial(Part):
             )
         return self
 
+    def _check_laws(self) -> None:
+        """Refuse laws that do not go together."""
+        if isinstance(self.kinematic, YoshidaUemori):
+            if not isinstance(self.hardening, Linear) or self.hardening.modulus != 0.0:
+                raise fault(
+                    "Yoshida and Uemori's yield surface keeps its size",
+                    'give hardening = {law = "linear", yield_stress = Y}, without a modulus',
+                    key="hardening",
+                )
+            if self.hardening.yield_stress >= self.kinematic.B:
+                raise fault(
+                    f"the bounding surface B = {self.kinematic.B:g} MPa lies inside the yield surface",
+                    f"B must be above the yield stress of {self.hardening.yield_stress:g} MPa",
+                    key="kinematic",
+                )
+        if self.young_decrease is not None and self.young_decrease.saturated > self.young:
+            raise fault("the saturated modulus is above Young's modulus", "it falls", key="young_decrease")
+
     def build_law(self) -> _core.SheetLaw:
         """Return the compiled law."""
+        chaboche = yoshida_uemori = None
+        if isinstance(self.kinematic, Chaboche):
+            chaboche = self.kinematic.build()
+        elif isinstance(self.kinematic, YoshidaUemori):
+            yoshida_uemori = self.kinematic.build(self.hardening.parameters()[0])
         return _core.SheetLaw(
             self.young,
             self.poisson,
             self.yield_function.build(),
             _core.HardeningLaw[self.hardening.law],
             self.hardening.parameters(),
+            rate=_core.RateLaw[self.rate.law] if self.rate else _core.RateLaw.none,
+            rate_parameters=self.rate.parameters() if self.rate else (0.0, 1.0),
+            chaboche=chaboche,
+            yoshida_uemori=yoshida_uemori,
+            young_saturated=self.young_decrease.saturated if self.young_decrease else 0.0,
+            young_rate=self.young_decrease.rate if self.young_decrease else 0.0,
         )
 
 

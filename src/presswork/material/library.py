@@ -69,8 +69,6 @@ def read_sheet(path: Path) -> NamedSheet:
         problems.append(Problem("thickness", "expected a thickness > 0", "in mm", thickness))
     sources = _texts(data, "sources", problems)
     assumed = _texts(data, "assumed", problems)
-    if not sources:
-        problems.append(Problem("sources", "no source", 'say where the numbers come from: all = "..."'))
     table: Any = data.get("material")
     material = None
     if isinstance(table, dict):
@@ -81,6 +79,10 @@ def read_sheet(path: Path) -> NamedSheet:
                 Problem(f"material.{p.key}" if p.key else "material", p.expected, p.remedy, p.value)
                 for p in error.problems
             )
+        for key in table:
+            if "all" not in sources and key not in sources and key not in assumed:
+                remedy = 'say it under [sources], or under [assumed] why it was assumed; all = "..." stands for every key'
+                problems.append(Problem(f"material.{key}", "nothing says where it comes from", remedy))
     else:
         problems.append(Problem("material", "missing table", "young, poisson, yield_function, hardening"))
     if problems or material is None:
