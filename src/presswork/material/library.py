@@ -81,7 +81,9 @@ def read_sheet(path: Path) -> NamedSheet:
             )
         for key in table:
             if "all" not in sources and key not in sources and key not in assumed:
-                remedy = 'say it under [sources], or under [assumed] why it was assumed; all = "..." stands for every key'
+                remedy = (
+                    'say it under [sources], or under [assumed] why it was assumed; all = "..." stands for every key'
+                )
                 problems.append(Problem(f"material.{key}", "nothing says where it comes from", remedy))
     else:
         problems.append(Problem("material", "missing table", "young, poisson, yield_function, hardening"))
