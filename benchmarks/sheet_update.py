@@ -51,9 +51,9 @@ def time_update(law: _core.SheetLaw, *, tangent: bool, packed: bool) -> float:
     strain = 2e-3 * direction + 2e-4 * rng.standard_normal((N, 3))
     best = np.inf
     for _ in range(7):
-        start = time.perf_counter()
+        start = time.process_time()
         _, after, _, _, failed = law.update(strain, stress, history, tangent=tangent, packed=packed)
-        best = min(best, time.perf_counter() - start)
+        best = min(best, time.process_time() - start)
     plastic = (after[:, 0] > history[:, 0]).mean()
     assert plastic > 0.99, f"{plastic:.1%} of the points are plastic"
     assert not failed.any()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nanobind/stl/array.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "arrays.hpp"
@@ -101,10 +102,15 @@ auto evaluate_flow(const AnisotropicLaw<N>& law, Doubles eqps, double rate) {
   auto slopes = new_array({eqps.size()}, &slope);
   double factor, factor_slope;
   law.flow.rate.evaluate(rate, factor, factor_slope);
-  for (std::size_t i = 0; i < eqps.size(); ++i) {
-    law.flow.hardening.evaluate(eqps.data()[i], flow[i], slope[i]);
-    flow[i] *= factor;
-    slope[i] *= factor;
+  for (std::size_t first = 0; first < eqps.size(); first += pack_width) {
+    const int lanes = static_cast<int>(std::min<std::size_t>(pack_width, eqps.size() - first));
+    Pack p(eqps.data()[first]), f, s;
+    for (int lane = 0; lane < lanes; ++lane) p.set(lane, eqps.data()[first + lane]);
+    law.flow.hardening.evaluate(p, f, s);
+    for (int lane = 0; lane < lanes; ++lane) {
+      flow[first + lane] = factor * f[lane];
+      slope[first + lane] = factor * s[lane];
+    }
   }
   return std::make_tuple(flows, slopes);
 }
