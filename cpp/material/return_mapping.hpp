@@ -23,6 +23,7 @@ template <int N, class T>
 struct Elasticity {
   T young;
   double poisson;
+  T flexibility = T(1.0) / young;
 
   void stiffness(const T strain[N], T stress[N]) const {
     T G = young * T(0.5 / (1.0 + poisson));
@@ -46,12 +47,11 @@ struct Elasticity {
     }
   }
   void compliance(const T stress[N], T strain[N]) const {
-    T over = T(1.0) / young;
     constexpr int normal = N == 3 ? 2 : 3;
     T sum(0.0);
     for (int i = 0; i < normal; ++i) sum += stress[i];
-    for (int i = 0; i < normal; ++i) strain[i] = over * (T(1.0 + poisson) * stress[i] - T(poisson) * sum);
-    for (int i = normal; i < N; ++i) strain[i] = over * T(2.0 * (1.0 + poisson)) * stress[i];
+    for (int i = 0; i < normal; ++i) strain[i] = flexibility * (T(1.0 + poisson) * stress[i] - T(poisson) * sum);
+    for (int i = normal; i < N; ++i) strain[i] = flexibility * T(2.0 * (1.0 + poisson)) * stress[i];
   }
 };
 
@@ -185,9 +185,13 @@ struct Solver {
       for (int i = 0; i < N; ++i) x[i] = -residual[i];
       A.solve(x);
       T new_dp = (along_gradient(x) + excess) / (along_gradient(y) + slope);
-      T shorter = from_merit * length * length / (merit + (T(2.0) * length - T(1.0)) * from_merit);
-      shorter = larger(T(0.1) * length, smaller(shorter, T(0.5) * length));
-      length = select(down, T(1.0), shorter);
+      if (any(both(open, invert(down)))) {
+        T shorter = from_merit * length * length / (merit + (T(2.0) * length - T(1.0)) * from_merit);
+        shorter = larger(T(0.1) * length, smaller(shorter, T(0.5) * length));
+        length = select(down, T(1.0), shorter);
+      } else {
+        length = T(1.0);
+      }
       step_dp = select(down, new_dp, step_dp);
       from_dp = select(down, dp, from_dp);
       from_merit = select(down, merit, from_merit);
@@ -225,14 +229,20 @@ struct Solver {
     }
   }
 
-  // dp of f_trial - stiffness dp = flow on the chord of the hardening curve up to its largest possible value
-  T estimate_increment(T f_trial, T flow_n) const {
-    T strain[N], flow_high, slope_high;
-    elastic.stiffness(terms.gradient, strain);
-    T stiffness = along_gradient(strain);
-    T high = (f_trial - flow_n) / stiffness;
+  // Start of the iteration. xi: the trial stress scaled to the yield surface; dp of f_trial - stiffness dp = flow on
+  // the chord of the hardening curve up to its largest possible value. A trial stress that is not far out is moved by
+  // that dp along C n instead. Lanes that are not plastic get a stress of their own, and dp = 0.
+  void start(const T shifted[N], T f_trial, T flow_n, Mask<T> plastic) {
+    T ratio = flow_n / larger(f_trial, T(1e-300));
+    for (int i = 0; i < N; ++i) xi[i] = select(plastic, shifted[i] * ratio, T(i == 0 ? 1.0 : 0.0) * flow_n);
+    yield.evaluate(xi, terms);
+    T push[N], flow_high, slope_high;
+    elastic.stiffness(terms.gradient, push);
+    T stiffness = along_gradient(push), over = f_trial - flow_n, high = over / stiffness;
     flow_law.evaluate(p_n, high, dt, softening, flow_high, slope_high);
-    return high * (f_trial - flow_n) / (f_trial - flow_n + flow_high - flow_n);
+    dp = select(plastic, high * over / (over + flow_high - flow_n), T(0.0));
+    auto near = both(plastic, f_trial < T(1.3) * flow_n);
+    for (int i = 0; i < N; ++i) xi[i] = select(near, shifted[i] - dp * push[i], xi[i]);
   }
 };
 
@@ -271,15 +281,11 @@ Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Fl
     if (tangent) s.elastic.matrix(tangent);
     return invert(finite);
   }
-  // 3. start: the trial stress scaled to the surface; elastic lanes solve nothing, from a stress of their own
-  T ratio = flow_n / larger(f_trial, T(1e-300));
-  for (int i = 0; i < N; ++i) s.xi[i] = select(plastic, shifted[i] * ratio, T(i == 0 ? 1.0 : 0.0) * flow_n);
-  yield.evaluate(s.xi, s.terms);
-  s.dp = select(plastic, s.estimate_increment(f_trial, flow_n), T(0.0));
-  // 4. return
+  // 3. return
+  s.start(shifted, f_trial, flow_n, plastic);
   auto open = s.iterate(plastic);
   auto moved = both(plastic, invert(open)), kept = either(open, invert(finite));
-  // 5. accept
+  // 4. accept
   for (int i = 0; i < N; ++i) {
     T end = s.xi[i];
     if constexpr (Kinematic::active) end += s.back.value[i];

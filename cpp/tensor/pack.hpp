@@ -90,8 +90,8 @@ Pack polynomial(Pack x, const double (&c)[n]) {
   return sum;
 }
 
-// ln of all lanes at once, to about one unit in the last place: x = 2^e m, sqrt(1/2) <= m < sqrt(2), ln m = 2 atanh((m -
-// 1)/(m + 1)) by its series. Lanes that are not normal positive numbers are left to the library.
+// ln of all lanes at once, to about one unit in the last place: x = 2^e m, sqrt(1/2) <= m < sqrt(2), ln m = 2 atanh((m
+// - 1)/(m + 1)) by its series. Lanes that are not normal positive numbers are left to the library.
 inline Pack logarithm(Pack a) {
   auto odd = (a.v < Pack(2.3e-308).v) | (a.v > Pack(1.7e308).v) | (a.v != a.v);
   if (any(odd)) return map_lanes(a, [](double x) { return std::log(x); });
@@ -113,12 +113,12 @@ inline Pack exponential(Pack a) {
   if (any(odd)) return map_lanes(a, [](double x) { return std::exp(x); });
   Pack shifted = a * Pack(1.44269504088896338700) + Pack(6755399441055744.0), n = shifted - Pack(6755399441055744.0);
   Pack r = a - n * Pack(6.93147180369123816490e-01) - n * Pack(1.90821492927058770002e-10);
-  static constexpr double series[] = {1.0 / 6227020800, 1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880,
-                                      1.0 / 40320,      1.0 / 5040,      1.0 / 720,      1.0 / 120,     1.0 / 24,
-                                      1.0 / 6,          0.5,             1.0,            1.0};
+  static constexpr double series[] = {
+      1.0 / 6227020800, 1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040,
+      1.0 / 720,        1.0 / 120,       1.0 / 24,       1.0 / 6,       0.5,          1.0,         1.0};
   Pack value = polynomial(r, series);
-  return Pack(std::bit_cast<Pack::Vector>(std::bit_cast<Pack::Mask>(value.v) +
-                                          (std::bit_cast<Pack::Mask>(shifted.v) << 52)));
+  return Pack(
+      std::bit_cast<Pack::Vector>(std::bit_cast<Pack::Mask>(value.v) + (std::bit_cast<Pack::Mask>(shifted.v) << 52)));
 }
 
 // a^b of positive numbers

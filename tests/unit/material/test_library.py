@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from presswork.material import find_sheet, list_sheets, read_sheet
 from presswork.material.build import build_curve
 from presswork.material.library import FOLDER
 
+GUIDE = Path(__file__).parents[3] / "docs" / "guide.md"
 GOOD = (FOLDER / "numisheet93_mild_steel.toml").read_text("utf-8")
 
 
@@ -29,6 +31,13 @@ def test_every_forming_limit_of_the_library_can_be_found() -> None:
     assert len(limits) >= 3
     for sheet in limits:
         assert 0.05 < build_curve(sheet.material).lowest()[1] < 0.6
+
+
+def test_the_guides_material_file_can_be_read(tmp_path: Path) -> None:
+    blocks = re.findall(r"```toml\n(.*?)```", GUIDE.read_text("utf-8"), re.DOTALL)
+    path = tmp_path / "guide.toml"
+    path.write_text(next(block for block in blocks if "[sources]" in block), encoding="utf-8")
+    assert build_curve(read_sheet(path).material).method == "Keeler, t = 0.8 mm, n = 0.2589"
 
 
 def test_a_users_file_is_found_by_its_path(tmp_path: Path) -> None:
