@@ -79,6 +79,29 @@ auto update_arrays(const AnisotropicLaw<N>& law, Doubles strain, Doubles stress,
                          nb::ndarray<nb::numpy, std::uint8_t>(failed, 1, shape, owner));
 }
 
+template <int N>
+NewDoubles differentiate(const AnisotropicLaw<N>& law, Doubles strain, Doubles stress, Doubles history, double dt) {
+  using D = Dual<double, N>;
+  require(strain.ndim() == 2 && strain.shape(1) == N, "strain must have shape (n, N)");
+  const std::size_t n = strain.shape(0), size = law.history_size();
+  require(stress.size() == N * n && history.size() == size * n, "stress and history must be those of the points");
+  double* derivative;
+  auto derivatives = new_array({n, N, N}, &derivative);
+  std::vector<D> h(size);
+  for (std::size_t point = 0; point < n; ++point) {
+    D e[N], s[N];
+    for (int i = 0; i < N; ++i) {
+      e[i] = D::variable(strain.data()[N * point + i], i);
+      s[i] = D(stress.data()[N * point + i]);
+    }
+    for (std::size_t i = 0; i < size; ++i) h[i] = D(history.data()[size * point + i]);
+    update_law<N, D>(law, e, dt, D(1.0), s, h.data(), nullptr);
+    for (int i = 0; i < N; ++i)
+      for (int j = 0; j < N; ++j) derivative[N * (N * point + i) + j] = s[i].slope[j];
+  }
+  return derivatives;
+}
+
 template <int N, class Yield>
 void make_law(AnisotropicLaw<N>* self, double young, double poisson, const Yield& yield, HardeningLaw hardening,
               std::vector<double> parameters, RateLaw rate, std::array<double, 2> rate_parameters,
@@ -147,6 +170,8 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
            "Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].")
       .def("rate_factor", &evaluate_rate<N>, nb::arg("rate"),
            "Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].")
+      .def("differentiate", &differentiate<N>, nb::arg("strain"), nb::arg("stress"), nb::arg("history"), nb::kw_only(),
+           nb::arg("dt") = 1.0, "d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.")
       .def("update", &update_arrays<N>, nb::arg("strain"), nb::arg("stress"), nb::arg("history"), nb::kw_only(),
            nb::arg("dt") = 1.0, nb::arg("softening") = nb::none(), nb::arg("tangent") = true, nb::arg("packed") = true,
            update_doc);

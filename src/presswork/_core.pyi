@@ -148,6 +148,11 @@ class SheetLaw:
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0) -> NDArray[numpy.float64]:
+        """
+        d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
+        """
+
     def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, softening: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
         """
         Advance points by strain increments (n, 3) over dt [s]; returns stress (n, 3), history (n, history_size), thickness strain increment (n), tangent (n, 3, 3; (0, 3, 3) if not asked for) and failed (n).
@@ -172,6 +177,11 @@ class SolidLaw:
     def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
+        """
+
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0) -> NDArray[numpy.float64]:
+        """
+        d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
     def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, softening: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:

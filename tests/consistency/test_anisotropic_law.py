@@ -101,6 +101,8 @@ def test_tangent_is_the_derivative_of_the_stress(names) -> None:
     _, new_history, _, tangent, failed = law.update(strain, stress, history, dt=DT)
     assert not failed.any()
     assert 5 < (new_history[:, 0] > history[:, 0]).sum() < n, "both sides of yield must be there"
+    by_duals = law.differentiate(strain, stress, history, dt=DT)
+    np.testing.assert_allclose(tangent, by_duals, atol=1e-6 * YOUNG)
     step = 2e-8
     for j in range(3):
         move = np.zeros(3)
@@ -121,6 +123,7 @@ def test_tangent_is_the_derivative_at_the_corners(yields) -> None:
     zero, history = np.zeros((len(CORNERS), 3)), np.zeros((len(CORNERS), 1))
     strain = elastic_strain(np.array(CORNERS, dtype=float)) * 3000.0
     tangent, step = law.update(strain, zero, history)[3], 1e-8
+    np.testing.assert_allclose(tangent, law.differentiate(strain, zero, history), atol=1e-7 * YOUNG)
     for j, move in enumerate(step * np.eye(3)):
         ahead, behind = (law.update(strain + s * move, zero, history)[0] for s in (1, -1))
         np.testing.assert_allclose(tangent[:, :, j], (ahead - behind) / (2 * step), atol=1e-6 * YOUNG)

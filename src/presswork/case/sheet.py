@@ -10,13 +10,13 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from presswork import _core
-from presswork.case.errors import CaseError
+from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import Hardening, Linear
 from presswork.case.part import Part
 from presswork.case.reader import list_problems
 from presswork.case.sheet_laws import Chaboche, FormingLimit, Kinematic, RateLaw, YoshidaUemori, YoungDecrease
 from presswork.case.units import Number, Stress, fault
-from presswork.case.yield_function import VonMisesYield, YieldFunction
+from presswork.case.yield_function import Hill1948, VonMisesYield, YieldFunction
 
 _EARLY_STRAIN = 0.002
 """Plastic strain at which the flow stress must look like a metal's beside Young's modulus."""
@@ -75,25 +75,35 @@ class SheetMaterial(Part):
             raise fault("the saturated modulus is above Young's modulus", "it falls", key="young_decrease")
 
     def build_law(self) -> _core.SheetLaw:
-        """Return the compiled law."""
+        """Return the compiled law of plane stress."""
+        return _core.SheetLaw(
+            self.young, self.poisson, self.yield_function.build(), *self._laws()[0], **self._laws()[1]
+        )
+
+    def build_solid_law(self) -> _core.SolidLaw:
+        """Return the compiled law of three dimensions. Raises CaseError for a yield function of plane stress alone."""
+        if not isinstance(self.yield_function, VonMisesYield | Hill1948):
+            text = f"{self.yield_function.law} is a yield function of plane stress alone"
+            raise CaseError([Problem("yield_function.law", text, "take von_mises or hill1948")], "material")
+        parameters = self.yield_function.hill_parameters()
+        return _core.SolidLaw(self.young, self.poisson, parameters, *self._laws()[0], **self._laws()[1])
+
+    def _laws(self) -> tuple[tuple[_core.HardeningLaw, list[float]], dict[str, Any]]:
+        """Return hardening, and the other laws by the names of the compiled law's arguments."""
         chaboche = yoshida_uemori = None
         if isinstance(self.kinematic, Chaboche):
             chaboche = self.kinematic.build()
         elif isinstance(self.kinematic, YoshidaUemori):
             yoshida_uemori = self.kinematic.build(self.hardening.parameters()[0])
-        return _core.SheetLaw(
-            self.young,
-            self.poisson,
-            self.yield_function.build(),
-            _core.HardeningLaw[self.hardening.law],
-            self.hardening.parameters(),
-            rate=_core.RateLaw[self.rate.law] if self.rate else _core.RateLaw.none,
-            rate_parameters=self.rate.parameters() if self.rate else (0.0, 1.0),
-            chaboche=chaboche,
-            yoshida_uemori=yoshida_uemori,
-            young_saturated=self.young_decrease.saturated if self.young_decrease else 0.0,
-            young_rate=self.young_decrease.rate if self.young_decrease else 0.0,
-        )
+        options = {
+            "rate": _core.RateLaw[self.rate.law] if self.rate else _core.RateLaw.none,
+            "rate_parameters": self.rate.parameters() if self.rate else (0.0, 1.0),
+            "chaboche": chaboche,
+            "yoshida_uemori": yoshida_uemori,
+            "young_saturated": self.young_decrease.saturated if self.young_decrease else 0.0,
+            "young_rate": self.young_decrease.rate if self.young_decrease else 0.0,
+        }
+        return (_core.HardeningLaw[self.hardening.law], self.hardening.parameters()), options
 
 
 @functools.cache

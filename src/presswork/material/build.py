@@ -20,6 +20,9 @@ def build_curve(material: SheetMaterial) -> FormingLimitCurve:
         return keeler_curve(limit.thickness, limit.n)
     if isinstance(limit, PointsLimit):
         return curve_from_points(limit.points)
+    if material.kinematic is not None:
+        text = f"{limit.law} knows isotropic hardening alone, and this material has back stresses"
+        raise CaseError([Problem("forming_limit.law", text, "give keeler or points")], "material")
     function, law = material.yield_function.build(), material.build_law()
     if isinstance(limit, SwiftHillLimit):
         return swift_hill_curve(function, law)

@@ -82,11 +82,22 @@ def test_every_parameter_of_yoshida_uemori_changes_the_stress(first: dict[str, A
     assert np.abs(one - other).max() > 0.1
 
 
-@pytest.mark.parametrize(("name", "index"), [("L", 3), ("M", 4)])
-def test_out_of_plane_parameters_of_hill_are_handed_on(name: str, index: int) -> None:
-    """They are felt in three dimensions alone."""
-    parameters = check_sheet_material(changed(yield_function={name: 1.1})).yield_function.hill_parameters()
-    assert parameters[index] == 1.1
+@pytest.mark.parametrize(("name", "index"), [("L", 4), ("M", 5)])
+def test_out_of_plane_parameters_of_hill_are_felt_in_three_dimensions(name: str, index: int) -> None:
+    strain = np.zeros((1, 6))
+    strain[0, index] = 0.02
+
+    def stress(data: dict[str, Any]) -> float:
+        law = check_sheet_material(data).build_solid_law()
+        return float(law.update(strain, np.zeros((1, 6)), np.zeros((1, 1)))[0][0, index])
+
+    assert stress(changed(yield_function={name: 1.1})) > 1.1 * stress(STEEL)
+
+
+def test_a_plane_stress_function_has_no_law_in_three_dimensions() -> None:
+    table = {"law": "yld2000", "alpha": [1.0] * 8, "exponent": 8}
+    with pytest.raises(CaseError, match=r"yield_function\.law: yld2000 is a yield function of plane stress alone"):
+        check_sheet_material(changed(yield_function=table)).build_solid_law()
 
 
 REFUSED: dict[str, tuple[dict[str, Any], list[str]]] = {

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from presswork.case.errors import CaseError
+from presswork.case.sheet import check_sheet_material
 from presswork.material import find_sheet, list_sheets, read_sheet
 from presswork.material.build import build_curve
 from presswork.material.library import FOLDER
@@ -79,6 +80,28 @@ def test_a_file_without_a_material_says_what_belongs_there(tmp_path: Path) -> No
 def test_an_unknown_material_is_suggested_the_nearest() -> None:
     with pytest.raises(CaseError, match="did you mean `aa6016_t4`"):
         find_sheet("aa6016t4")
+
+
+@pytest.mark.parametrize("limit", ["swift_hill", "marciniak_kuczynski"])
+def test_computed_limits_refuse_back_stresses(limit: str) -> None:
+    material = find_sheet("numisheet93_mild_steel").material.model_dump()
+    material |= {"kinematic": {"law": "chaboche", "C": [2000], "gamma": [20]}, "forming_limit": {"law": limit}}
+    with pytest.raises(CaseError, match=rf"forming_limit\.law: {limit} knows isotropic hardening alone"):
+        build_curve(check_sheet_material(material))
+
+
+def test_imperfection_and_swift_hill_change_the_curve() -> None:
+    material = find_sheet("numisheet93_mild_steel").material.model_dump()
+    lowest = [
+        build_curve(check_sheet_material(material | {"forming_limit": limit})).lowest()[1]
+        for limit in (
+            {"law": "marciniak_kuczynski", "imperfection": 0.999},
+            {"law": "marciniak_kuczynski", "imperfection": 0.98},
+            {"law": "swift_hill"},
+            {"law": "points", "points": [[-0.1, 0.5], [0.0, 0.4]]},
+        )
+    ]
+    assert lowest[1] < lowest[0] < lowest[2] < lowest[3] == 0.4
 
 
 def test_a_material_without_a_forming_limit_says_how_to_add_one() -> None:
