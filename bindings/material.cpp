@@ -11,7 +11,9 @@ void bind_material(nb::module_& m) {
       .value("ludwik", HardeningLaw::ludwik)
       .value("voce", HardeningLaw::voce)
       .value("hockett_sherby", HardeningLaw::hockett_sherby)
-      .value("table", HardeningLaw::table);
+      .value("table", HardeningLaw::table)
+      .value("swift_voce", HardeningLaw::swift_voce)
+      .value("monotone_table", HardeningLaw::monotone_table);
   nb::enum_<Integrator>(m, "Integrator", "Stress integrator of the von Mises law.")
       .value("backward_euler", Integrator::backward_euler)
       .value("radial_return", Integrator::radial_return)

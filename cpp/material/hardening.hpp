@@ -7,6 +7,8 @@
 //   voce              ss - (ss - s0) exp(-b p)
 //   hockett_sherby    ss - (ss - s0) exp(-b p^n)
 //   table             straight lines between points; the last slope goes on beyond the last point
+//   swift_voce        (1 - w) K (e0 + p)^n + w [ss - (ss - s0) exp(-b p)]
+//   monotone_table    cubics between points with given slopes; straight on beyond the last point
 #pragma once
 
 #include <vector>
@@ -16,34 +18,66 @@
 
 namespace presswork {
 
-enum class HardeningLaw : int { linear = 0, swift = 1, ludwik = 2, voce = 3, hockett_sherby = 4, table = 5 };
+enum class HardeningLaw : int {
+  linear = 0,
+  swift = 1,
+  ludwik = 2,
+  voce = 3,
+  hockett_sherby = 4,
+  table = 5,
+  swift_voce = 6,
+  monotone_table = 7
+};
 
 struct Hardening {
   HardeningLaw law = HardeningLaw::linear;
-  std::vector<double> parameters;  // as listed above; table: p0, s0, p1, s1, ...
+  std::vector<double> parameters;  // as listed; swift_voce: w, K, e0, n, s0, ss, b; table: p0, s0, p1, s1, ...;
+                                   // monotone_table: p0, s0, slope0, p1, s1, slope1, ...
 
-  void look_up(double p, double& flow, double& slope) const {
+  // Hermite's cubic on the interval that holds p
+  void look_up_cubic(double p, double& flow, double& slope, double& curvature) const {
+    const std::size_t n = parameters.size() / 3;
+    std::size_t i = 1;
+    while (i + 1 < n && p > parameters[3 * i]) ++i;
+    const double *a = &parameters[3 * (i - 1)], *b = a + 3;
+    if (p >= b[0]) {
+      flow = b[1] + b[2] * (p - b[0]);
+      slope = b[2];
+      curvature = 0.0;
+      return;
+    }
+    const double width = b[0] - a[0], t = (p - a[0]) / width, rise = (b[1] - a[1]) / width;
+    const double c2 = 3 * rise - 2 * a[2] - b[2], c3 = a[2] + b[2] - 2 * rise;
+    flow = a[1] + width * t * (a[2] + t * (c2 + t * c3));
+    slope = a[2] + t * (2 * c2 + 3 * t * c3);
+    curvature = (2 * c2 + 6 * t * c3) / width;
+  }
+  void look_up(double p, double& flow, double& slope, double& curvature) const {
+    if (law == HardeningLaw::monotone_table) return look_up_cubic(p, flow, slope, curvature);
     const std::size_t n = parameters.size() / 2;
     std::size_t i = 1;
     while (i + 1 < n && p > parameters[2 * i]) ++i;
     const double *a = &parameters[2 * (i - 1)], *b = a + 2;
     slope = (b[1] - a[1]) / (b[0] - a[0]);
     flow = a[1] + slope * (p - a[0]);
+    curvature = 0.0;
   }
-  void look_up(Pack p, Pack& flow, Pack& slope) const {
+  void look_up(Pack p, Pack& flow, Pack& slope, Pack& curvature) const {
     for (int lane = 0; lane < pack_width; ++lane) {
-      double f, s;
-      look_up(p[lane], f, s);
+      double f, s, c;
+      look_up(p[lane], f, s, c);
       flow.set(lane, f);
       slope.set(lane, s);
+      curvature.set(lane, c);
     }
   }
   template <class S, int N>
-  void look_up(const Dual<S, N>& p, Dual<S, N>& flow, Dual<S, N>& slope) const {
-    S f, s;
-    look_up(p.value, f, s);
+  void look_up(const Dual<S, N>& p, Dual<S, N>& flow, Dual<S, N>& slope, Dual<S, N>& curvature) const {
+    S f, s, c;
+    look_up(p.value, f, s, c);
     flow = p.chain(f, s);
-    slope = Dual<S, N>(s);
+    slope = p.chain(s, c);
+    curvature = Dual<S, N>(c);
   }
 
   template <class T>
@@ -81,9 +115,20 @@ struct Hardening {
         slope = T(c[3]) * gap * exponent / base;
         break;
       }
-      case HardeningLaw::table:
-        look_up(p, flow, slope);
+      case HardeningLaw::swift_voce: {
+        T base = T(c[2]) + p;
+        T rise = T((1.0 - c[0]) * c[1]) * power(base, c[3]);
+        T gap = T(c[0] * (c[5] - c[4])) * exponential(T(-c[6]) * p);
+        flow = rise + T(c[0] * c[5]) - gap;
+        slope = T(c[3]) * rise / base + T(c[6]) * gap;
         break;
+      }
+      case HardeningLaw::table:
+      case HardeningLaw::monotone_table: {
+        T curvature;
+        look_up(p, flow, slope, curvature);
+        break;
+      }
     }
   }
 };

@@ -81,6 +81,10 @@ Dual<S, N> exponential(const Dual<S, N>& a) {
   return a.chain(e, e);
 }
 template <class S, int N>
+Dual<S, N> logarithm(const Dual<S, N>& a) {
+  return a.chain(logarithm(a.value), S(1.0) / a.value);
+}
+template <class S, int N>
 Dual<S, N> power(const Dual<S, N>& a, double b) {
   return a.chain(power(a.value, b), S(b) * power(a.value, b - 1.0));
 }

@@ -5,7 +5,9 @@
 // Comparisons give Mask<T>; a branch is written select(mask, a, b) and any(mask).
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace presswork {
@@ -80,15 +82,47 @@ inline double power(double a, double b) { return std::pow(a, b); }
 inline Pack square_root(Pack a) {
   return map_lanes(a, [](double x) { return std::sqrt(x); });
 }
+// Horner's rule, the highest coefficient first.
+template <std::size_t n>
+Pack polynomial(Pack x, const double (&c)[n]) {
+  Pack sum(c[0]);
+  for (std::size_t i = 1; i < n; ++i) sum = sum * x + Pack(c[i]);
+  return sum;
+}
+
+// ln of all lanes at once, to about one unit in the last place: x = 2^e m, sqrt(1/2) <= m < sqrt(2), ln m = 2 atanh((m
+// - 1)/(m + 1)) by its series. Lanes that are not normal positive numbers are left to the library.
 inline Pack logarithm(Pack a) {
-  return map_lanes(a, [](double x) { return std::log(x); });
+  auto odd = (a.v < Pack(2.3e-308).v) | (a.v > Pack(1.7e308).v) | (a.v != a.v);
+  if (any(odd)) return map_lanes(a, [](double x) { return std::log(x); });
+  const Pack::Mask bits = std::bit_cast<Pack::Mask>(a.v), shift = bits - 0x3fe6a09e667f3bcdLL;  // sqrt(1/2)
+  const Pack::Mask exponent = shift >> 52;
+  Pack m(std::bit_cast<Pack::Vector>(bits - (exponent << 52)));
+  // a small whole number becomes a double by the bits of 1.5 2^52
+  Pack e(std::bit_cast<Pack::Vector>(exponent + 0x4338000000000000LL) - 6755399441055744.0);
+  Pack s = (m - Pack(1.0)) / (m + Pack(1.0)), s2 = s * s;
+  static constexpr double series[] = {2.0 / 23, 2.0 / 21, 2.0 / 19, 2.0 / 17, 2.0 / 15, 2.0 / 13,
+                                      2.0 / 11, 2.0 / 9,  2.0 / 7,  2.0 / 5,  2.0 / 3};
+  Pack rest = s * s2 * polynomial(s2, series);
+  return e * Pack(6.93147180369123816490e-01) + (e * Pack(1.90821492927058770002e-10) + rest + (s + s));
 }
+
+// e^x of all lanes at once: x = n ln 2 + r, |r| <= ln(2)/2, e^r by its series, 2^n by the exponent's bits.
 inline Pack exponential(Pack a) {
-  return map_lanes(a, [](double x) { return std::exp(x); });
+  auto odd = (a.v < Pack(-700.0).v) | (a.v > Pack(700.0).v) | (a.v != a.v);
+  if (any(odd)) return map_lanes(a, [](double x) { return std::exp(x); });
+  Pack shifted = a * Pack(1.44269504088896338700) + Pack(6755399441055744.0), n = shifted - Pack(6755399441055744.0);
+  Pack r = a - n * Pack(6.93147180369123816490e-01) - n * Pack(1.90821492927058770002e-10);
+  static constexpr double series[] = {
+      1.0 / 6227020800, 1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040,
+      1.0 / 720,        1.0 / 120,       1.0 / 24,       1.0 / 6,       0.5,          1.0,         1.0};
+  Pack value = polynomial(r, series);
+  return Pack(
+      std::bit_cast<Pack::Vector>(std::bit_cast<Pack::Mask>(value.v) + (std::bit_cast<Pack::Mask>(shifted.v) << 52)));
 }
-inline Pack power(Pack a, double b) {
-  return map_lanes(a, [b](double x) { return std::pow(x, b); });
-}
+
+// a^b of positive numbers
+inline Pack power(Pack a, double b) { return exponential(Pack(b) * logarithm(a)); }
 
 template <class T>
 T smaller(T a, T b) {

@@ -48,6 +48,10 @@ class HardeningLaw(enum.Enum):
 
     table = 5
 
+    swift_voce = 6
+
+    monotone_table = 7
+
 class Integrator(enum.Enum):
     """Stress integrator of the von Mises law."""
 
@@ -97,6 +101,109 @@ class VonMises:
     ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Advance points by strain increments (n, 4); returns stress (n, 4), eqps (n) and tangent (n, 4, 4).
+        """
+
+class RateLaw(enum.Enum):
+    """Factor on the flow stress by strain rate."""
+
+    none = 0
+
+    cowper_symonds = 1
+
+    johnson_cook = 2
+
+    logarithmic = 3
+
+class YieldFunction:
+    """Equivalent stress in plane stress, homogeneous of degree one."""
+
+    @staticmethod
+    def hill1948(parameters: Sequence[float]) -> YieldFunction:
+        """
+        Hill 1948 from F, G, H, L, M, N; von Mises is 1/2, 1/2, 1/2, 3/2, 3/2, 3/2.
+        """
+
+    @staticmethod
+    def barlat1989(a: float, c: float, h: float, p: float, exponent: int) -> YieldFunction:
+        """Barlat & Lian 1989; the exponent is 6 or 8."""
+
+    @staticmethod
+    def yld2000(alpha: Sequence[float], exponent: int) -> YieldFunction:
+        """Yld2000-2d from alpha 1 to 8; the exponent is 6 or 8."""
+
+    def evaluate(self, stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Equivalent stress (n), its gradient (n, 3) and Hessian (n, 3, 3) at stresses (n, 3): xx, yy, xy.
+        """
+
+class Chaboche:
+    """Back stresses d a = C (stress - back)/flow dp - gamma a dp."""
+
+    def __init__(self, C: Sequence[float], gamma: Sequence[float]) -> None: ...
+
+class YoshidaUemori:
+    """Two surfaces: Yoshida & Uemori 2002; stresses in MPa."""
+
+    def __init__(self, *, Y: float, B: float, C: float, m: float, b: float, Rsat: float, h: float) -> None: ...
+
+class SheetLaw:
+    """Elastic-plastic sheet in plane stress; stresses in MPa."""
+
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+
+    @property
+    def history_size(self) -> int:
+        """Values a point keeps: eqps, then back stresses."""
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].
+        """
+
+    def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
+        """
+
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0) -> NDArray[numpy.float64]:
+        """
+        d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
+        """
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, softening: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+        """
+        Advance points by strain increments (n, 3) over dt [s]; returns stress (n, 3), history (n, history_size), thickness strain increment (n), tangent (n, 3, 3; (0, 3, 3) if not asked for) and failed (n).
+        """
+
+class SolidLaw:
+    """
+    Elastic-plastic solid, Hill 1948 from F, G, H, L, M, N; stresses in MPa.
+    """
+
+    def __init__(self, young: float, poisson: float, yield_function: Sequence[float], hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+
+    @property
+    def history_size(self) -> int:
+        """Values a point keeps: eqps, then back stresses."""
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].
+        """
+
+    def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
+        """
+
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0) -> NDArray[numpy.float64]:
+        """
+        d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
+        """
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, softening: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+        """
+        Advance points by strain increments (n, 6): xx, yy, zz, xy, yz, zx; as SheetLaw.update, without thickness.
         """
 
 class TangentKind(enum.Enum):

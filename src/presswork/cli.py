@@ -16,6 +16,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from presswork import Case, CaseError, OutputError, Result, __version__, build_model
 from presswork.case import describe, json_schema
 from presswork.examples import copy_example, list_examples
+from presswork.material.commands import add_commands as add_material_commands
 from presswork.model import Model
 from presswork.run import NotHeldError, Outcome, run_model
 from presswork.run import Progress as RunProgress
@@ -183,6 +184,7 @@ def schema() -> None:
 
 
 add_commands(app)
+add_material_commands(app)
 
 
 def _print_version(wanted: bool) -> None:

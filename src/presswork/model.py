@@ -24,7 +24,7 @@ Analysis = Literal["axisymmetric", "plane_strain"]
 ElementName = Literal[
     "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
 ]
-HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table"]
+HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table", "swift_voce", "monotone_table"]
 Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
 ContactLaw = Literal["frictionless", "sticking", "shear", "coulomb", "coulomb_capped"]
@@ -65,7 +65,8 @@ class Hardening:
     parameters: FloatArray
     """linear: [yield_stress, modulus]; swift: [K, e0, n]; ludwik: [yield_stress, K, n];
     voce: [yield_stress, saturation_stress, rate]; hockett_sherby: [yield_stress, saturation_stress, rate, exponent];
-    table: [e0, s0, e1, s1, ...]. Stresses in MPa."""
+    table: [e0, s0, e1, s1, ...]; monotone_table: [e0, s0, slope0, e1, s1, slope1, ...];
+    swift_voce: [voce_share, K, e0, n, yield_stress, saturation_stress, rate]. Stresses in MPa."""
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,8 @@ LAWS = {
     "voce": [200.0, 400.0, 10.0],
     "hockett_sherby": [200.0, 400.0, 5.0, 0.7],
     "table": [0.0, 200.0, 0.05, 300.0, 0.5, 400.0],
+    "swift_voce": [0.4, 565.0, 0.007, 0.26, 200.0, 400.0, 10.0],
+    "monotone_table": [0.0, 200.0, 3000.0, 0.05, 300.0, 500.0, 0.5, 400.0, 100.0],
 }
 INTEGRATORS = ["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 ELASTIC_STRAIN, PLASTIC_STRAIN = 5e-4, 0.05

@@ -32,7 +32,8 @@ PYTHON_ROOMS = {
     "view": {"model", "results", "post"},
     "run": {"model", "procedure", "results"},
     "study": {"case", "model", "run", "results", "view", "post"},
-    "cli": {"case", "examples", "model", "results", "run", "study", "view"},
+    "material": {"case", "model", "view"},
+    "cli": {"case", "examples", "material", "model", "results", "run", "study", "view"},
 }
 """Room: the rooms it may import from, beside itself and _core. case may name examples in errors, never import them."""
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from problems import ELEMENTS, block_mesh, distort, fit_rate, fixed_increments, make_model, run
+from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
 from presswork.model import Hardening, Material, PrescribedDisplacement, SolverSettings, Support
@@ -25,6 +26,14 @@ LAWS = {
     "ludwik": ([250.0, 400.0, 0.5], lambda p: 250 + 400 * p**0.5),
     "voce": ([200.0, 500.0, 4.0], lambda p: 500 - 300 * np.exp(-4 * p)),
     "hockett_sherby": ([200.0, 500.0, 3.0, 0.8], lambda p: 500 - 300 * np.exp(-3 * p**0.8)),
+    "swift_voce": (
+        [0.4, 565.32, 0.007117, 0.2589, 200.0, 500.0, 4.0],
+        lambda p: 0.6 * 565.32 * (0.007117 + p) ** 0.2589 + 0.4 * (500 - 300 * np.exp(-4 * p)),
+    ),
+    "monotone_table": (
+        [0.0, 300.0, 1600.0, 0.1, 420.0, 400.0, 1.5, 560.0, 50.0],
+        CubicHermiteSpline([0.0, 0.1, 1.5], [300.0, 420.0, 560.0], [1600.0, 400.0, 50.0]),
+    ),
     "table": (
         [0.0, 300.0, 0.1, 420.0, 0.4, 500.0, 1.5, 560.0],
         lambda p: np.interp(p, [0.0, 0.1, 0.4, 1.5], [300.0, 420.0, 500.0, 560.0]),

@@ -5,7 +5,7 @@ from presswork.case.builder import build_model
 from presswork.case.contact import Contact
 from presswork.case.describe import describe
 from presswork.case.errors import CaseError, Problem
-from presswork.case.hardening import HockettSherby, Linear, Ludwik, Swift, Table, Voce
+from presswork.case.hardening import HockettSherby, Linear, Ludwik, MonotoneTable, Swift, SwiftVoce, Table, Voce
 from presswork.case.schema import (
     Boundary,
     Case,
@@ -33,6 +33,7 @@ __all__ = [
     "Ludwik",
     "Material",
     "MeshFile",
+    "MonotoneTable",
     "NodeForce",
     "Output",
     "Pressure",
@@ -42,6 +43,7 @@ __all__ = [
     "Solver",
     "Stage",
     "Swift",
+    "SwiftVoce",
     "Table",
     "Terms",
     "Tool",

@@ -89,6 +89,13 @@ def _describe_hardening(hardening: model.Hardening) -> str:
             return f"Voce hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e) MPa"
         case "hockett_sherby":
             return f"Hockett-Sherby hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e^{p[3]:g}) MPa"
+        case "swift_voce":
+            return (
+                f"Swift-Voce hardening: {1 - p[0]:g} x {p[1]:g} ({p[2]:g} + e)^{p[3]:g} + "
+                f"{p[0]:g} x ({p[5]:g} - {p[5] - p[4]:g} exp(-{p[6]:g} e)) MPa"
+            )
+        case "monotone_table":
+            return f"smooth hardening table of {len(p) // 3} points: {p[1]:g} MPa at 0 to {p[-2]:g} MPa at {p[-3]:g}"
         case "table":
             return f"hardening table of {len(p) // 2} points: {p[1]:g} MPa at 0 to {p[-1]:g} MPa at {p[-2]:g}"
 

@@ -93,13 +93,36 @@ class HockettSherby(Part):
         return [self.yield_stress, self.saturation_stress, self.rate, self.exponent]
 
 
-class Table(Part):
-    """Flow stress linear between measured points, constant beyond the last."""
+class SwiftVoce(Part):
+    """Flow stress = (1 - voce_share) Swift + voce_share Voce."""
 
-    law: Literal["table"] = "table"
+    law: Literal["swift_voce"] = "swift_voce"
+    voce_share: Number = Field(ge=0, le=1, description="share of Voce's law; the rest is Swift's")
+    K: Stress = Field(gt=0, description="strength coefficient [MPa]")
+    e0: Number = Field(gt=0, description="pre-strain")
+    n: Number = Field(ge=0, le=1, description="hardening exponent")
+    yield_stress: Stress = Field(gt=0, description="initial flow stress of Voce's law [MPa]")
+    saturation_stress: Stress = Field(gt=0, description="flow stress of Voce's law at large strain [MPa]")
+    rate: Number = Field(gt=0, description="rate of saturation per unit of plastic strain")
+
+    @model_validator(mode="after")
+    def _check_saturation(self) -> Self:
+        _check_saturation(self.yield_stress, self.saturation_stress)
+        return self
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening."""
+        swift, voce = [self.K, self.e0, self.n], [self.yield_stress, self.saturation_stress, self.rate]
+        return [self.voce_share, *swift, *voce]
+
+
+class _Points(Part):
+    """Measured points, and what is wrong with them."""
+
     points: tuple[tuple[Number, Stress], ...] = Field(
         description="[plastic strain, stress in MPa] rows; strain starts at 0 and increases, stress does not decrease"
     )
+    softening: bool = Field(default=False, description="let the stress decrease from row to row")
 
     @model_validator(mode="after")
     def _check_rows(self) -> Self:
@@ -124,21 +147,49 @@ class Table(Part):
                     "sort the rows by strain and leave out doubles",
                     key="points",
                 )
-            if stress < stress_n:
+            if stress < stress_n and not self.softening:
                 raise fault(
                     f"stress decreases in row {row} ({stress:g} after {stress_n:g} MPa)",
-                    "leave out the rows beyond the highest stress: softening is not modelled",
+                    "leave out the rows beyond the highest stress, or ask for it: softening = true",
                     key="points",
                 )
+            if stress <= 0.0:
+                raise fault(f"stress is {stress:g} MPa in row {row}, not > 0", "leave the row out", key="points")
         return self
+
+
+class Table(_Points):
+    """Flow stress linear between measured points; the last slope goes on beyond the last."""
+
+    law: Literal["table"] = "table"
 
     def parameters(self) -> list[float]:
         """Return the parameters in the order of model.Hardening."""
         return [value for row in self.points for value in row]
 
 
+class MonotoneTable(_Points):
+    """Flow stress by cubics through measured points, without wiggles and with a continuous slope."""
+
+    law: Literal["monotone_table"] = "monotone_table"
+
+    @model_validator(mode="after")
+    def _check_number(self) -> Self:
+        if len(self.points) < 2:
+            raise fault("expected at least two rows", "give [[0, yield stress], [strain, stress], ...]", key="points")
+        return self
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening, slopes after Fritsch and Butland (1984)."""
+        from scipy.interpolate import PchipInterpolator  # slow to import
+
+        table = np.array(self.points)
+        slopes = PchipInterpolator(table[:, 0], table[:, 1]).derivative()(table[:, 0])
+        return [float(value) for value in np.column_stack([table, slopes]).ravel()]
+
+
 Hardening = Annotated[
-    Linear | Swift | Ludwik | Voce | HockettSherby | Table,
+    Linear | Swift | Ludwik | Voce | HockettSherby | SwiftVoce | Table | MonotoneTable,
     Field(discriminator="law"),
 ]
 

@@ -73,6 +73,13 @@ def test_a_stage_may_only_take_a_load_off(write_case: WriteCase) -> None:
             [300, 500, 5, 0.7],
         ),
         ('law = "table"\npoints = [[0, 300], [0.1, "0.4 GPa"]]', [0, 300, 0.1, 400]),
+        ('law = "table"\nsoftening = true\npoints = [[0, 300], [0.1, 290]]', [0, 300, 0.1, 290]),
+        ('law = "monotone_table"\npoints = [[0, 300], [0.1, 400]]', [0, 300, 1000, 0.1, 400, 1000]),
+        (
+            'law = "swift_voce"\nvoce_share = 0.4\nK = 500\ne0 = 0.01\nn = 0.2\nyield_stress = 300\n'
+            "saturation_stress = 500\nrate = 5",
+            [0.4, 500, 0.01, 0.2, 300, 500, 5],
+        ),
     ],
 )
 def test_hardening_parameters_are_in_the_order_of_the_model(

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rate of strain: the factor on the flow stress and its slope against the equivalent plastic strain rate r [1/s].
+//
+//   none             1
+//   cowper_symonds   1 + (r / D)^(1/q)                   parameters D [1/s], q
+//   johnson_cook     1 + C ln(max(r / r0, 1))            parameters C, r0 [1/s]
+//   logarithmic      1 + C ln(1 + r / r0)                parameters C, r0 [1/s]; smooth from rest
+#pragma once
+
+#include "tensor/dual.hpp"
+#include "tensor/pack.hpp"
+
+namespace presswork {
+
+enum class RateLaw : int { none = 0, cowper_symonds = 1, johnson_cook = 2, logarithmic = 3 };
+
+struct Rate {
+  RateLaw law = RateLaw::none;
+  double a = 0.0, b = 1.0;  // as listed above
+
+  template <class T>
+  void evaluate(T rate, T& factor, T& slope) const {
+    factor = T(1.0);
+    slope = T(0.0);
+    switch (law) {
+      case RateLaw::none:
+        break;
+      case RateLaw::cowper_symonds: {
+        T base = larger(rate, T(1e-12 * a));  // the slope at rest is infinite; it is cut at 1e-12 D
+        T rise = power(base * T(1.0 / a), 1.0 / b);
+        factor = T(1.0) + rise;
+        slope = T(1.0 / b) * rise / base;
+        break;
+      }
+      case RateLaw::johnson_cook: {
+        auto fast = rate > T(b);
+        T base = select(fast, rate, T(b));
+        factor = T(1.0) + T(a) * logarithm(base * T(1.0 / b));
+        slope = select(fast, T(a) / base, T(0.0));
+        break;
+      }
+      case RateLaw::logarithmic: {
+        T base = T(1.0) + larger(rate, T(0.0)) * T(1.0 / b);
+        factor = T(1.0) + T(a) * logarithm(base);
+        slope = T(a / b) / base;
+        break;
+      }
+    }
+  }
+};
+
+}  // namespace presswork

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A sheet material: elasticity, yield function and hardening, as a table of a case or of a material file."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, Self
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+
+from presswork import _core
+from presswork.case.errors import CaseError, Problem
+from presswork.case.hardening import Hardening, Linear
+from presswork.case.part import Part
+from presswork.case.reader import list_problems
+from presswork.case.sheet_laws import Chaboche, FormingLimit, Kinematic, RateLaw, YoshidaUemori, YoungDecrease
+from presswork.case.units import Number, Stress, fault
+from presswork.case.yield_function import Hill1948, VonMisesYield, YieldFunction
+
+_EARLY_STRAIN = 0.002
+"""Plastic strain at which the flow stress must look like a metal's beside Young's modulus."""
+
+
+class SheetMaterial(Part):
+    """An elastic-plastic sheet in plane stress; x is the rolling direction."""
+
+    young: Stress = Field(gt=0, description="Young's modulus [MPa]")
+    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, e.g. 0.3 for steel")
+    yield_function: YieldFunction = Field(default=VonMisesYield(), description="anisotropic yield function")
+    hardening: Hardening = Field(description="flow stress along the rolling direction against plastic strain")
+    kinematic: Kinematic | None = Field(default=None, description="back stresses")
+    rate: RateLaw | None = Field(default=None, description="factor on the flow stress by strain rate")
+    young_decrease: YoungDecrease | None = Field(
+        default=None, description="how Young's modulus falls with plastic strain"
+    )
+    forming_limit: FormingLimit | None = Field(default=None, description="forming limit curve")
+
+    @model_validator(mode="after")
+    def _check_sizes(self) -> Self:
+        """Refuse what only a mistaken unit makes: a modulus or a flow stress of no metal."""
+        if not 1e3 < self.young < 2e6:
+            raise fault(
+                f"Young's modulus is {self.young:g} MPa, that of no metal",
+                'plain numbers are MPa; with a unit: "206 GPa"',
+                key="young",
+            )
+        self._check_laws()
+        early = float(self.build_law().flow_stress(np.array([_EARLY_STRAIN]))[0][0])
+        if not 1e-4 < early / self.young < 0.1:
+            raise fault(
+                f"the flow stress at a plastic strain of {_EARLY_STRAIN:g} is {early:g} MPa, {early / self.young:.1e} "
+                "of Young's modulus",
+                "metals have 0.0005 to 0.02; plain numbers are MPa",
+                key="hardening",
+            )
+        return self
+
+    def _check_laws(self) -> None:
+        """Refuse laws that do not go together."""
+        if isinstance(self.kinematic, YoshidaUemori):
+            if not isinstance(self.hardening, Linear) or self.hardening.modulus != 0.0:
+                raise fault(
+                    "Yoshida and Uemori's yield surface keeps its size",
+                    'give hardening = {law = "linear", yield_stress = Y}, without a modulus',
+                    key="hardening",
+                )
+            if self.hardening.yield_stress >= self.kinematic.B:
+                raise fault(
+                    f"the bounding surface B = {self.kinematic.B:g} MPa lies inside the yield surface",
+                    f"B must be above the yield stress of {self.hardening.yield_stress:g} MPa",
+                    key="kinematic",
+                )
+        if self.young_decrease is not None and self.young_decrease.saturated > self.young:
+            raise fault("the saturated modulus is above Young's modulus", "it falls", key="young_decrease")
+
+    def build_law(self) -> _core.SheetLaw:
+        """Return the compiled law of plane stress."""
+        return _core.SheetLaw(
+            self.young, self.poisson, self.yield_function.build(), *self._laws()[0], **self._laws()[1]
+        )
+
+    def build_solid_law(self) -> _core.SolidLaw:
+        """Return the compiled law of three dimensions. Raises CaseError for a yield function of plane stress alone."""
+        if not isinstance(self.yield_function, VonMisesYield | Hill1948):
+            text = f"{self.yield_function.law} is a yield function of plane stress alone"
+            raise CaseError([Problem("yield_function.law", text, "take von_mises or hill1948")], "material")
+        parameters = self.yield_function.hill_parameters()
+        return _core.SolidLaw(self.young, self.poisson, parameters, *self._laws()[0], **self._laws()[1])
+
+    def _laws(self) -> tuple[tuple[_core.HardeningLaw, list[float]], dict[str, Any]]:
+        """Return hardening, and the other laws by the names of the compiled law's arguments."""
+        chaboche = yoshida_uemori = None
+        if isinstance(self.kinematic, Chaboche):
+            chaboche = self.kinematic.build()
+        elif isinstance(self.kinematic, YoshidaUemori):
+            yoshida_uemori = self.kinematic.build(self.hardening.parameters()[0])
+        options = {
+            "rate": _core.RateLaw[self.rate.law] if self.rate else _core.RateLaw.none,
+            "rate_parameters": self.rate.parameters() if self.rate else (0.0, 1.0),
+            "chaboche": chaboche,
+            "yoshida_uemori": yoshida_uemori,
+            "young_saturated": self.young_decrease.saturated if self.young_decrease else 0.0,
+            "young_rate": self.young_decrease.rate if self.young_decrease else 0.0,
+        }
+        return (_core.HardeningLaw[self.hardening.law], self.hardening.parameters()), options
+
+
+@functools.cache
+def _schema() -> dict[str, Any]:
+    return SheetMaterial.model_json_schema()
+
+
+def check_sheet_material(data: object, source: str | None = None) -> SheetMaterial:
+    """Turn a table into a SheetMaterial. Raises CaseError with every problem, named by key."""
+    try:
+        return SheetMaterial.model_validate(data)
+    except ValidationError as error:
+        raise CaseError(list_problems(error, data, _schema()), source) from None

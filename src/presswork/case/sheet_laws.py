@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parts of a sheet material: back stresses, strain rate, falling modulus, forming limit.
+
+Formulas: docs/theory/sheet_material.md.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from presswork import _core
+from presswork.case.part import Part
+from presswork.case.units import Length, Number, Stress, fault
+
+
+class Chaboche(Part):
+    """Back stresses that each grow by C and fade by gamma; gamma 0 is the linear law of Prager and Ziegler."""
+
+    law: Literal["chaboche"] = "chaboche"
+    C: tuple[Stress, ...] = Field(min_length=1, description="growth of each back stress [MPa]")
+    gamma: tuple[Number, ...] = Field(min_length=1, description="fading of each; C/gamma is what it saturates at")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if len(self.C) != len(self.gamma):
+            raise fault(
+                f"expected as many as C, {len(self.C)}", "give one gamma for each C, 0 for a linear one", key="gamma"
+            )
+        for name in ("C", "gamma"):
+            if min(getattr(self, name)) < 0:
+                raise fault("expected values >= 0", "a back stress that shrinks by itself has no meaning", key=name)
+        return self
+
+    def build(self) -> _core.Chaboche:
+        """Return the compiled law."""
+        return _core.Chaboche(self.C, self.gamma)
+
+
+class YoshidaUemori(Part):
+    """Two surfaces of Yoshida and Uemori (2002); their Y is the yield stress of the hardening law."""
+
+    law: Literal["yoshida_uemori"] = "yoshida_uemori"
+    B: Stress = Field(gt=0, description="initial size of the bounding surface [MPa]")
+    C: Number = Field(gt=0, description="rate at which the yield surface follows")
+    m: Number = Field(ge=0, description="rate of the bounding surface")
+    b: Stress = Field(ge=0, description="saturation of the bounding surface's centre [MPa]")
+    Rsat: Stress = Field(ge=0, description="saturation of the bounding surface's growth [MPa]")
+    h: Number = Field(ge=0, le=1, description="how fast the stagnation surface grows")
+
+    def build(self, yield_stress: float) -> _core.YoshidaUemori:
+        """Return the compiled law."""
+        return _core.YoshidaUemori(Y=yield_stress, B=self.B, C=self.C, m=self.m, b=self.b, Rsat=self.Rsat, h=self.h)
+
+
+class CowperSymonds(Part):
+    """Flow stress times 1 + (rate/D)^(1/q)."""
+
+    law: Literal["cowper_symonds"] = "cowper_symonds"
+    D: Number = Field(gt=0, description="plastic strain rate at which the flow stress doubles [1/s]")
+    q: Number = Field(ge=1, description="exponent")
+
+    def parameters(self) -> tuple[float, float]:
+        """Return the two parameters of the compiled law."""
+        return self.D, self.q
+
+
+class JohnsonCookRate(Part):
+    """Flow stress times 1 + C ln(rate/reference_rate), above the reference rate."""
+
+    law: Literal["johnson_cook"] = "johnson_cook"
+    C: Number = Field(ge=0, description="sensitivity")
+    reference_rate: Number = Field(gt=0, description="plastic strain rate of the hardening law [1/s]")
+
+    def parameters(self) -> tuple[float, float]:
+        """Return the two parameters of the compiled law."""
+        return self.C, self.reference_rate
+
+
+class LogarithmicRate(Part):
+    """Flow stress times 1 + C ln(1 + rate/reference_rate)."""
+
+    law: Literal["logarithmic"] = "logarithmic"
+    C: Number = Field(ge=0, description="sensitivity")
+    reference_rate: Number = Field(gt=0, description="plastic strain rate from which it is felt [1/s]")
+
+    def parameters(self) -> tuple[float, float]:
+        """Return the two parameters of the compiled law."""
+        return self.C, self.reference_rate
+
+
+class YoungDecrease(Part):
+    """Young's modulus = saturated + (young - saturated) exp(-rate e), e the equivalent plastic strain."""
+
+    saturated: Stress = Field(gt=0, description="Young's modulus after large plastic strain [MPa]")
+    rate: Number = Field(gt=0, description="rate of the decrease per unit of plastic strain")
+
+
+class KeelerLimit(Part):
+    """Keeler and Brazier's curve for mild and conventional high-strength steel."""
+
+    law: Literal["keeler"] = "keeler"
+    thickness: Length = Field(gt=0, description="thickness of the sheet t [mm]")
+    n: Number = Field(gt=0, description="hardening exponent n")
+
+
+class PointsLimit(Part):
+    """A measured forming limit."""
+
+    law: Literal["points"] = "points"
+    points: tuple[tuple[Number, Number], ...] = Field(description="[minor, major] true strains")
+
+
+class SwiftHillLimit(Part):
+    """Hill's localised and Swift's diffuse necking."""
+
+    law: Literal["swift_hill"] = "swift_hill"
+
+
+class MarciniakKuczynskiLimit(Part):
+    """Marciniak and Kuczynski's computed limit."""
+
+    law: Literal["marciniak_kuczynski"] = "marciniak_kuczynski"
+    imperfection: Number = Field(default=0.996, gt=0.5, lt=1, description="thickness of the groove over the sheet's")
+
+
+Kinematic = Annotated[Chaboche | YoshidaUemori, Field(discriminator="law")]
+RateLaw = Annotated[CowperSymonds | JohnsonCookRate | LogarithmicRate, Field(discriminator="law")]
+FormingLimit = Annotated[
+    KeelerLimit | PointsLimit | SwiftHillLimit | MarciniakKuczynskiLimit, Field(discriminator="law")
+]

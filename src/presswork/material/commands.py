@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commands `materials` and `material ...`. Exit status: 0, or 2 for bad input."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tomli_w
+import typer
+from rich.console import Console
+
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.sheet import check_sheet_material
+from presswork.case.units import STRESS, to_number
+from presswork.material.build import build_curve
+from presswork.material.fit_plot import draw_curves, draw_fit
+from presswork.material.identify import (
+    LAWS,
+    HardeningFit,
+    find_yield_stress,
+    fit_hardening,
+    fit_r_value,
+    identify_yld2000,
+)
+from presswork.material.library import find_sheet, list_sheets
+from presswork.material.sheet_plot import draw_sheet
+from presswork.material.tensile import TensileTest, read_tensile
+
+BAD_INPUT = 2
+
+console = Console(stderr=True, highlight=False, soft_wrap=True)
+material_app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=True)
+
+Name = Annotated[str, typer.Argument(help="A material of the library, or a material file.", show_default=False)]
+Datum = Annotated[float, typer.Option(show_default=False)]
+
+
+def add_commands(app: typer.Typer) -> None:
+    """Give the commands to the command line."""
+    app.command()(materials)
+    app.add_typer(material_app, name="material")
+
+
+def materials() -> None:
+    """List the sheet materials of the library."""
+    for sheet in list_sheets():
+        typer.echo(f"{sheet.key:22s} {sheet.name}: {sheet.summary}")
+
+
+@material_app.command()
+def show(name: Name) -> None:
+    """Say what a material is and where its numbers come from."""
+    with _errors_told():
+        sheet = find_sheet(name)
+    typer.echo(f"{sheet.name}: {sheet.summary}" + (f", {sheet.thickness:g} mm" if sheet.thickness else ""))
+    for key, value in sheet.material.model_dump(exclude_none=True).items():
+        typer.echo(f"  {key}: {value}")
+    for title, texts in (("source", sheet.sources), ("assumed", sheet.assumed)):
+        for key, text in texts.items():
+            typer.echo(f"{title}, {key}: {text}")
+
+
+@material_app.command()
+def plot(
+    name: Name,
+    output: Annotated[Path | None, typer.Option(help="The picture; default: the material's name here.")] = None,
+) -> None:
+    """Draw a material: yield locus, yield stress and r-value by direction, flow stress."""
+    with _errors_told():
+        sheet = find_sheet(name)
+        typer.echo(draw_sheet(sheet, output or Path(f"{sheet.key}.png")))
+
+
+@material_app.command()
+def flc(
+    name: Name,
+    output: Annotated[Path | None, typer.Option(help="The picture; a CSV of the points lies beside it.")] = None,
+) -> None:
+    """Find a material's forming limit curve; write its points and draw it."""
+    with _errors_told():
+        sheet = find_sheet(name)
+        curve = build_curve(sheet.material)
+        path = output or Path(f"{sheet.key}_flc.png")
+        with path.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["minor", "major"])
+            writer.writerows([f"{a:.6g}", f"{b:.6g}"] for a, b in zip(curve.minor, curve.major, strict=True))
+        minor, major = curve.lowest()
+        typer.echo(f"{curve.method}: lowest at minor {minor:.3f}, major {major:.3f}")
+        typer.echo(draw_curves({"": curve}, sheet.name, path))
+
+
+@material_app.command()
+def fit(
+    tensile: Annotated[Path, typer.Argument(help="CSV of tensile tests; the guide says which columns.")],
+    young: Annotated[str, typer.Option(help='Young\'s modulus, e.g. "206 GPa".', show_default=False)],
+    poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
+    law: Annotated[str, typer.Option(help=f"Hardening law: {', '.join(LAWS)}; all compares them.")] = "all",
+    output: Annotated[Path | None, typer.Option(help="Material file; default: the CSV's name, .toml.")] = None,
+) -> None:
+    """Fit a hardening law and r-values to tensile tests; write a material file and a picture."""
+    with _errors_told():
+        tests = read_tensile(tensile)
+        modulus = _read_stress("--young", young)
+        along = _pick_rolling_direction(tests, tensile)
+        fits = _fit_laws(along, law, modulus)
+        best = fits[0]
+        r_values = {test.angle: fit_r_value(test, modulus, poisson) for test in tests}
+        typer.echo(f"Rp0.2 = {find_yield_stress(along, modulus):.1f} MPa; fitted to a plastic strain of "
+                   f"{best.largest_strain:.3f}")  # fmt: skip
+        for one in fits:
+            parameters = ", ".join(f"{key} = {value:.5g}" for key, value in one.parameters.items())
+            typer.echo(f"{one.law}: {one.scatter:.2f} MPa ({100 * one.relative:.2f} %): {parameters}")
+        if len(fits) > 1:
+            far = [float(one.stress(_at(0.6))[0]) for one in fits]
+            typer.echo(f"{best.law} is taken: the least scatter for its number of parameters (Schwarz's criterion)")
+            typer.echo(f"extrapolated to 0.6 they give {min(far):.0f} to {max(far):.0f} MPa")
+        for angle, r in r_values.items():
+            if r is not None:
+                typer.echo(f"r at {angle:g} degrees = {r:.3f}")
+        path = output or tensile.with_suffix(".toml")
+        _write_material(path, tensile, best, modulus, poisson, r_values)
+        picture = draw_fit(tests, fits, modulus, path.with_suffix(".png"))
+    typer.echo(f"{path}\n{picture}")
+
+
+@material_app.command()
+def yld2000(
+    s00: Datum, s45: Datum, s90: Datum, sb: Datum, r00: Datum, r45: Datum, r90: Datum, rb: Datum,
+    exponent: Annotated[Literal["6", "8"], typer.Option(help="6 for steel, 8 for aluminium.")] = "8",
+) -> None:  # fmt: skip
+    """Find Yld2000-2d's parameters from yield stresses over one reference, r-values and the balanced biaxial test."""
+    with _errors_told():
+        alpha = identify_yld2000((s00, s45, s90), sb, (r00, r45, r90), rb, int(exponent))
+    typer.echo(f"alpha = [{', '.join(f'{value:.5f}' for value in alpha)}]")
+
+
+def _fit_laws(test: TensileTest, law: str, young: float) -> list[HardeningFit]:
+    """Fit one law, or all that there are points for, the best first."""
+    if law != "all":
+        if law not in LAWS:
+            raise CaseError([Problem("--law", "unknown law", suggest(law, (*LAWS, "all")), law)])
+        return [fit_hardening(test, law, young)]
+    fits = []
+    for name in LAWS:
+        try:
+            fits.append(fit_hardening(test, name, young))
+        except CaseError as error:
+            reason = error
+    if not fits:
+        raise reason
+    return sorted(fits, key=lambda one: one.criterion)
+
+
+def _pick_rolling_direction(tests: list[TensileTest], path: Path) -> TensileTest:
+    for test in tests:
+        if test.angle == 0.0:
+            return test
+    raise CaseError([Problem("angle", "no test along the rolling direction", "give points with angle 0")], path)
+
+
+def _read_stress(key: str, text: str) -> float:
+    try:
+        value = to_number(float(text) if text.replace(".", "", 1).isdigit() else text, STRESS)
+    except Exception as error:
+        raise CaseError([Problem(key, f"expected a stress, not `{text}`", 'for instance "206 GPa"')]) from error
+    if value < 1e3:
+        raise CaseError([Problem(key, f"{value:g} MPa is no metal's modulus", 'for instance "206 GPa"', text)])
+    return value
+
+
+def _write_material(
+    path: Path, source: Path, best: HardeningFit, young: float, poisson: float, r_values: dict[float, float | None]
+) -> None:
+    """Write a material file of the best law, and Hill 1948 if r-values at 0, 45 and 90 degrees were measured."""
+    table: dict[str, Any] = {"young": young, "poisson": poisson}
+    found = {angle: r for angle, r in r_values.items() if r is not None}
+    if {0.0, 45.0, 90.0} <= set(found):
+        table["yield_function"] = {"law": "hill1948", "r00": found[0.0], "r45": found[45.0], "r90": found[90.0]}
+    table["hardening"] = {"law": best.law, **best.parameters}
+    check_sheet_material(table, str(source))
+    data = {
+        "name": source.stem,
+        "summary": f"fitted to {source.name}",
+        "material": table,
+        "sources": {"all": f"{source.name}, fitted to a plastic strain of {best.largest_strain:.3f}"},
+        "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
+    }
+    path.write_text(tomli_w.dumps(data), encoding="utf-8")
+
+
+def _at(strain: float) -> Any:
+    import numpy as np
+
+    return np.array([strain])
+
+
+@contextmanager
+def _errors_told() -> Iterator[None]:
+    """Have bad input said plainly, with exit status 2."""
+    try:
+        yield
+    except (CaseError, ImportError, OSError) as error:
+        console.print(f"error: {error}", style="red", markup=False)
+        raise typer.Exit(BAD_INPUT) from error

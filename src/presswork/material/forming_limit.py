@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Forming limit curves: Keeler's, from points, Swift-Hill; what lies above; the six zones of formability.
+
+Strains are true (logarithmic). Marciniak-Kuczynski is in marciniak.py, limits in stresses are in stress_limit.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork import _core
+from presswork.case.errors import CaseError, Problem
+from presswork.material.proportional import find_stress
+from presswork.model import FloatArray, IntArray
+
+MINOR_RANGE = (-0.5, 0.5)
+"""Minor strains over which Keeler's curve is drawn."""
+ZONES = ("safe", "risk of cracks", "cracks", "insufficient stretch", "wrinkling tendency", "wrinkles")
+"""Names of the zones, by the number that find_zones gives."""
+
+
+@dataclass(frozen=True)
+class FormingLimitCurve:
+    """Largest major strain against minor strain, straight between points, the end pieces going on."""
+
+    minor: FloatArray
+    """Minor strains, increasing, shape (n,)."""
+    major: FloatArray
+    """Limit of the major strain, shape (n,)."""
+    method: str
+    """How the curve was found, in words."""
+
+    def limit(self, minor: FloatArray) -> FloatArray:
+        """Return the limit of the major strain at minor strains, never below the line major = minor."""
+        minor = np.asarray(minor, dtype=float)
+        i = np.clip(np.searchsorted(self.minor, minor), 1, len(self.minor) - 1)
+        slope = (self.major[i] - self.major[i - 1]) / (self.minor[i] - self.minor[i - 1])
+        return np.asarray(np.maximum(self.major[i - 1] + slope * (minor - self.minor[i - 1]), minor))
+
+    def lowest(self) -> tuple[float, float]:
+        """Return minor and major strain of the lowest point."""
+        i = int(np.argmin(self.major))
+        return float(self.minor[i]), float(self.major[i])
+
+
+def keeler_curve(thickness: float, n: float) -> FormingLimitCurve:
+    """Return Keeler and Brazier's curve for mild and conventional high-strength steel.
+
+    thickness [mm], n: exponent of hardening. FLD0 = (23.3 + 14.13 t) n / 0.21 percent of engineering strain; left of it
+    major + minor is constant, right of it the engineering strains rise by 0.6 (Stoughton & Zhu 2004). Raises CaseError.
+    """
+    problems = []
+    if not 0.1 <= thickness <= 4.0:
+        expected = "expected a thickness from 0.1 to 4 mm: the formula was measured on sheets to 3 mm"
+        problems.append(Problem("thickness", expected, "give it in mm", thickness))
+    if not 0.01 <= n <= 0.5:
+        problems.append(Problem("n", "expected a hardening exponent from 0.01 to 0.5", "about 0.2 for steel", n))
+    if problems:
+        raise CaseError(problems, "Keeler's curve")
+    lowest = math.log1p((23.3 + 14.13 * thickness) * n / 0.21 / 100)
+    left = np.array([MINOR_RANGE[0], 0.0])
+    right = np.linspace(0.0, MINOR_RANGE[1], 51)[1:]
+    major = np.concatenate([lowest - left, np.log(0.6 * np.expm1(right) + math.exp(lowest))])
+    return FormingLimitCurve(np.concatenate([left, right]), major, f"Keeler, t = {thickness:g} mm, n = {n:g}")
+
+
+def curve_from_points(points: Sequence[tuple[float, float]]) -> FormingLimitCurve:
+    """Return the curve through measured (minor, major) true strains, in any order. Raises CaseError."""
+    problems = []
+    table = np.array(sorted(points), dtype=float).reshape(-1, 2)
+    if len(table) < 2:
+        problems.append(Problem("points", "expected at least two points", "give [[minor, major], ...]"))
+    if (np.diff(table[:, 0]) <= 0).any():
+        twice = float(table[1:][np.diff(table[:, 0]) <= 0][0, 0])
+        problems.append(Problem("points", f"the minor strain {twice:g} stands twice", "give one limit for each"))
+    if (np.abs(table) > 3).any():
+        problems.append(Problem("points", "a strain beyond 3", "give true strains as fractions, not per cent"))
+    if (table[:, 1] <= table[:, 0]).any():
+        problems.append(Problem("points", "a major strain not above the minor", "give [minor, major] pairs"))
+    if problems:
+        raise CaseError(problems, "forming limit")
+    return FormingLimitCurve(table[:, 0], table[:, 1], "from points")
+
+
+def swift_hill_curve(
+    function: _core.YieldFunction, law: _core.SheetLaw, ratios: FloatArray | None = None, angle: float = 0.0
+) -> FormingLimitCurve:
+    """Return Hill's localised necking (minor strain < 0) joined to Swift's diffuse necking (minor >= 0).
+
+    With the flow stress Y(p) and n = d f/d stress on a proportional path: Hill Y'/Y = n1 + n2, Swift
+    Y'/Y = (n1² s1 + n2² s2)/f, at the smaller of p where it first holds. ratios: minor over major strain, from above
+    -1 to 1. angle: of the major strain from the rolling direction [degrees]. Raises CaseError where nothing hardens.
+    """
+    ratios = np.linspace(-0.5, 1.0, 31) if ratios is None else np.asarray(ratios, dtype=float)
+    path = find_stress(function, ratios, angle)
+    hill = path.rate[:, 0] + path.rate[:, 1]
+    swift = path.rate[:, 0] ** 2 * path.stress[:, 0] + path.rate[:, 1] ** 2 * path.stress[:, 1]
+    p = np.array([_find_necking(law, float(z)) for z in np.where(ratios < 0, hill, swift)])
+    strain = p[:, None] * path.rate
+    order = np.argsort(strain[:, 1])
+    return FormingLimitCurve(strain[order, 1], strain[order, 0], "Swift-Hill")
+
+
+def _find_necking(law: _core.SheetLaw, z: float) -> float:
+    """Return the first p with Y'/Y = z, by a scan and bisection."""
+    p = np.concatenate([[0.0], np.geomspace(1e-6, 5.0, 400)])
+    flow, slope = law.flow_stress(p)
+    soft = slope <= z * flow
+    if soft[0] or not soft.any():
+        where = "from the start" if soft[0] else "up to a strain of 5"
+        text = f"the flow stress hardens too {'little' if soft[0] else 'much'} for necking to begin {where}"
+        raise CaseError([Problem("hardening", text, "check the hardening law")], "Swift-Hill")
+    i = int(np.argmax(soft))
+    low, high = p[i - 1], p[i]
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        flow, slope = law.flow_stress(np.array([middle]))
+        low, high = (low, middle) if slope[0] <= z * flow[0] else (middle, high)
+    return float(0.5 * (low + high))
+
+
+def find_zones(
+    major: FloatArray,
+    minor: FloatArray,
+    curve: FormingLimitCurve,
+    *,
+    r: float = 1.0,
+    margin: float = 0.1,
+    least_stretch: float = 0.02,
+) -> IntArray:
+    """Return the zone of formability of strain points, as an index into ZONES.
+
+    cracks: above the curve. risk of cracks: within `margin` of its height (custom: 0.1 for steel, 0.08 for aluminium).
+    wrinkles: the sheet thickens, minor < -major. wrinkling tendency: between that and uniaxial tension, minor =
+    -r/(1+r) major. insufficient stretch: |major| and |minor| below `least_stretch`. safe: the rest. A point is in the
+    first of these that holds, cracks before all, insufficient stretch before wrinkles.
+    """
+    major, minor = np.asarray(major, dtype=float), np.asarray(minor, dtype=float)
+    limit = curve.limit(minor)
+    zone = np.zeros(major.shape, dtype=np.int32)
+    zone[minor < -r / (1 + r) * major] = 4
+    zone[minor < -major] = 5
+    zone[(np.abs(major) < least_stretch) & (np.abs(minor) < least_stretch)] = 3
+    zone[(major > (1 - margin) * limit) & (zone != 3)] = 1
+    zone[major > limit] = 2
+    return zone

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sheet materials: what each key changes, and what is refused."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic_core import PydanticCustomError
+
+from presswork import _core
+from presswork.case.errors import CaseError
+from presswork.case.sheet import check_sheet_material
+from presswork.case.yield_function import check_surface
+
+STEEL: dict[str, Any] = {
+    "young": "206 GPa",
+    "poisson": 0.3,
+    "yield_function": {"law": "hill1948", "r00": 1.79, "r45": 1.51, "r90": 2.27},
+    "hardening": {"law": "swift", "K": 565.32, "e0": 0.007117, "n": 0.2589},
+}
+YOSHIDA = {"law": "yoshida_uemori", "B": 300, "C": 200, "m": 12, "b": 40, "Rsat": 190, "h": 0.4}
+CONSTANT = {"law": "linear", "yield_stress": 200}
+
+
+def changed(**tables: Any) -> dict[str, Any]:
+    """STEEL with other tables; None takes a key out of its table."""
+    data = copy.deepcopy(STEEL)
+    for key, value in tables.items():
+        if isinstance(value, dict) and isinstance(data.get(key), dict) and "law" not in value:
+            data[key] = {k: v for k, v in {**data[key], **value}.items() if v is not None}
+        else:
+            data[key] = value
+    return data
+
+
+def end_stress(data: dict[str, Any]) -> np.ndarray:
+    """Stress after a turn of the strain path in 0.1 s increments."""
+    law = check_sheet_material(data).build_law()
+    stress, history = np.zeros((1, 3)), np.zeros((1, law.history_size))
+    for strain in ([0.01, 0.02, 0.01], [-0.01, 0.0, 0.01], [0.0, -0.01, 0.0]):
+        stress, history, *_ = law.update(np.array([strain]), stress, history, dt=0.1)
+    return stress[0]
+
+
+CHANGES: dict[str, dict[str, Any]] = {
+    "young": {"young": "190 GPa"},
+    "poisson": {"poisson": 0.25},
+    "von_mises": {"yield_function": {"law": "von_mises"}},
+    "r00": {"yield_function": {"r00": 1.2}},
+    "r45": {"yield_function": {"r45": 1.2}},
+    "r90": {"yield_function": {"r90": 1.2}},
+    "stresses": {"yield_function": {"law": "hill1948", "stress_45": 1.05, "stress_90": 1.02, "stress_biaxial": 1.1}},
+    "barlat1989": {"yield_function": {"law": "barlat1989", "r00": 1.79, "r45": 1.51, "r90": 2.27, "exponent": 6}},
+    "yld2000": {"yield_function": {"law": "yld2000", "alpha": [1.0] * 8, "exponent": 8}},
+    "hardening": {"hardening": {"n": 0.2}},
+    "chaboche": {"kinematic": {"law": "chaboche", "C": [2000], "gamma": [20]}},
+    "yoshida_uemori": {"kinematic": YOSHIDA, "hardening": CONSTANT},
+    "cowper_symonds": {"rate": {"law": "cowper_symonds", "D": 40, "q": 5}},
+    "johnson_cook": {"rate": {"law": "johnson_cook", "C": 0.02, "reference_rate": 0.001}},
+    "logarithmic": {"rate": {"law": "logarithmic", "C": 0.02, "reference_rate": 0.001}},
+    "young_decrease": {"young_decrease": {"saturated": "160 GPa", "rate": 60}},
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_every_key_changes_the_stress(name: str) -> None:
+    assert np.abs(end_stress(changed(**CHANGES[name])) - end_stress(STEEL)).max() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ({"kinematic": YOSHIDA}, {"kinematic": {**YOSHIDA, key: value}})
+        for key, value in {"B": 350, "C": 100, "m": 24, "b": 80, "Rsat": 50}.items()
+    ],
+)
+def test_every_parameter_of_yoshida_uemori_changes_the_stress(first: dict[str, Any], second: dict[str, Any]) -> None:
+    one, other = (end_stress(changed(hardening=CONSTANT, **change)) for change in (first, second))
+    assert np.abs(one - other).max() > 0.1
+
+
+@pytest.mark.parametrize(("name", "index"), [("L", 4), ("M", 5)])
+def test_out_of_plane_parameters_of_hill_are_felt_in_three_dimensions(name: str, index: int) -> None:
+    strain = np.zeros((1, 6))
+    strain[0, index] = 0.02
+
+    def stress(data: dict[str, Any]) -> float:
+        law = check_sheet_material(data).build_solid_law()
+        return float(law.update(strain, np.zeros((1, 6)), np.zeros((1, 1)))[0][0, index])
+
+    assert stress(changed(yield_function={name: 1.1})) > 1.1 * stress(STEEL)
+
+
+def test_a_plane_stress_function_has_no_law_in_three_dimensions() -> None:
+    table = {"law": "yld2000", "alpha": [1.0] * 8, "exponent": 8}
+    with pytest.raises(CaseError, match=r"yield_function\.law: yld2000 is a yield function of plane stress alone"):
+        check_sheet_material(changed(yield_function=table)).build_solid_law()
+
+
+REFUSED: dict[str, tuple[dict[str, Any], list[str]]] = {
+    "r_zero": ({"yield_function": {"r45": 0.0}}, ["yield_function.r45 = 0.0", "> 0"]),
+    "r_negative": ({"yield_function": {"r00": -1.0}}, ["yield_function.r00 = -1.0", "> 0"]),
+    "r_missing": ({"yield_function": {"r90": None}}, ["yield_function.r90", "missing key", "r00, r45 and r90"]),
+    "r_and_stress": ({"yield_function": {"stress_45": 1.0}}, ["yield_function.stress_45", "two ways"]),
+    "concave": (
+        {"yield_function": {"law": "hill1948", "stress_45": 1.0, "stress_90": 1.0, "stress_biaxial": 0.4}},
+        ["yield_function.stress_biaxial = 0.4", "not closed"],
+    ),
+    "unbounded": (
+        {"yield_function": {"law": "yld2000", "alpha": [0, 0, 0, 0, 0, 0, 1, 1], "exponent": 8}},
+        ["yield_function.alpha", "not closed"],
+    ),
+    "seven_alphas": (
+        {"yield_function": {"law": "yld2000", "alpha": [1.0] * 7, "exponent": 8}},
+        ["yield_function.alpha", "at least 8"],
+    ),
+    "exponent": (
+        {"yield_function": {"law": "yld2000", "alpha": [1.0] * 8, "exponent": 7}},
+        ["yield_function.exponent = 7", "6, 8"],
+    ),
+    "unknown_yield": ({"yield_function": {"law": "hil1948"}}, ["yield_function.law", "did you mean `hill1948`?"]),
+    "steel_of_0.3_MPa": (
+        {"hardening": {"law": "linear", "yield_stress": 0.3}},
+        ["hardening", "0.3 MPa", "1.5e-06 of Young's modulus", "plain numbers are MPa"],
+    ),
+    "stress_in_pascal": (
+        {"hardening": {"law": "linear", "yield_stress": 3e8}},
+        ["hardening", "3e+08 MPa", "plain numbers are MPa"],
+    ),
+    "young_in_gpa": ({"young": 206}, ["young = 206", "that of no metal", '"206 GPa"']),
+    "softening": (
+        {"hardening": {"law": "monotone_table", "points": [[0, 300], [0.1, 290]]}},
+        ["hardening.points", "stress decreases in row 1", "softening = true"],
+    ),
+    "one_row": (
+        {"hardening": {"law": "monotone_table", "points": [[0, 300]]}},
+        ["hardening.points", "at least two rows"],
+    ),
+    "keeler_without_n": ({"forming_limit": {"law": "keeler", "thickness": 1}}, ["forming_limit.n", "missing key"]),
+    "keeler_without_t": ({"forming_limit": {"law": "keeler", "n": 0.2}}, ["forming_limit.thickness", "missing key"]),
+    "no_groove": (
+        {"forming_limit": {"law": "marciniak_kuczynski", "imperfection": 1.0}},
+        ["forming_limit.imperfection = 1.0", "< 1"],
+    ),
+    "lengths_of_back_stresses": (
+        {"kinematic": {"law": "chaboche", "C": [1000, 2000], "gamma": [10]}},
+        ["kinematic.gamma", "as many as C, 2"],
+    ),
+    "negative_back_stress": (
+        {"kinematic": {"law": "chaboche", "C": [1000], "gamma": [-10]}},
+        ["kinematic.gamma", ">= 0"],
+    ),
+    "yoshida_with_swift": ({"kinematic": YOSHIDA}, ["hardening", "keeps its size", "linear"]),
+    "bound_inside_yield": (
+        {"kinematic": {**YOSHIDA, "B": 150}, "hardening": CONSTANT},
+        ["kinematic", "B = 150 MPa lies inside", "200 MPa"],
+    ),
+    "modulus_rises": (
+        {"young_decrease": {"saturated": "250 GPa", "rate": 60}},
+        ["young_decrease", "above Young's modulus"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_bad_input_is_refused_by_key_value_and_remedy(name: str) -> None:
+    change, words = REFUSED[name]
+    with pytest.raises(CaseError) as caught:
+        check_sheet_material(changed(**change))
+    for word in words:
+        assert word in str(caught.value), str(caught.value)
+
+
+def test_a_surface_with_a_dent_is_refused_as_not_convex() -> None:
+    with pytest.raises(PydanticCustomError, match="not convex"):
+        check_surface(_core.YieldFunction.barlat1989(1.0, -0.005, 1.0, 1.0, 8), "a")
+
+
+def test_softening_table_is_taken_when_asked_for() -> None:
+    table = {"law": "table", "points": [[0, 300], [0.1, 290]], "softening": True}
+    law = check_sheet_material(changed(hardening=table)).build_law()
+    assert law.flow_stress(np.array([0.05]))[0][0] == pytest.approx(295)
