@@ -56,6 +56,33 @@ def test_marciniak_kuczynski_at_plane_strain_is_its_closed_form(name, n, f0):
     assert curve.major[0] == pytest.approx(exact, abs=1e-5)
 
 
+@pytest.mark.parametrize("f0", [0.98, 0.999])
+@pytest.mark.parametrize(
+    ("kind", "parameters"),
+    [
+        ("linear", [200.0, 900.0]),
+        ("ludwik", [265.0, 426.0, 0.34]),
+        ("ludwik", [792.0, 510.0, 0.26]),
+        ("voce", [140.0, 330.0, 12.4]),
+        ("hockett_sherby", [200.0, 400.0, 5.0, 0.7]),
+        ("swift_voce", [0.4, 565.0, 0.007, 0.26, 200.0, 400.0, 10.0]),
+        ("table", [0.0, 200.0, 0.05, 300.0, 0.5, 450.0]),
+    ],
+)
+def test_marciniak_kuczynski_at_plane_strain_is_the_force_balance_for_every_hardening_law(kind, parameters, f0):
+    """Y(k e) exp(-e) = f0 max over e of the same, k = 2/sqrt(3) for von Mises."""
+    law = _core.SheetLaw(70e3, 0.33, VON_MISES, _core.HardeningLaw[kind], parameters)
+
+    def force(e):
+        return law.flow_stress(np.atleast_1d(2 / np.sqrt(3) * e))[0] * np.exp(-np.atleast_1d(e))
+
+    strain = np.linspace(0.0, 2.0, 200001)
+    top = int(np.argmax(force(strain)))
+    exact = brentq(lambda e: force(e)[0] - f0 * force(strain[top : top + 1])[0], 0.0, strain[top])
+    curve = marciniak_kuczynski_curve(VON_MISES, law, imperfection=f0, ratios=np.array([0.0]), groove_angles=ACROSS)
+    assert curve.major[0] == pytest.approx(exact, abs=1e-4)
+
+
 def test_an_oblique_groove_is_the_worst_left_of_plane_strain_and_gives_nearly_hills_line():
     """Hill 1952: the zero-extension direction; with a vanishing groove the M-K limit goes to n/(1+rho)."""
     ratios = np.array([-0.3])

@@ -59,6 +59,11 @@ class _Grooves:
     step: FloatArray
     """The step before, of the groove's equivalent plastic strain, shape (m,); 0 before the first."""
 
+    def speed(self) -> FloatArray:
+        """Return the last step's strain of the sheet over that of the groove; below everything before the first."""
+        change = self.p_sheet[0] - self.p_sheet[1]
+        return np.where(self.step > 0, change / np.maximum(self.step, 1e-300), -np.inf)
+
     def where(self, mask: BoolArray, other: _Grooves) -> _Grooves:
         """Return the grooves of a mask, and those of another for the rest."""
         return replace(
@@ -150,12 +155,14 @@ def _follow_grooves(
     while len(family) and grooves.p.max() < _LARGEST_STRAIN:
         step = factor * np.minimum(_LARGEST_STEP, 0.2 * grooves.p + 1e-5)
         after, found = equations.advance(grooves, step)
-        stopped = found & (after.p_sheet[0] - grooves.p_sheet[0] < _STANDSTILL * step) | (factor < _SMALLEST_FACTOR)
+        speed, speed_before = after.speed(), grooves.speed()
+        # with an infinite slope of hardening at first the sheet starts from rest: slow is not enough, it must slow down
+        stopped = found & (speed < np.minimum(_STANDSTILL, speed_before)) | (factor < _SMALLEST_FACTOR)
         np.minimum.at(limit, family[stopped], grooves.p_sheet[0][stopped])
         # 3. a groove that has let the sheet go farther than another is not the worst
         go_on = ~stopped & (grooves.p_sheet[0] < limit[family])
         grooves = after.where(found, grooves).keep(go_on)
-        family, factor = family[go_on], np.where(found, factor, 0.25 * factor)[go_on]
+        family, factor = family[go_on], np.where(found, np.minimum(2 * factor, 1.0), 0.25 * factor)[go_on]
     return limit
 
 
@@ -230,7 +237,8 @@ class _Equations:
             change = np.linalg.solve(matrix, -residual[..., None])[..., 0]
             largest = np.abs(change[:, :3]).max(axis=1) / np.abs(stress).max(axis=1)
             change *= np.minimum(1.0, 0.2 / np.maximum(largest, 1e-300))[:, None]
-            stress, p_sheet = stress + change[:, :3], p_sheet + change[:, 3]
+            # the flow stress of some laws starts with an infinite slope: p_sheet stays positive
+            stress, p_sheet = stress + change[:, :3], np.maximum(p_sheet + change[:, 3], 0.1 * p_sheet)
         after = replace(
             grooves,
             stress=stress,
