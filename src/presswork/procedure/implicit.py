@@ -193,7 +193,7 @@ class ImplicitProcedure:
                     f"{where}: even an increment of {step:.1e} of the stage finds no equilibrium ({outcome.reason}). "
                     "Try a finer mesh where cells are most distorted, or look at the last saved step for folded cells"
                 )
-        self._commit(trial, stage, fraction_n, fraction, size, len(outcome.log), len(cutbacks))
+        self._commit(trial, stage, fraction_n, fraction, size, outcome.log, len(cutbacks))
         return IncrementReport(
             number=int(self.state.progress[INCREMENTS]),
             stage=self.model.stages[stage].name,
@@ -225,7 +225,14 @@ class ImplicitProcedure:
         return trial, outcome
 
     def _commit(
-        self, trial: State, stage: int, fraction_n: float, fraction: float, size: float, iterations: int, cutbacks: int
+        self,
+        trial: State,
+        stage: int,
+        fraction_n: float,
+        fraction: float,
+        size: float,
+        log: IterationLog,
+        cutbacks: int,
     ) -> None:
         """Make the trial state the converged one."""
         settings = self.model.solver
@@ -244,12 +251,12 @@ class ImplicitProcedure:
         p = trial.progress
         p[TIME] += self.model.stages[stage].duration * (fraction - fraction_n)
         p[INCREMENTS] += 1
-        p[ITERATIONS] += iterations
+        p[ITERATIONS] += len(log)
         p[CUTBACKS] += cutbacks
         p[LAST] = fraction - fraction_n
-        if iterations <= settings.target_iterations and not cutbacks:
+        if len(log) <= settings.target_iterations and not cutbacks:
             size = min(size * GROWTH, settings.max_increment)
-        elif iterations > settings.target_iterations + 4:
+        elif log.smooth_iterations > settings.target_iterations + 4:
             size *= 0.7
         p[SIZE] = size
         p[STAGE], p[FRACTION] = stage, fraction

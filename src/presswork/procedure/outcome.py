@@ -17,6 +17,11 @@ class IterationLog:
     def __len__(self) -> int:
         return len(self.residual)
 
+    @property
+    def smooth_iterations(self) -> int:
+        """Iterations less those that changes of contact cost, about two each: a smaller increment does not save these."""
+        return len(self) - 2 * sum(changes > 0 for changes in self.contact_changes)
+
 
 @dataclass(frozen=True)
 class Converged:

@@ -262,3 +262,33 @@ def test_no_node_passes_through_a_tool_at_any_increment_size(step) -> None:
     procedure.contact.search(procedure.state, procedure.state.displacement)
     assert procedure.contact.gap.min() > -procedure.contact.tolerance
     assert (procedure.state.contact > 0).any(axis=0).sum() > 5, "the side has folded onto the punch"
+
+
+def test_increments_do_not_die_away_beside_a_node_that_chatters() -> None:
+    """A node at the end of a curved, rough punch is let go and taken again in every increment, which costs iterations.
+
+    Were increments cut by 30 % for these, as for others, they would shrink for ever: 2527 increments to 55 %.
+    """
+    case = Case(
+        title="curved punch",
+        analysis="plane_strain",
+        workpiece={
+            "material": "metal",
+            "element": "quad8_2x2",
+            "mesh": {"size": [6, 10], "cells": [16, 7], "pattern": "quad"},
+        },
+        materials={"metal": {"young": 2e5, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 400}}},
+        tools={
+            "punch": {
+                "profile": [[0, 10], {"to": [40, 50], "centre": [0, 50], "turn": "left"}],
+                "contact": "shear",
+                "m": 0.42,
+            }
+        },
+        boundary={"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
+        stages=[{"name": "press", "tools": {"punch": {"move": [0, -5.8]}}}],
+    )
+    procedure = ImplicitProcedure(build_model(case), threads=1)
+    for report in procedure.advance():
+        assert report.number < 250
+    assert report.fraction == 1.0
