@@ -19,7 +19,7 @@ class IterationLog:
 
     @property
     def smooth_iterations(self) -> int:
-        """Iterations less those that changes of contact cost, about two each: a smaller increment does not save these."""
+        """Iterations less those that changes of contact cost, about two each, which no smaller increment saves."""
         return len(self) - 2 * sum(changes > 0 for changes in self.contact_changes)
 
 
