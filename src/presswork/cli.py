@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import signal
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -18,10 +18,12 @@ from presswork.case import describe, json_schema
 from presswork.examples import copy_example, list_examples
 from presswork.material.commands import add_commands as add_material_commands
 from presswork.model import Model
-from presswork.run import NotHeldError, Outcome, run_model
+from presswork.run import NotHeldError, Outcome, check_start, run_model
 from presswork.run import Progress as RunProgress
 from presswork.study.commands import add_commands
 
+CUT_EDGE = 0.25
+"""Part of the shortest boundary edge by which a tool may cut into an edge without a warning."""
 BAD_INPUT, GAVE_UP, INTERRUPTED = 2, 3, 130
 
 app = typer.Typer(
@@ -104,16 +106,29 @@ def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads:
             bar.update(task, completed=progress.fraction, description=text)
 
         outcome = run_model(model, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=show)
+    s = outcome.result.summary
+    for warning in _warn(s) if outcome.status == "completed" else []:
+        console.print(f"warning: {warning}", style="yellow", markup=False)
     if not quiet:
-        s = outcome.result.summary
-        for tool in s["contact"]["tools_never_touched"] if outcome.status == "completed" else []:
-            console.print(f"warning: the tool {tool} never touched the workpiece", style="yellow", markup=False)
         console.print(
             f"{s['increments']} increments, {s['iterations']} iterations, {s['cutbacks']} cut-backs, "
             f"{s['wall_seconds']['total']:.1f} s; results in {folder}",
             markup=False,
         )
     return outcome
+
+
+def _warn(summary: dict[str, Any]) -> list[str]:
+    """Return what a user should know of a run that came to its end."""
+    contact = summary["contact"]
+    warnings = [f"the tool {tool} never touched the workpiece" for tool in contact["tools_never_touched"]]
+    depth, edge = contact["largest_edge_penetration_mm"], contact["shortest_edge_mm"]
+    if depth > CUT_EDGE * edge:
+        warnings.append(
+            f"a tool has cut {depth:.3g} mm into an edge between two nodes (the shortest has {edge:.3g} mm): contact "
+            "is at nodes, refine the mesh where tools are curved or narrow"
+        )
+    return warnings
 
 
 def _draw(
@@ -138,7 +153,12 @@ def _draw(
 @app.command()
 def check(case: CaseFile, set_: Settings = None) -> None:
     """Validate a case and say in words what would be computed."""
-    typer.echo(describe(_load(case, set_)))
+    model = _load(case, set_)
+    typer.echo(describe(model))
+    try:
+        check_start(model)
+    except NotHeldError as error:
+        raise _refuse(str(error)) from error
 
 
 @app.command()

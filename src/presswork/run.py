@@ -48,7 +48,7 @@ from presswork.results import (
 from presswork.results.fields import cell_fields, effective_stress, point_fields
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
 
-__all__ = ["NotHeldError", "Outcome", "Progress", "fingerprint", "run_model"]
+__all__ = ["NotHeldError", "Outcome", "Progress", "check_start", "fingerprint", "run_model"]
 
 Status = Literal["completed", "gave_up", "interrupted"]
 
@@ -102,6 +102,11 @@ def run_model(
         run.save_step()
         run.save_checkpoint()
     return run.complete(on_increment)
+
+
+def check_start(model: Model) -> None:
+    """Raise NotHeldError if the workpiece is free to move as a rigid body, or a pushed tool has nothing before it."""
+    ImplicitProcedure(model, threads=1)
 
 
 def fingerprint(model: Model) -> str:
@@ -281,6 +286,10 @@ class _Run:
         truncate_steps(self.folder / RESULTS, self.saved_steps)
         self.log.info("resumed after increment %d", int(meta["increments"]))
 
+    def _shortest_edge(self) -> float:
+        edges, points = self.model.mesh.boundary_edges, self.model.mesh.points
+        return float(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).min(initial=np.inf))
+
     def _never_touched(self) -> list[str]:
         """Return the tools that no force of the workpiece has ever reached."""
         history = read_history(self.folder / HISTORY)
@@ -329,6 +338,7 @@ class _Run:
                     "tolerance_mm": procedure.contact.tolerance,
                     "largest_node_penetration_mm": self.penetration.node,
                     "largest_edge_penetration_mm": self.penetration.edge,
+                    "shortest_edge_mm": self._shortest_edge(),
                     "tools_never_touched": self._never_touched(),
                 },
                 "energy": procedure.energy_balance(),

@@ -70,7 +70,7 @@ class State:
     progress: FloatArray
     """[time, stage, fraction of stage, increments, last increment, next size, iterations, cut-backs]."""
     work: FloatArray
-    """[external work, plastic work] [N mm]."""
+    """[work done on the nodes by tools, supports and loads; plastic work; work lost in friction on tools] [N mm]."""
     peak_force: FloatArray
     """Largest nodal force so far (1,) [N]: what a residual is small beside once the load is taken off."""
 
@@ -105,7 +105,7 @@ class State:
             hourglass=[np.zeros((s[0], 2)) for s in sizes],
             volume=[np.zeros(s) for s in sizes],
             progress=np.zeros(8),
-            work=np.zeros(2),
+            work=np.zeros(3),
             peak_force=np.zeros(1),
         )
 

@@ -21,10 +21,10 @@ _SAMPLES = 16
 
 
 def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> list[Problem]:
-    """Return a problem when nothing can ever happen: every tool that moves only moves away from the workpiece.
+    """Return a problem when nothing can ever happen: no tool that moves ever touches a node of the workpiece.
 
-    That is certain only where nothing else moves or loads the workpiece, and no tool touches it after the start. Where
-    something does, a tool that never comes nearer than it starts is a warning in the log.
+    That is certain only where nothing else moves or loads the workpiece. Where something does, a tool that never comes
+    nearer than it starts is a warning in the log.
     """
     nodes = mesh.points[np.unique(mesh.boundary_edges)]
     tolerance = TOLERANCE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
@@ -32,13 +32,20 @@ def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> l
     leaving = [tool for tool in moving if _only_leaves(tool, stages, nodes, tolerance)]
     loaded = any(stage.prescribed or stage.forces or stage.pressures for stage in stages)
     loaded = loaded or any(tool.spring is not None for tool in tools)
-    if leaving and len(leaving) == len(moving) and not loaded:
-        stage = next(i for i, stage in enumerate(stages) if _moves(stage.tool_motion.get(leaving[0].name)))
+    nearest = [_come_nearest(tool, stages, nodes) for tool in moving]
+    if moving and min(nearest) > tolerance and not loaded:
+        first = moving[int(np.argmin(nearest))]
+        stage = next(i for i, stage in enumerate(stages) if _moves(stage.tool_motion.get(first.name)))
+        how = (
+            "it only moves away from it"
+            if first in leaving
+            else f"it comes no nearer to a node than {min(nearest):.6g} mm"
+        )
         return [
             Problem(
-                f"stages.{stage}.tools.{leaving[0].name}",
-                "the tool never reaches the workpiece: it only moves away from it, and nothing else moves",
-                "turn the direction of its motion round, or mend its profile",
+                f"stages.{stage}.tools.{first.name}",
+                f"the tool never reaches the workpiece: {how}, and nothing else moves",
+                "lengthen the stroke, turn it round, mend the profile, or refine the mesh under a narrow tool",
             )
         ]
     for tool in leaving:
@@ -68,6 +75,20 @@ def _only_leaves(tool: Tool, stages: Sequence[Stage], nodes: FloatArray, toleran
                 return False
         place = place + move
     return True
+
+
+def _come_nearest(tool: Tool, stages: Sequence[Stage], nodes: FloatArray) -> float:
+    """Return the least gap of a tool to the nodes on its way [mm]; 0 for one that turns or that a force pushes."""
+    motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
+    if any(motion.turn != 0.0 or motion.force is not None for motion in motions):
+        return 0.0
+    place, nearest = np.zeros(2), _distance(tool, nodes, np.zeros(2))
+    for motion in motions:
+        move = np.array(motion.move)
+        for fraction in np.linspace(0.0, 1.0, _SAMPLES + 1)[1:] if move.any() else ():
+            nearest = min(nearest, _distance(tool, nodes, place + fraction * move))
+        place = place + move
+    return nearest
 
 
 def _distance(tool: Tool, nodes: FloatArray, place: FloatArray) -> float:

@@ -45,6 +45,8 @@ class FrictionForces:
     tools: IndexArray
     tangent: FloatArray
     """Unit vectors (n, 2)."""
+    slip: FloatArray
+    """Of the node along its tool over the increment (n,) [mm]."""
     force: FloatArray
     """Of the tool on the node, along the tangent (n,) [N]."""
     stiffness: FloatArray
@@ -143,7 +145,7 @@ class Friction:
             way = np.abs(slip - self._slip_before[place])
             on_diagonal = np.where(turned_round, np.minimum(chord / np.maximum(way, 1e-300), stiffness), on_diagonal)
         self._slip_before[place], self._force_before[place] = slip, force
-        return FrictionForces(nodes, tool, tangent, force, on_diagonal, slope)
+        return FrictionForces(nodes, tool, tangent, slip, force, on_diagonal, slope)
 
     def _tangent(
         self, place: IndexArray, limit: FloatArray, stiffness: FloatArray, slides: BoolArray, slope: FloatArray
@@ -160,4 +162,6 @@ class Friction:
         trial.drag[:] = 0.0
         if self.is_needed:
             place, _ = self._places(trial, free[self._contact.nodes])
-            trial.drag[place] = self.evaluate(state_n, trial, trial.displacement, trial.reaction, free).force
+            rubs = self.evaluate(state_n, trial, trial.displacement, trial.reaction, free)
+            trial.drag[place] = rubs.force
+            trial.work[2] -= 0.5 * float((state_n.drag[place] + rubs.force) @ rubs.slip)

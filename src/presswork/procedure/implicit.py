@@ -22,6 +22,8 @@ from presswork.procedure.timing import Timing
 from presswork.state import State
 
 GROWTH = 1.5
+SMALLEST = 10.0
+"""Times min_increment: increments that converge slowly are made no smaller, or the end would never come."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
 TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
@@ -257,7 +259,7 @@ class ImplicitProcedure:
         if len(log) <= settings.target_iterations and not cutbacks:
             size = min(size * GROWTH, settings.max_increment)
         elif log.smooth_iterations > settings.target_iterations + 4:
-            size *= 0.7
+            size = max(0.7 * size, SMALLEST * settings.min_increment)
         p[SIZE] = size
         p[STAGE], p[FRACTION] = stage, fraction
         if fraction == 1.0:
@@ -267,13 +269,18 @@ class ImplicitProcedure:
         self.state = trial
 
     def energy_balance(self) -> dict[str, float]:
-        """External work, elastic energy, plastic work [N mm] and what is missing between them in per cent."""
-        external, plastic = (float(w) for w in self.state.work)
+        """External work, elastic energy, plastic and friction work [N mm], what is missing between them in per cent.
+
+        External is the work of tools, supports and loads: what they do on the nodes and what friction on tools takes.
+        """
+        on_nodes, plastic, friction = (float(w) for w in self.state.work)
+        external = on_nodes + friction
         elastic = elastic_energy(self.model, self.state)
         largest = max(abs(external), 1e-300)
         return {
             "external_work": external,
             "elastic_energy": elastic,
             "plastic_work": plastic,
-            "error_percent": 100.0 * (external - elastic - plastic) / largest,
+            "friction_work": friction,
+            "error_percent": 100.0 * (external - elastic - plastic - friction) / largest,
         }

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.model import FloatArray, Model, Tool
+from presswork.model import FloatArray, Model, Tool, ToolMotion
 from presswork.procedure.implicit import ImplicitProcedure
 
 
@@ -16,7 +16,7 @@ class ToolQuantities:
     """Of one tool, the whole of it: with its mirror image in plane strain, the whole ring in axisymmetry."""
 
     stroke: float
-    """Displacement along its first motion, or along which its spring yields [mm]."""
+    """Displacement along its first motion; of a tool on a spring how far it has given way [mm]."""
     force: float
     """Against its first motion [N]: positive when the workpiece resists; on a spring, what presses the spring; of a
     tool that does neither, the vector's length."""
@@ -25,7 +25,8 @@ class ToolQuantities:
     angle: float
     """Turned since the start [rad]."""
     torque: float
-    """Of the workpiece on the tool about its centre, against its turning: positive when it must be driven [N mm]."""
+    """Of the workpiece on the tool about its centre, against its turning in this stage, so positive when it must be
+    driven; clockwise where it does not turn [N mm]."""
 
 
 def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQuantities]:
@@ -40,17 +41,15 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
             if tool.mirrored_across[normal]:
                 vector[normal] = 0.0
                 vector[1 - normal] *= 2.0
-        way = find_way(procedure.model, tool)
-        if way is not None:
-            stroke, force = float(state.tool_displacement[t] @ way), -float(vector @ way)
-        elif tool.spring is not None:
+        if tool.spring is not None:
             direction = np.asarray(tool.spring.direction)
-            stroke, force = float(state.tool_displacement[t] @ direction), float(vector @ direction)
+            stroke, force = float(state.tool_travel[t] @ direction), float(vector @ direction)
+        elif (way := find_way(procedure.model, tool)) is not None:
+            stroke, force = float(state.tool_displacement[t] @ way), -float(vector @ way)
         else:
             stroke, force = 0.0, float(np.linalg.norm(vector))
-        motions = [s.tool_motion[tool.name] for s in procedure.model.stages if tool.name in s.tool_motion]
-        sense = np.sign(sum(m.turn for m in motions))
-        torque = -float(torques[t]) * (float(sense) or 1.0)
+        motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
+        torque = -float(torques[t]) * (-1.0 if motion.turn < 0 else 1.0)
         quantities[tool.name] = ToolQuantities(stroke, force, vector, float(state.tool_angle[t]), torque)
     return quantities
 

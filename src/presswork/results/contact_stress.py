@@ -21,7 +21,7 @@ from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.state import ContactArray
 
 _NO_SHARE = 1e-9
-_RULES = {2: np.polynomial.legendre.leggauss(2), 3: np.polynomial.legendre.leggauss(12)}
+EDGE_RULES = {2: np.polynomial.legendre.leggauss(2), 3: np.polynomial.legendre.leggauss(12)}
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def shares_by_edge(model: Model, points: FloatArray, edges: IntArray) -> FloatAr
     """
     n_nodes = edges.shape[1]
     x = points[edges]
-    s, weight = _RULES[n_nodes]
+    s, weight = EDGE_RULES[n_nodes]
     N, dN = (np.array(values) for values in zip(*(edge_shape_functions(n_nodes, at) for at in s), strict=True))
     area = weight * np.linalg.norm(np.einsum("sa,eai->esi", dN, x), axis=2)
     area *= 2 * np.pi * (x[:, :, 0] @ N.T) if model.analysis == "axisymmetric" else model.depth
