@@ -97,14 +97,27 @@ class Hardening:
 
 
 @dataclass(frozen=True)
+class YieldFunction:
+    """Anisotropic yield function of a sheet; see docs/theory/sheet_material.md for the formulas."""
+
+    law: Literal["hill1948", "barlat1989", "yld2000"]
+    parameters: tuple[float, ...]
+    """hill1948: F, G, H, L, M, N; barlat1989: a, c, h, p; yld2000: alpha 1 to 8."""
+    exponent: int = 2
+    """6 or 8 of barlat1989 and yld2000."""
+
+
+@dataclass(frozen=True)
 class Material:
-    """Isotropic elasticity with von Mises plasticity."""
+    """Isotropic elasticity with von Mises plasticity, or, in a shell, with a yield function of its own."""
 
     name: str
     young: float
     """Young's modulus [MPa]."""
     poisson: float
     hardening: Hardening
+    yield_function: YieldFunction | None = None
+    """Of a shell, x along the rolling direction; None is von Mises."""
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 from problems import linear_hardening
 from shell_problems import RX, RY, RZ, X, Y, Z, fixing, patch, run, shell_model
 
+from presswork import case
+from presswork.case.shell_builder import build_yield_function
 from presswork.model import EdgeForce, Material, Mesh, PrescribedDisplacement, Stage
 from presswork.procedure.implicit import ImplicitProcedure
 
@@ -162,8 +165,6 @@ def test_volume_is_kept_by_plastic_flow() -> None:
 
 def test_a_sheet_pulled_in_a_turned_direction_gives_the_same() -> None:
     """Its edge pulled and sheared, a sheet that lies flat and one that stands askew in space thin alike."""
-    from dataclasses import replace
-
     from scipy.spatial.transform import Rotation
 
     flat = square()
@@ -193,3 +194,32 @@ def test_bending_moment_by_edge_load_and_release_agree_with_turning() -> None:
     curvatures = np.linspace(1, 4, 2000) * 2 * YIELD / (YOUNG * THICKNESS)
     curvature = np.interp(1.3 * first, [moment_of(k) for k in curvatures], curvatures)
     assert kept == pytest.approx(curvature - 1.3 * first / (YOUNG * INERTIA), rel=0.02)
+
+
+def r_value(along: int, law: str) -> float:
+    """Width strain over thickness strain, plastic, of a distorted mesh pulled along x (0) or y (1) by 20 %."""
+    r00, r45, r90 = 1.79, 1.51, 2.27
+    given = {"law": law, "r00": r00, "r45": r45, "r90": r90, **({} if law == "hill1948" else {"exponent": 6})}
+    material = case.ShellMaterial.model_validate(
+        {"young": YOUNG, "poisson": 0.3, "yield_function": given,
+         "hardening": {"law": "linear", "yield_stress": YIELD, "modulus": MODULUS}})  # fmt: skip
+    sheet = replace(steel(0.3), yield_function=build_yield_function(material.yield_function))
+    mesh = square()
+    move = PrescribedDisplacement(("right", "top")[along], (X, Y)[along], 0.8)
+    held = [FLAT, ("left", fixing(X)), ("bottom", fixing(Y))]
+    procedure = run(shell_model(mesh, sheet, held, stages=[Stage("pull", prescribed=(move,))], initial_increment=0.02,
+                                max_increment=0.1, force_tolerance=1e-8))  # fmt: skip
+    fields = procedure.mechanics.cell_fields(procedure.state)
+    stress = fields["effective_stress"].mean()
+    elastic = -0.3 * fields["lamina_stress_middle"][:, along] / YOUNG
+    assert stress > YIELD
+    ratio = (fields["minor_strain_middle"] - elastic) / (fields["thickness_strain"] - elastic)
+    np.testing.assert_allclose(ratio, ratio.mean(), rtol=1e-5)
+    return float(ratio.mean())
+
+
+@pytest.mark.parametrize("law", ["hill1948", "barlat1989"])
+def test_r_values_of_anisotropic_sheets(law) -> None:
+    """Tension along and across the rolling direction thins the sheet by the r-values that its material is made from."""
+    assert r_value(0, law) == pytest.approx(1.79, rel=1e-3)
+    assert r_value(1, law) == pytest.approx(2.27, rel=1e-3)

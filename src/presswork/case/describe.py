@@ -75,7 +75,8 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
 
 def _describe_material(material: model.Material) -> str:
     return (
-        f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}, von Mises, "
+        f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}, "
+        f"{material.yield_function.law if material.yield_function else 'von Mises'}, "
         f"{_describe_hardening(material.hardening)}"
     )
 

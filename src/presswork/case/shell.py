@@ -28,6 +28,7 @@ from presswork.case.units import (
     fault,
 )
 from presswork.case.workpiece import MeshFile, Rectangle
+from presswork.case.yield_function import VonMisesYield, YieldFunction
 
 Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
 FREEDOMS: tuple[Freedom, ...] = ("x", "y", "z", "rx", "ry", "rz")
@@ -84,6 +85,12 @@ class ShellWorkpiece(Part):
     mesh: Annotated[ShellRectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
         description="the mesh of the mid-surface"
     )
+
+
+class ShellMaterial(schema.Material):
+    """Isotropic elasticity with plasticity of a sheet; x, laid into the sheet, is the rolling direction."""
+
+    yield_function: YieldFunction = Field(default=VonMisesYield(), description="yield function; without it: von Mises")
 
 
 class ShellBoundary(Part):
@@ -173,7 +180,7 @@ class ShellCase(Part):
     title: str = Field(description="what the case shows, in one line")
     analysis: Literal["shell"] = Field(description="shell")
     workpiece: ShellWorkpiece = Field(description="the sheet that is formed")
-    materials: dict[str, schema.Material] = Field(min_length=1, description="materials by name")
+    materials: dict[str, ShellMaterial] = Field(min_length=1, description="materials by name")
     boundary: dict[str, ShellBoundary] = Field(default={}, description="supports and symmetry planes by name")
     stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")

@@ -15,6 +15,7 @@ from presswork.case.settings import build_output, build_solver
 from presswork.case.shell import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile
+from presswork.case.yield_function import Barlat1989, Hill1948, VonMisesYield, YieldFunction
 from presswork.mesh import MeshError
 from presswork.mesh.shells import mesh_shell_rectangle, read_shell_mesh
 
@@ -33,7 +34,13 @@ def build_shell_model(case: ShellCase) -> model.Model:
         depth=1.0,
         mesh=mesh,
         materials=tuple(
-            model.Material(name, material.young, material.poisson, build_hardening(material.hardening))
+            model.Material(
+                name,
+                material.young,
+                material.poisson,
+                build_hardening(material.hardening),
+                build_yield_function(material.yield_function),
+            )
             for name, material in case.materials.items()
         ),
         tools=(),
@@ -126,6 +133,17 @@ def _build_mesh(case: ShellCase) -> model.Mesh:
     for note in notes:
         logger.warning("workpiece.mesh.path = %s: %s", piece.mesh.path, note)
     return mesh
+
+
+def build_yield_function(chosen: YieldFunction) -> model.YieldFunction | None:
+    """Return the Model's yield function; None for von Mises."""
+    if isinstance(chosen, VonMisesYield):
+        return None
+    if isinstance(chosen, Hill1948):
+        return model.YieldFunction("hill1948", chosen.hill_parameters())
+    if isinstance(chosen, Barlat1989):
+        return model.YieldFunction("barlat1989", chosen.coefficients(), chosen.exponent)
+    return model.YieldFunction("yld2000", tuple(chosen.alpha), chosen.exponent)
 
 
 def _build_stage(stage: ShellStage) -> model.Stage:

@@ -54,6 +54,18 @@ def test_model_holds_what_the_case_says() -> None:
         assert fragment in words
 
 
+def test_a_material_has_its_yield_function() -> None:
+    data = case()
+    data["materials"]["steel"]["yield_function"] = {"law": "hill1948", "r00": 1.79, "r45": 1.51, "r90": 2.27}
+    model = build_model(ShellCase.model_validate(data))
+    chosen = model.materials[0].yield_function
+    assert chosen is not None
+    assert chosen.law == "hill1948"
+    assert chosen.parameters[1] + chosen.parameters[2] == pytest.approx(1.0), "G + H of Hill's function"
+    assert "hill1948" in describe(model)
+    assert build_model(ShellCase.model_validate(case())).materials[0].yield_function is None
+
+
 def test_a_rolled_rectangle_lies_on_its_cylinder() -> None:
     data = case()
     data["workpiece"]["mesh"] = {"size": [10, 6], "cells": [4, 6], "roll_radius": 5}
