@@ -19,13 +19,14 @@ pytestmark = pytest.mark.validation
 
 
 def test_pinched_cylinder_with_diaphragms() -> None:
-    """Between 10 and 25 % of the load it snaps through wrinkles, where meshes differ; beyond them they agree again."""
+    """It snaps through several wrinkles on the way; the same displacements pass where the table has its points."""
     mesh = cylinder(100.0, 100.0, 1.0, (40, 40))
     held = [("left", symmetry(Y)), ("right", fixing(X, Z)), ("bottom", symmetry(X)), ("top", symmetry(Z))]
     model = shell_model(mesh, elastic(3e4, 0.3), held, forces=[("bottom_left", (0, 0, -3000.0))],
                         initial_increment=0.025, max_increment=0.025)  # fmt: skip
     found, _ = follow(model, [("bottom_left", Z), ("top_left", X)])
-    assert deviation(found, "pinched_cylinder_diaphragms", [1, 2], least=0.3) < 0.015
+    assert deviation(found, "pinched_cylinder_diaphragms", [1]) < 0.012
+    assert deviation(found[:, [0, 2]], "pinched_cylinder_diaphragms", [2]) < 0.03
 
 
 def test_pinched_semi_cylinder() -> None:
