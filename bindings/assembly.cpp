@@ -12,10 +12,11 @@ std::vector<const double*> pointers(const std::vector<Doubles>& arrays) {
   return result;
 }
 
-}  // namespace
-
-void bind_assembly(nb::module_& m) {
-  nb::class_<Assembler>(m, "Assembler", "Sparsity pattern and scatter of element arrays, two freedoms a node.")
+template <int D>
+void bind_assembler(nb::module_& m, const char* name, const char* doc) {
+  using Assembler = presswork::Assembler<D>;
+  constexpr std::size_t frame_values = Assembler::frame_size * Assembler::frame_size;
+  nb::class_<Assembler>(m, name, doc)
       .def(
           "__init__",
           [](Assembler* self, int n_nodes, const std::vector<Ints>& connectivity, bool symmetric,
@@ -43,8 +44,8 @@ void bind_assembly(nb::module_& m) {
           "assemble_matrix",
           [](const Assembler& a, const std::vector<Doubles>& stiffness, Bytes turned, Doubles frames,
              MutableDoubles data) {
-            require(turned.size() == std::size_t(a.n_nodes()) && frames.size() == 4 * turned.size(),
-                    "turned (n_nodes) and frames (n_nodes, 2, 2)");
+            require(turned.size() == std::size_t(a.n_nodes()) && frames.size() == frame_values * turned.size(),
+                    "turned (n_nodes) and frames (n_nodes, F, F), F = 2 or, with six freedoms a node, 3");
             require(data.size() == a.indices().size(), "data must have the length of indices");
             const auto sources = pointers(stiffness);
             nb::gil_scoped_release release;
@@ -55,31 +56,38 @@ void bind_assembly(nb::module_& m) {
       .def(
           "add_blocks",
           [](const Assembler& a, Ints pairs, Doubles blocks, Bytes turned, Doubles frames, MutableDoubles data) {
-            require(blocks.size() == 2 * pairs.size(), "pairs (n, 2) and blocks (n, 2, 2)");
+            require(2 * blocks.size() == D * D * pairs.size(), "pairs (n, 2) and blocks (n, D, D)");
             a.add_blocks(static_cast<int>(pairs.shape(0)), pairs.data(), blocks.data(), turned.data(), frames.data(),
                          data.data());
           },
           nb::arg("pairs"), nb::arg("blocks"), nb::arg("turned"), nb::arg("frames"), nb::arg("data"),
-          "Add 2x2 blocks at node pairs.")
+          "Add blocks (n, D, D) at node pairs (n, 2).")
       .def(
           "assemble_vector",
           [](const Assembler& a, const std::vector<Doubles>& element_force) {
             double* force;
-            auto result = new_array({static_cast<std::size_t>(a.n_nodes()), 2}, &force);
+            auto result = new_array({static_cast<std::size_t>(a.n_nodes()), D}, &force);
             a.assemble_vector(pointers(element_force), force);
             return result;
           },
-          nb::arg("element_force"), "Nodal force (n_nodes, 2) of packed element forces.")
+          nb::arg("element_force"), "Nodal force (n_nodes, D) of packed element forces.")
       .def(
           "constrain",
           [](const Assembler& a, Bytes mask, Doubles value, double scale, MutableDoubles data, MutableDoubles rhs) {
-            const std::size_t n = 2 * static_cast<std::size_t>(a.n_nodes());
-            require(mask.size() == n && value.size() == n && rhs.size() == n, "mask, value, rhs: length 2 n_nodes");
+            const std::size_t n = D * static_cast<std::size_t>(a.n_nodes());
+            require(mask.size() == n && value.size() == n && rhs.size() == n, "mask, value, rhs: length D n_nodes");
             nb::gil_scoped_release release;
             a.constrain(mask.data(), value.data(), scale, data.data(), rhs.data());
           },
           nb::arg("mask"), nb::arg("value"), nb::arg("scale"), nb::arg("data"), nb::arg("rhs"),
           "Prescribe the masked freedoms in the matrix and the right-hand side.");
+}
+
+}  // namespace
+
+void bind_assembly(nb::module_& m) {
+  bind_assembler<2>(m, "Assembler", "Sparsity pattern and scatter of element arrays, two freedoms a node.");
+  bind_assembler<6>(m, "ShellAssembler", "The same with six freedoms a node, rotations in the nodes' frames.");
 }
 
 }  // namespace presswork::bindings

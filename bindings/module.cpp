@@ -10,6 +10,7 @@ void bind_kinematics(nb::module_& m);
 void bind_material(nb::module_& m);
 void bind_anisotropic(nb::module_& m);
 void bind_element(nb::module_& m);
+void bind_shell(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_assembly(nb::module_& m);
 }  // namespace presswork::bindings
@@ -24,6 +25,7 @@ NB_MODULE(_core, m) {
   bind_material(m);
   bind_anisotropic(m);
   bind_element(m);
+  bind_shell(m);
   bind_contact(m);
   bind_assembly(m);
 }

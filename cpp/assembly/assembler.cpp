@@ -17,7 +17,7 @@ std::int64_t packed_index(int cell, int freedoms, int row, int column) {
 }
 
 // Q K Q^T of a 2x2 block, with the frame of its row on the left and of its column on the right.
-void turn_block(const double* row_frame, const double* column_frame, double k[4]) {
+void turn_block(const double* row_frame, const double* column_frame, double (&k)[4]) {
   if (row_frame) {
     const double* q = row_frame;
     const double a = q[0] * k[0] + q[1] * k[2], b = q[0] * k[1] + q[1] * k[3];
@@ -32,21 +32,39 @@ void turn_block(const double* row_frame, const double* column_frame, double k[4]
   }
 }
 
+// The same of a 6x6 block whose last three rows and columns are taken in the frames.
+void turn_block(const double* row_frame, const double* column_frame, double (&k)[36]) {
+  for (int c = 0; row_frame && c < 6; ++c) {
+    const double old[3] = {k[18 + c], k[24 + c], k[30 + c]};
+    for (int i = 0; i < 3; ++i)
+      k[18 + 6 * i + c] = row_frame[3 * i] * old[0] + row_frame[3 * i + 1] * old[1] + row_frame[3 * i + 2] * old[2];
+  }
+  for (int r = 0; column_frame && r < 6; ++r) {
+    const double old[3] = {k[6 * r + 3], k[6 * r + 4], k[6 * r + 5]};
+    for (int i = 0; i < 3; ++i)
+      k[6 * r + 3 + i] =
+          column_frame[3 * i] * old[0] + column_frame[3 * i + 1] * old[1] + column_frame[3 * i + 2] * old[2];
+  }
+}
+
+template <int F>
 const double* frame_of(int node, const std::uint8_t* turned, const double* frames) {
-  return turned[node] ? frames + 4 * static_cast<std::int64_t>(node) : nullptr;
+  return turned[node] ? frames + F * F * static_cast<std::int64_t>(node) : nullptr;
 }
 
 }  // namespace
 
-Assembler::Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric, int n_couplings,
-                     const int* couplings)
+template <int D>
+Assembler<D>::Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric, int n_couplings,
+                        const int* couplings)
     : n_nodes_(n_nodes), symmetric_(symmetric) {
   build_pairs(blocks, n_couplings, couplings);
   build_csr();
   for (const auto& block : blocks) build_sources(block);
 }
 
-void Assembler::build_pairs(const std::vector<BlockConnectivity>& blocks, int n_couplings, const int* couplings) {
+template <int D>
+void Assembler<D>::build_pairs(const std::vector<BlockConnectivity>& blocks, int n_couplings, const int* couplings) {
   std::vector<std::vector<int>> columns(n_nodes_);
   for (int i = 0; i < n_nodes_; ++i) columns[i].push_back(i);
   for (const auto& block : blocks)
@@ -72,37 +90,39 @@ void Assembler::build_pairs(const std::vector<BlockConnectivity>& blocks, int n_
   for (const auto& c : columns) pair_column_.insert(pair_column_.end(), c.begin(), c.end());
 }
 
-void Assembler::build_csr() {
-  indptr_.assign(2 * n_nodes_ + 1, 0);
+template <int D>
+void Assembler<D>::build_csr() {
+  indptr_.assign(D * n_nodes_ + 1, 0);
   for (int i = 0; i < n_nodes_; ++i) {
     const int pairs = static_cast<int>(pair_start_[i + 1] - pair_start_[i]);
-    indptr_[2 * i + 1] = indptr_[2 * i] + 2 * pairs;
-    indptr_[2 * i + 2] = indptr_[2 * i + 1] + 2 * pairs - (symmetric_ ? 1 : 0);
+    for (int r = 0; r < D; ++r) indptr_[D * i + r + 1] = indptr_[D * i + r] + D * pairs - (symmetric_ ? r : 0);
   }
   indices_.resize(indptr_.back());
   for (int i = 0; i < n_nodes_; ++i)
-    for (int r = 0; r < 2; ++r) {
-      int at = indptr_[2 * i + r];
+    for (int r = 0; r < D; ++r) {
+      int at = indptr_[D * i + r];
       for (auto p = pair_start_[i]; p < pair_start_[i + 1]; ++p)
-        for (int c = 0; c < 2; ++c)
-          if (!(symmetric_ && pair_column_[p] == i && c < r)) indices_[at++] = 2 * pair_column_[p] + c;
+        for (int c = 0; c < D; ++c)
+          if (!(symmetric_ && pair_column_[p] == i && c < r)) indices_[at++] = D * pair_column_[p] + c;
     }
 }
 
-std::int64_t Assembler::find_pair(int row, int column) const {
+template <int D>
+std::int64_t Assembler<D>::find_pair(int row, int column) const {
   const auto first = pair_column_.begin() + pair_start_[row], last = pair_column_.begin() + pair_start_[row + 1];
   const auto it = std::lower_bound(first, last, column);
   return it != last && *it == column ? it - pair_column_.begin() : -1;
 }
 
-void Assembler::build_sources(const BlockConnectivity& block) {
-  if (packed_index(block.n_cells, 2 * block.nodes, 0, 0) > UINT32_MAX)
+template <int D>
+void Assembler<D>::build_sources(const BlockConnectivity& block) {
+  if (packed_index(block.n_cells, D * block.nodes, 0, 0) > UINT32_MAX)
     throw std::length_error("a block of cells is too large for 32-bit offsets: split it");
-  const int n = block.nodes, freedoms = 2 * n;
+  const int n = block.nodes, cell_freedoms = D * n;
   const std::int64_t n_pairs = pair_start_[n_nodes_], per_cell = static_cast<std::int64_t>(n) * n;
   std::vector<std::int64_t> pair_of(block.n_cells * per_cell, -1);
   PairSources pairs;
-  pairs.freedoms = freedoms;
+  pairs.freedoms = cell_freedoms;
   pairs.start.assign(n_pairs + 1, 0);
   NodeSources nodes;
   nodes.start.assign(n_nodes_ + 1, 0);
@@ -127,10 +147,11 @@ void Assembler::build_sources(const BlockConnectivity& block) {
   for (int e = 0; e < block.n_cells; ++e) {
     const int* cell = block.connectivity + static_cast<std::int64_t>(e) * n;
     for (int a = 0; a < n; ++a) {
-      nodes.source[node_fill[cell[a]]++] = (e / pack_width * freedoms + 2 * a) * pack_width + e % pack_width;
+      nodes.source[node_fill[cell[a]]++] = (e / pack_width * cell_freedoms + D * a) * pack_width + e % pack_width;
       for (int b = 0; b < n; ++b) {
         const auto p = pair_of[e * per_cell + a * n + b];
-        if (p >= 0) pairs.source[pair_fill[p]++] = static_cast<std::uint32_t>(packed_index(e, freedoms, 2 * a, 2 * b));
+        if (p >= 0)
+          pairs.source[pair_fill[p]++] = static_cast<std::uint32_t>(packed_index(e, cell_freedoms, D * a, D * b));
       }
     }
   }
@@ -138,76 +159,75 @@ void Assembler::build_sources(const BlockConnectivity& block) {
   node_sources_.push_back(std::move(nodes));
 }
 
-void Assembler::store_pair(std::int64_t pair, int row, int column, const double k[4], double* data, bool add) const {
-  const std::int64_t offset = 2 * (pair - pair_start_[row]);
-  auto put = [&](std::int64_t at, double value) { data[at] = add ? data[at] + value : value; };
-  put(indptr_[2 * row] + offset, k[0]);
-  put(indptr_[2 * row] + offset + 1, k[1]);
-  if (!symmetric_) {
-    put(indptr_[2 * row + 1] + offset, k[2]);
-    put(indptr_[2 * row + 1] + offset + 1, k[3]);
-  } else {  // the second row has lost its first entry
-    if (column != row) put(indptr_[2 * row + 1] + offset - 1, k[2]);
-    put(indptr_[2 * row + 1] + offset, k[3]);
+template <int D>
+void Assembler<D>::store_pair(std::int64_t pair, int row, int column, const double k[D * D], double* data,
+                              bool add) const {
+  const std::int64_t offset = D * (pair - pair_start_[row]);
+  for (int r = 0; r < D; ++r) {
+    // rows of a symmetric matrix lose what is left of the diagonal: r entries of the first pair
+    const int lost = symmetric_ ? r : 0;
+    double* at = data + indptr_[D * row + r] + offset - lost;
+    for (int c = column == row ? lost : 0; c < D; ++c) at[c] = add ? at[c] + k[D * r + c] : k[D * r + c];
   }
 }
 
-void Assembler::assemble_matrix(const std::vector<const double*>& stiffness, const std::uint8_t* turned,
-                                const double* frames, double* data) const {
+template <int D>
+void Assembler<D>::assemble_matrix(const std::vector<const double*>& stiffness, const std::uint8_t* turned,
+                                   const double* frames, double* data) const {
 #pragma omp parallel for schedule(static)
   for (int row = 0; row < n_nodes_; ++row)
     for (auto p = pair_start_[row]; p < pair_start_[row + 1]; ++p) {
-      double k[4] = {0, 0, 0, 0};
+      double k[D * D] = {};
       for (std::size_t block = 0; block < stiffness.size(); ++block) {
         const auto& sources = pair_sources_[block];
         const std::int64_t next_row = static_cast<std::int64_t>(sources.freedoms) * pack_width;
         for (auto s = sources.start[p]; s < sources.start[p + 1]; ++s) {
           const double* entry = stiffness[block] + sources.source[s];
-          k[0] += entry[0];
-          k[1] += entry[pack_width];
-          k[2] += entry[next_row];
-          k[3] += entry[next_row + pack_width];
+          for (int r = 0; r < D; ++r)
+            for (int c = 0; c < D; ++c) k[D * r + c] += entry[r * next_row + c * pack_width];
         }
       }
       const int column = pair_column_[p];
-      turn_block(frame_of(row, turned, frames), frame_of(column, turned, frames), k);
+      turn_block(frame_of<frame_size>(row, turned, frames), frame_of<frame_size>(column, turned, frames), k);
       store_pair(p, row, column, k, data, false);
     }
 }
 
-void Assembler::add_blocks(int n, const int* pairs, const double* blocks, const std::uint8_t* turned,
-                           const double* frames, double* data) const {
+template <int D>
+void Assembler<D>::add_blocks(int n, const int* pairs, const double* blocks, const std::uint8_t* turned,
+                              const double* frames, double* data) const {
   for (int i = 0; i < n; ++i) {
     const int row = pairs[2 * i], column = pairs[2 * i + 1];
     if (symmetric_ && column < row) continue;
     const auto p = find_pair(row, column);
     if (p < 0) continue;
-    double k[4] = {blocks[4 * i], blocks[4 * i + 1], blocks[4 * i + 2], blocks[4 * i + 3]};
-    turn_block(frame_of(row, turned, frames), frame_of(column, turned, frames), k);
+    double k[D * D];
+    std::copy_n(blocks + static_cast<std::int64_t>(D * D) * i, D * D, k);
+    turn_block(frame_of<frame_size>(row, turned, frames), frame_of<frame_size>(column, turned, frames), k);
     store_pair(p, row, column, k, data, true);
   }
 }
 
-void Assembler::assemble_vector(const std::vector<const double*>& element_force, double* force) const {
+template <int D>
+void Assembler<D>::assemble_vector(const std::vector<const double*>& element_force, double* force) const {
 #pragma omp parallel for schedule(static) if (n_nodes_ > 5000)
   for (int node = 0; node < n_nodes_; ++node) {
-    double fx = 0, fy = 0;
+    double f[D] = {};
     for (std::size_t block = 0; block < element_force.size(); ++block) {
       const auto& sources = node_sources_[block];
       for (auto s = sources.start[node]; s < sources.start[node + 1]; ++s) {
         const double* entry = element_force[block] + sources.source[s];
-        fx += entry[0];
-        fy += entry[pack_width];
+        for (int i = 0; i < D; ++i) f[i] += entry[i * pack_width];
       }
     }
-    force[2 * node] = fx;
-    force[2 * node + 1] = fy;
+    std::copy_n(f, D, force + static_cast<std::int64_t>(D) * node);
   }
 }
 
-void Assembler::constrain(const std::uint8_t* mask, const double* value, double scale, double* data,
-                          double* rhs) const {
-  const int n = 2 * n_nodes_;
+template <int D>
+void Assembler<D>::constrain(const std::uint8_t* mask, const double* value, double scale, double* data,
+                             double* rhs) const {
+  const int n = D * n_nodes_;
   // columns of prescribed freedoms leave the free rows
 #pragma omp parallel for schedule(static) if (n_nodes_ > 5000)
   for (int row = 0; row < n; ++row) {
@@ -230,5 +250,8 @@ void Assembler::constrain(const std::uint8_t* mask, const double* value, double 
     rhs[row] = scale * value[row];
   }
 }
+
+template class Assembler<2>;
+template class Assembler<6>;
 
 }  // namespace presswork

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sparsity pattern and scatter, two freedoms a node.
+// Sparsity pattern and scatter, D freedoms a node: 2 for solids in the plane, 6 for shells.
 //
-// Element arrays are gathered, not scattered: every 2x2 node pair of the global matrix knows which element entries add
+// Element arrays are gathered, not scattered: every DxD node pair of the global matrix knows which element entries add
 // up to it, in a fixed order, so that rows can be filled by any number of threads with the same bits. Symmetric
 // patterns store the upper triangle only.
 #pragma once
@@ -17,8 +17,13 @@ struct BlockConnectivity {
   const int* connectivity;  // (n_cells, nodes)
 };
 
+// A node may take its last F = min(D, 3) freedoms in a frame of its own: the displacement of a solid, the rotation of a
+// shell.
+template <int D>
 class Assembler {
  public:
+  static constexpr int freedoms = D, frame_size = D == 6 ? 3 : D;
+
   // couplings: further node pairs (n_couplings, 2) that the pattern must hold, in either order.
   Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric, int n_couplings = 0,
             const int* couplings = nullptr);
@@ -29,15 +34,15 @@ class Assembler {
   const std::vector<int>& indices() const { return indices_; }
 
   // Fill data (nnz) from the element stiffnesses of each block. turned[i] marks nodes whose freedoms are taken in their
-  // own frame: frames (n_nodes, 2, 2), rows are the local axes.
+  // own frame: frames (n_nodes, F, F), rows are the local axes.
   void assemble_matrix(const std::vector<const double*>& stiffness, const std::uint8_t* turned, const double* frames,
                        double* data) const;
 
-  // Add 2x2 blocks (n, 2, 2) at node pairs (n, 2) that the pattern holds; below the diagonal is left out if symmetric.
+  // Add DxD blocks (n, D, D) at node pairs (n, 2) that the pattern holds; below the diagonal is left out if symmetric.
   void add_blocks(int n, const int* pairs, const double* blocks, const std::uint8_t* turned, const double* frames,
                   double* data) const;
 
-  // force (n_nodes, 2) from the element forces of each block.
+  // force (n_nodes, D) from the element forces of each block.
   void assemble_vector(const std::vector<const double*>& element_force, double* force) const;
 
   // Prescribe the freedoms of mask: rhs loses the columns times value, rows and columns become `scale` on the diagonal,
@@ -48,7 +53,7 @@ class Assembler {
   struct PairSources {  // per node pair, the element entries that add up to it
     int freedoms = 0;
     std::vector<std::int64_t> start;    // (n_pairs + 1)
-    std::vector<std::uint32_t> source;  // offset of entry (2a, 2b) in the packed array
+    std::vector<std::uint32_t> source;  // offset of entry (D a, D b) in the packed array
   };
   struct NodeSources {
     std::vector<std::int64_t> start;
@@ -59,7 +64,7 @@ class Assembler {
   void build_csr();
   void build_sources(const BlockConnectivity& block);
   std::int64_t find_pair(int row, int column) const;
-  void store_pair(std::int64_t pair, int row, int column, const double k[4], double* data, bool add) const;
+  void store_pair(std::int64_t pair, int row, int column, const double k[D * D], double* data, bool add) const;
 
   int n_nodes_;
   bool symmetric_;
@@ -69,5 +74,8 @@ class Assembler {
   std::vector<PairSources> pair_sources_;
   std::vector<NodeSources> node_sources_;
 };
+
+extern template class Assembler<2>;
+extern template class Assembler<6>;
 
 }  // namespace presswork

@@ -101,7 +101,7 @@ std::array<QuadraturePoint, n * n> gauss_square() {
 
 template <int n>
 std::array<QuadraturePoint, n> triangle_rule() {
-  static_assert(n == 1 || n == 6 || n == 7);
+  static_assert(n == 1 || n == 3 || n == 6 || n == 7);
   std::array<QuadraturePoint, n> rule{};
   int k = 0;
   auto orbit = [&](double a, double weight) {  // the three points (a, a), (1-2a, a), (a, 1-2a)
@@ -111,6 +111,8 @@ std::array<QuadraturePoint, n> triangle_rule() {
   };
   if constexpr (n == 1) {
     rule[0] = {1.0 / 3, 1.0 / 3, 0.5};
+  } else if constexpr (n == 3) {  // degree 2
+    orbit(1.0 / 6, 1.0 / 3);
   } else if constexpr (n == 6) {  // degree 4
     orbit(0.44594849091596488632, 0.22338158967801146570);
     orbit(0.09157621350977074346, 0.10995174365532186764);

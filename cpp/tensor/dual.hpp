@@ -76,6 +76,10 @@ Dual<S, N> square_root(const Dual<S, N>& a) {
   return a.chain(root, S(0.5) / larger(root, S(1e-300)));
 }
 template <class S, int N>
+Dual<S, N> logarithm_one_plus(const Dual<S, N>& a) {
+  return a.chain(logarithm_one_plus(a.value), S(1.0) / (S(1.0) + a.value));
+}
+template <class S, int N>
 Dual<S, N> exponential(const Dual<S, N>& a) {
   S e = exponential(a.value);
   return a.chain(e, e);

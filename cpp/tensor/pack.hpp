@@ -76,6 +76,7 @@ Pack map_lanes(Pack a, F f) {
 
 inline double square_root(double a) { return std::sqrt(a); }
 inline double logarithm(double a) { return std::log(a); }
+inline double logarithm_one_plus(double a) { return std::log1p(a); }
 inline double exponential(double a) { return std::exp(a); }
 inline double power(double a, double b) { return std::pow(a, b); }
 
@@ -105,6 +106,9 @@ inline Pack logarithm(Pack a) {
                                       2.0 / 11, 2.0 / 9,  2.0 / 7,  2.0 / 5,  2.0 / 3};
   Pack rest = s * s2 * polynomial(s2, series);
   return e * Pack(6.93147180369123816490e-01) + (e * Pack(1.90821492927058770002e-10) + rest + (s + s));
+}
+inline Pack logarithm_one_plus(Pack a) {
+  return map_lanes(a, [](double x) { return std::log1p(x); });
 }
 
 // e^x of all lanes at once: x = n ln 2 + r, |r| <= ln(2)/2, e^r by its series, 2^n by the exponent's bits.

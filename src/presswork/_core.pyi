@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy
 from numpy.typing import NDArray
 
+
 pack_width: int = 8
 
 def set_threads(n: int) -> None:
@@ -26,9 +27,7 @@ class StrainMeasure(enum.Enum):
 
     small = 3
 
-def measure_increments(
-    F: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], measure: StrainMeasure
-) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+def measure_increments(F: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], measure: StrainMeasure) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
     Strain (n, 4: xx, yy, zz, xy), rotation (n, 2: cosine, sine) and d strain / d l* (n, 4, 5) of increments F (n, 5).
     """
@@ -77,28 +76,12 @@ class Modulus(enum.Enum):
 class VonMises:
     """Isotropic elasticity with von Mises plasticity; stresses in MPa."""
 
-    def __init__(
-        self,
-        young: float,
-        poisson: float,
-        hardening: HardeningLaw,
-        parameters: Sequence[float],
-        *,
-        integrator: Integrator = Integrator.backward_euler,
-        substeps: int = 10,
-        modulus: Modulus = Modulus.consistent,
-    ) -> None: ...
-    def flow_stress(
-        self, eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
-    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def __init__(self, young: float, poisson: float, hardening: HardeningLaw, parameters: Sequence[float], *, integrator: Integrator = Integrator.backward_euler, substeps: int = 10, modulus: Modulus = Modulus.consistent) -> None: ...
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """Flow stress and its slope [MPa] at equivalent plastic strains (n)."""
 
-    def update(
-        self,
-        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Advance points by strain increments (n, 4); returns stress (n, 4), eqps (n) and tangent (n, 4, 4).
         """
@@ -218,57 +201,41 @@ class TangentKind(enum.Enum):
 class PointSettings:
     """Kinematics and tangent of an integration point."""
 
-    def __init__(
-        self,
-        *,
-        measure: StrainMeasure = StrainMeasure.log,
-        tangent: TangentKind = TangentKind.consistent,
-        green_lagrange_matrix: bool = False,
-        k_e: bool = True,
-        k_u: bool = True,
-        k_v: bool = False,
-    ) -> None: ...
+    def __init__(self, *, measure: StrainMeasure = StrainMeasure.log, tangent: TangentKind = TangentKind.consistent, green_lagrange_matrix: bool = False, k_e: bool = True, k_u: bool = True, k_v: bool = False) -> None: ...
 
 def element_sizes(element: str) -> tuple[int, int]:
     """Number of nodes and of integration points of an element."""
 
-def evaluate_block(
-    element: str,
-    connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    increment: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    law: VonMises,
-    settings: PointSettings,
-    *,
-    axisymmetric: bool,
-    depth: float,
-    hourglass_fraction: float,
-    stress_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    eqps_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    hourglass_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    hourglass: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    volume: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    force: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    stiffness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")] | None,
-    symmetric: bool = False,
-) -> int:
+def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False) -> int:
     """
     Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. Returns the index of a cell turned inside out, or -1.
     """
 
-def touch_profile(
-    segments: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-) -> tuple[
-    NDArray[numpy.float64],
-    NDArray[numpy.float64],
-    NDArray[numpy.float64],
-    NDArray[numpy.float64],
-    NDArray[numpy.int32],
-    NDArray[numpy.int32],
-]:
+class ShellFault(enum.Enum):
+    """Why a shell could not be evaluated."""
+
+    none = 0
+
+    inside_out = 1
+
+    turned_too_far = 2
+
+    law = 3
+
+def shell_sizes(element: str) -> tuple[int, int]:
+    """Number of nodes of a shell and of integration points in its plane."""
+
+def shell_shape(element: str) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Shape functions (q, nodes), their slopes (q, nodes, 2) and weights (q) at a shell's points, and the slopes at its nodes (nodes, nodes, 2).
+    """
+
+def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], director_of: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], director: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, *, dt: float, penalty: float, state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], state: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool) -> tuple[int, ShellFault]:
+    """
+    Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness (n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear (n_cells, q, 2)]. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and why.
+    """
+
+def touch_profile(segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.int32]]:
     """
     Gap (n) and normal (n, 2) of points to a tool profile, those of the second face where a point lies in an inner corner (infinite elsewhere), and the indices of the segments touched by the first and the second (-1: none).
     """
@@ -328,41 +295,12 @@ class InterfaceResult:
     def master_force(self) -> tuple[float, float]:
         """Of the slave on the master [N]."""
 
-def evaluate_interface(
-    slave: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    master: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    slots: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    x: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    x_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    *,
-    slave_depth: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    master_depth: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    held: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-    pressure: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    shear: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    slip: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    stiffness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    shear_limit: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    mu: float,
-    tangential_part: float,
-    reach: float,
-    touching: float,
-    largest_pressure: float,
-    thickness: float,
-    with_tangent: bool,
-) -> InterfaceResult:
+def evaluate_interface(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], slots: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], x_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, slave_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], master_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], held: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], pressure: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slip: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear_limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], mu: float, tangential_part: float, reach: float, touching: float, largest_pressure: float, thickness: float, with_tangent: bool) -> InterfaceResult:
     """
     Mortar contact of slave and master edges at positions x; see interface.hpp.
     """
 
-def find_edge_pairs(
-    slave: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    master: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    x: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    margin: float,
-    self: bool,
-) -> NDArray[numpy.int32]:
+def find_edge_pairs(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], margin: float, self: bool) -> NDArray[numpy.int32]:
     """
     Pairs of half-edges (n, 2) that may touch within the margin [mm], slave and master.
     """
@@ -370,49 +308,49 @@ def find_edge_pairs(
 class Assembler:
     """Sparsity pattern and scatter of element arrays, two freedoms a node."""
 
-    def __init__(
-        self,
-        n_nodes: int,
-        connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]],
-        symmetric: bool,
-        couplings: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)] | None = None,
-    ) -> None: ...
+    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
+
     @property
     def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
     @property
     def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-    def assemble_matrix(
-        self,
-        stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
-        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    ) -> None:
+
+    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
         """
         Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
         """
 
-    def add_blocks(
-        self,
-        pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-        blocks: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    ) -> None:
-        """Add 2x2 blocks at node pairs."""
+    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Add blocks (n, D, D) at node pairs (n, 2)."""
 
-    def assemble_vector(
-        self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
-    ) -> NDArray[numpy.float64]:
-        """Nodal force (n_nodes, 2) of packed element forces."""
+    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+        """Nodal force (n_nodes, D) of packed element forces."""
 
-    def constrain(
-        self,
-        mask: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-        value: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        scale: float,
-        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-        rhs: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    ) -> None:
+    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Prescribe the masked freedoms in the matrix and the right-hand side."""
+
+class ShellAssembler:
+    """The same with six freedoms a node, rotations in the nodes' frames."""
+
+    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
+
+    @property
+    def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
+    @property
+    def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
+    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """
+        Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
+        """
+
+    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Add blocks (n, D, D) at node pairs (n, 2)."""
+
+    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+        """Nodal force (n_nodes, D) of packed element forces."""
+
+    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
         """Prescribe the masked freedoms in the matrix and the right-hand side."""

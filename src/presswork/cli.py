@@ -13,8 +13,8 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from presswork import Case, CaseError, OutputError, Result, __version__, build_model
-from presswork.case import describe, json_schema
+from presswork import CaseError, OutputError, Result, __version__, build_model
+from presswork.case import describe, json_schema, read_case
 from presswork.examples import copy_example, list_examples
 from presswork.material.commands import add_commands as add_material_commands
 from presswork.model import Model
@@ -45,7 +45,7 @@ Settings = Annotated[
 
 def _load(case_file: Path, settings: list[str] | None) -> Model:
     try:
-        return build_model(Case.from_toml(case_file, overrides=settings or []))
+        return build_model(read_case(case_file, overrides=settings or []))
     except CaseError as error:
         raise _refuse(str(error)) from error
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Model: everything that is known before the first increment, as frozen data without behaviour.
 
-Units are mm, s, t, N, MPa throughout. The model plane is (x, y); in axisymmetry x is the radius and y the axis.
+Units are mm, s, t, N, MPa throughout. The model plane is (x, y); in axisymmetry x is the radius and y the axis. A shell
+lies in (x, y, z), and its nodes turn about x, y, z too.
 Directions and boundaries have names, never integer tags.
 """
 
@@ -20,15 +21,36 @@ IndexArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
 MaskArray = NDArray[np.uint8]
 
-Analysis = Literal["axisymmetric", "plane_strain"]
-ElementName = Literal[
+Analysis = Literal["axisymmetric", "plane_strain", "shell"]
+SolidElement = Literal[
     "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
 ]
+ShellElement = Literal[
+    "shell3", "shell3_mitc",
+    "shell6", "shell6_selective", "shell6_reduced",
+    "shell4", "shell4_selective", "shell4_reduced", "shell4_mitc",
+    "shell8", "shell8_selective", "shell8_reduced",
+    "shell9", "shell9_selective", "shell9_reduced", "shell9_mitc",
+]  # fmt: skip
+ElementName = Literal[SolidElement, ShellElement]
+ThicknessRule = Literal["gauss", "lobatto", "simpson"]
 HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table", "swift_voce", "monotone_table"]
 Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
 ContactLaw = Literal["frictionless", "sticking", "shear", "coulomb", "coulomb_capped"]
 FrictionTangent = Literal["return_mapping", "bond", "residual"]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A sheet through its thickness."""
+
+    thickness: float
+    """[mm]"""
+    points: int = 5
+    """Integration points through the thickness, 2 to 51."""
+    rule: ThicknessRule = "gauss"
+    """gauss: the most accurate; lobatto, simpson: with points on both faces."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +62,8 @@ class CellBlock:
     """Node indices, shape (n_cells, n_nodes), counter-clockwise: corners first, then mid-sides, then the centre."""
     material: int
     """Index into Model.materials."""
+    section: Section | None = None
+    """Of a shell."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +71,7 @@ class Mesh:
     """Points, cell blocks and named sets."""
 
     points: FloatArray
-    """Coordinates [mm], shape (n_points, 2)."""
+    """Coordinates [mm], shape (n_points, 2); of shells (n_points, 3)."""
     blocks: tuple[CellBlock, ...]
     node_sets: Mapping[str, IntArray]
     """Node indices by name, each sorted and unique."""
@@ -55,6 +79,9 @@ class Mesh:
     """Boundary edges by name, shape (n_edges, 2 | 3): first end, last end[, mid-side], the body on the left."""
     boundary_edges: IntArray
     """Every boundary edge of the mesh, in the same form."""
+    normals: FloatArray | None = None
+    """Of a shell whose exact surface is known: its unit normals at the nodes (n_points, 3); without it, means of the
+    cells' normals."""
 
 
 @dataclass(frozen=True)
@@ -70,14 +97,27 @@ class Hardening:
 
 
 @dataclass(frozen=True)
+class YieldFunction:
+    """Anisotropic yield function of a sheet; see docs/theory/sheet_material.md for the formulas."""
+
+    law: Literal["hill1948", "barlat1989", "yld2000"]
+    parameters: tuple[float, ...]
+    """hill1948: F, G, H, L, M, N; barlat1989: a, c, h, p; yld2000: alpha 1 to 8."""
+    exponent: int = 2
+    """6 or 8 of barlat1989 and yld2000."""
+
+
+@dataclass(frozen=True)
 class Material:
-    """Isotropic elasticity with von Mises plasticity."""
+    """Isotropic elasticity with von Mises plasticity, or, in a shell, with a yield function of its own."""
 
     name: str
     young: float
     """Young's modulus [MPa]."""
     poisson: float
     hardening: Hardening
+    yield_function: YieldFunction | None = None
+    """Of a shell, x along the rolling direction; None is von Mises."""
 
 
 @dataclass(frozen=True)
@@ -151,15 +191,16 @@ class Support:
     """Displacement components held at zero in every stage: symmetry planes, the axis, clamps."""
 
     node_set: str
-    fix: tuple[bool, bool]
+    fix: tuple[bool, ...]
+    """Of x, y; of a shell x, y, z and the rotations about x, y, z."""
 
 
 @dataclass(frozen=True)
 class PrescribedDisplacement:
-    """A displacement component that grows linearly over the stage by `value` [mm]."""
+    """A displacement component that grows linearly over the stage by `value` [mm]; of a shell also a rotation [rad]."""
 
     node_set: str
-    component: Literal[0, 1]
+    component: Literal[0, 1, 2, 3, 4, 5]
     value: float
 
 
@@ -167,11 +208,12 @@ class PrescribedDisplacement:
 class PointForce:
     """A total force [N] on a node set, shared equally by its nodes, reached linearly at the end of the stage.
 
-    In axisymmetry it is the force on the whole ring; in plane strain on the whole depth.
+    In axisymmetry it is the force on the whole ring; in plane strain on the whole depth. On a shell it has x, y, z and
+    the moments about x, y, z [N mm]; its directions stay as they are.
     """
 
     node_set: str
-    force: tuple[float, float]
+    force: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -180,6 +222,36 @@ class Pressure:
 
     edge_set: str
     value: float
+
+
+@dataclass(frozen=True)
+class ShellPressure:
+    """A follower pressure [MPa] on the cells of a shell whose nodes are all in a set, along the cells' normals, reached
+    linearly at the end of the stage.
+    """
+
+    node_set: str
+    value: float
+
+
+@dataclass(frozen=True)
+class EdgeForce:
+    """A force per length [N/mm] on an edge set of a shell, and a moment per length [N], of fixed directions and per
+    undeformed length, reached linearly at the end of the stage.
+    """
+
+    edge_set: str
+    force: tuple[float, ...]
+    """x, y, z; or x, y, z and the moments about them."""
+
+
+@dataclass(frozen=True)
+class BodyForce:
+    """A force per undeformed volume [N/mm3] on a whole shell, such as its weight, reached linearly at the end of the
+    stage.
+    """
+
+    force: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -209,6 +281,9 @@ class Stage:
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()
+    shell_pressures: tuple[ShellPressure, ...] = ()
+    edge_forces: tuple[EdgeForce, ...] = ()
+    body_forces: tuple[BodyForce, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -255,6 +330,10 @@ class SolverSettings:
     """Sub-increments of the "substepping" integrator."""
     hourglass_stiffness: float = 0.05
     """quad4_1pt: hourglass stiffness as a fraction of the material's current shear modulus."""
+    control: Literal["load", "arc_length"] = "load"
+    """What an increment prescribes: a part of the stage, or, on shells under loads alone, the length of path."""
+    kirchhoff_penalty: float = 0.0
+    """Shells: transverse shear stiffness added to the tangent alone, over the elastic one (C_p of K_p)."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ import numpy as np
 
 from presswork import __version__
 from presswork.model import Model, ToolMotion
+from presswork.procedure.arc_length import ArcLengthProcedure
 from presswork.procedure.implicit import (
     CUTBACKS,
     FRACTION,
@@ -28,9 +29,9 @@ from presswork.procedure.implicit import (
     GaveUpError,
     ImplicitProcedure,
     IncrementReport,
-    NotHeldError,
 )
 from presswork.procedure.penetration import Penetration
+from presswork.procedure.supports import NotHeldError
 from presswork.procedure.tool_quantities import ToolQuantities, measure_tools
 from presswork.results import (
     History,
@@ -45,7 +46,6 @@ from presswork.results import (
     truncate_steps,
     write_summary,
 )
-from presswork.results.fields import cell_fields, effective_stress, point_fields
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
 
 __all__ = ["NotHeldError", "Outcome", "Progress", "check_start", "fingerprint", "run_model"]
@@ -92,7 +92,8 @@ def run_model(
     that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError if the
     folder cannot be used or written, NotHeldError if the workpiece is free to move as a rigid body.
     """
-    procedure = ImplicitProcedure(model, threads=threads)
+    by_arc = model.solver.control == "arc_length"
+    procedure = (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads)
     path = open_output_folder(folder, overwrite=overwrite, resume=resume)
     run = _Run(model, path, procedure)
     if resume:
@@ -117,8 +118,11 @@ def fingerprint(model: Model) -> str:
         digest.update(repr(parts).encode())
         digest.update(repr((model.bodies, model.contacts)).encode())
     digest.update(np.ascontiguousarray(model.mesh.points).tobytes())
+    if model.mesh.normals is not None:
+        digest.update(np.ascontiguousarray(model.mesh.normals).tobytes())
     for block in model.mesh.blocks:
-        digest.update(block.element.encode() + np.ascontiguousarray(block.connectivity).tobytes())
+        section = repr(block.section).encode() if block.section else b""
+        digest.update(block.element.encode() + section + np.ascontiguousarray(block.connectivity).tobytes())
     return digest.hexdigest()
 
 
@@ -237,10 +241,8 @@ class _Run:
             self.folder / RESULTS,
             model.mesh,
             float(state.progress[TIME]),
-            point_fields(
-                model, state, forces, procedure.mechanics.nodal_flow_stress(state), procedure.interface_stress()
-            ),
-            cell_fields(model, state),
+            procedure.mechanics.point_fields(state, forces, procedure.interface_stress()),
+            procedure.mechanics.cell_fields(state),
             tools={t.name: t.segments for t in model.tools},
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
@@ -299,20 +301,9 @@ class _Run:
     def _write_summary(self, status: Status, reason: str) -> None:
         procedure, model = self.procedure, self.model
         state = procedure.state
-        stress = np.concatenate([s.reshape(-1, 4) for s in state.stress])
-        eqps = np.concatenate([e.ravel() for e in state.eqps])
-        bulk = [model.materials[b.material] for b in model.mesh.blocks]
-        elastic_volume = sum(
-            float((s[..., :3].sum(axis=-1) * (1 - 2 * m.poisson) / m.young * v).sum())
-            for m, s, v in zip(bulk, state.stress, state.volume, strict=True)
-        )
+        elastic_volume = procedure.mechanics.elastic_dilatation(state)
         volume, initial = procedure.volume(), procedure.initial_volume
-        extremes = {
-            "equivalent_plastic_strain": eqps,
-            "effective_stress": effective_stress(stress),
-            "hydrostatic_stress": stress[:, :3].mean(axis=1),
-            "displacement": np.linalg.norm(state.displacement, axis=1),
-        }
+        extremes = procedure.mechanics.extremes(state)
         write_summary(
             self.folder / SUMMARY,
             {
@@ -324,7 +315,7 @@ class _Run:
                 "increments": int(state.progress[INCREMENTS]),
                 "iterations": int(state.progress[ITERATIONS]),
                 "cutbacks": int(state.progress[CUTBACKS]),
-                "freedoms": 2 * len(model.mesh.points),
+                "freedoms": procedure.mechanics.freedoms * len(model.mesh.points),
                 "wall_seconds": {"total": procedure.timing.total(), **procedure.timing.seconds},
                 "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
                 "extremes": {name: [float(v.min()), float(v.max())] for name, v in extremes.items()},

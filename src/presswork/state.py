@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, fields
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,17 +21,43 @@ STUCK = 2
 
 
 @dataclass
+class ShellArrays:
+    """Arrays of shells per block: q points in the plane, k layers, from bottom to top."""
+
+    director: FloatArray
+    """Unit directors (n_directors, 3)."""
+    thickness: list[FloatArray]
+    """(n_cells, q) [mm]."""
+    history: list[FloatArray]
+    """What the law keeps, equivalent plastic strain first (n_cells, q, k, n_history)."""
+    direction: list[FloatArray]
+    """First covariant base vector in the lamina frame, which turns with the material (n_cells, q, k, 2), unit."""
+    shear: list[FloatArray]
+    """Transverse shear force per area of the reference cell, contravariant (n_cells, q, 2)."""
+    fading: FloatArray
+    """What loads and supports of the stage before still do when a stage begins, and cease to over it (n_points, 6)
+    [N, N mm]."""
+
+    @classmethod
+    def none(cls) -> ShellArrays:
+        """Return those of a model without shells."""
+        return cls(np.zeros((0, 3)), [], [], [], [], np.zeros((0, 6)))
+
+
+@dataclass
 class State:
     """Arrays at one instant; units mm, N, MPa. A checkpoint is a dump of the converged State."""
 
     displacement: FloatArray
-    """Since the start (n_points, 2)."""
+    """Since the start (n_points, 2); of a shell (n_points, 6): x, y, z and the sum of the increments' rotation vectors
+    [rad]."""
     increment: FloatArray
-    """Of the last increment (n_points, 2): the first guess of the next."""
+    """Of the last increment, in the same form: the first guess of the next."""
     reaction: FloatArray
-    """Force that tools and supports exert on the nodes (n_points, 2) [N]."""
+    """Force that tools and supports exert on the nodes (n_points, 2) [N]; of a shell (n_points, 6) with moments
+    [N mm]."""
     external_force: FloatArray
-    """Applied loads (n_points, 2) [N]."""
+    """Applied loads, in the same form."""
     tool_displacement: FloatArray
     """(n_tools, 2)."""
     tool_angle: FloatArray
@@ -60,13 +87,16 @@ class State:
     search_displacement: FloatArray
     """At which edges that may touch were last looked for (n_points, 2) [mm]; no rows without contact of bodies."""
     stress: list[FloatArray]
-    """Cauchy stress xx, yy, zz, xy per block (n_cells, n_points, 4)."""
+    """Cauchy stress xx, yy, zz, xy per block (n_cells, n_points, 4); of shells xx, yy, xy in the lamina frame,
+    (n_cells, q k, 3), layers within points."""
     eqps: list[FloatArray]
     """Equivalent plastic strain per block (n_cells, n_points)."""
     hourglass: list[FloatArray]
     """Hourglass forces per block (n_cells, 2) [N]; zero but for quad4_1pt."""
     volume: list[FloatArray]
     """Volume of each integration point per block (n_cells, n_points) [mm3]."""
+    shells: ShellArrays
+    """What shells have besides; of solids empty."""
     progress: FloatArray
     """[time, stage, fraction of stage, increments, last increment, next size, iterations, cut-backs]."""
     work: FloatArray
@@ -76,10 +106,11 @@ class State:
 
     @classmethod
     def at_rest(cls, model: Model, n_candidates: int, n_slots: int = 0) -> State:
-        """Return the State before the first increment."""
+        """Return the State before the first increment; the arrays of shells are left empty."""
         n = len(model.mesh.points)
         n_coupled = n if model.contacts else 0
-        sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in model.mesh.blocks]
+        solids = () if model.analysis == "shell" else model.mesh.blocks
+        sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in solids]
         n_tools = len(model.tools)
         return cls(
             displacement=np.zeros((n, 2)),
@@ -104,6 +135,7 @@ class State:
             eqps=[np.zeros(s) for s in sizes],
             hourglass=[np.zeros((s[0], 2)) for s in sizes],
             volume=[np.zeros(s) for s in sizes],
+            shells=ShellArrays.none(),
             progress=np.zeros(8),
             work=np.zeros(3),
             peak_force=np.zeros(1),
@@ -111,22 +143,11 @@ class State:
 
     def duplicate(self) -> State:
         """Return a deep copy."""
-        other = copy(self)
-        for f in fields(self):
-            value = getattr(self, f.name)
-            setattr(other, f.name, [a.copy() for a in value] if isinstance(value, list) else value.copy())
-        return other
+        return _duplicate(self)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array under a name of its own, for a checkpoint."""
-        arrays: dict[str, NDArray[np.generic]] = {}
-        for f in fields(self):
-            value = getattr(self, f.name)
-            if isinstance(value, list):
-                arrays.update({f"{f.name}.{i}": a for i, a in enumerate(value)})
-            else:
-                arrays[f.name] = value
-        return arrays
+        return _list_arrays(self, "")
 
     def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
         """Fill this State from a checkpoint's arrays.
@@ -138,3 +159,33 @@ class State:
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh and these tools")
         for name, target in own.items():
             target[...] = arrays[name]
+
+
+_Arrays = TypeVar("_Arrays", State, ShellArrays)
+
+
+def _duplicate(arrays: _Arrays) -> _Arrays:
+    """Return a deep copy."""
+    other = copy(arrays)
+    for f in fields(arrays):
+        value = getattr(arrays, f.name)
+        if isinstance(value, ShellArrays):
+            copied: object = _duplicate(value)
+        else:
+            copied = [a.copy() for a in value] if isinstance(value, list) else value.copy()
+        setattr(other, f.name, copied)
+    return other
+
+
+def _list_arrays(arrays: State | ShellArrays, prefix: str) -> dict[str, NDArray[np.generic]]:
+    """Return every array by name."""
+    listed: dict[str, NDArray[np.generic]] = {}
+    for f in fields(arrays):
+        value = getattr(arrays, f.name)
+        if isinstance(value, ShellArrays):
+            listed.update(_list_arrays(value, f"{prefix}{f.name}."))
+        elif isinstance(value, list):
+            listed.update({f"{prefix}{f.name}.{i}": a for i, a in enumerate(value)})
+        else:
+            listed[prefix + f.name] = value
+    return listed

@@ -20,14 +20,32 @@ from presswork.case.schema import (
     json_schema,
 )
 from presswork.case.settings import Output, Solver, Terms
+from presswork.case.shell import (
+    BodyForce,
+    EdgeForce,
+    Section,
+    ShellBoundary,
+    ShellCase,
+    ShellDisplacement,
+    ShellForce,
+    ShellMaterial,
+    ShellPressure,
+    ShellRectangle,
+    ShellRotation,
+    ShellStage,
+    ShellWorkpiece,
+    read_case,
+)
 from presswork.case.workpiece import MeshFile, Rectangle, Workpiece, Zone
 
 __all__ = [
+    "BodyForce",
     "Boundary",
     "Case",
     "CaseError",
     "Contact",
     "Displacement",
+    "EdgeForce",
     "HockettSherby",
     "Linear",
     "Ludwik",
@@ -40,6 +58,17 @@ __all__ = [
     "Problem",
     "ProfilePoint",
     "Rectangle",
+    "Section",
+    "ShellBoundary",
+    "ShellCase",
+    "ShellDisplacement",
+    "ShellForce",
+    "ShellMaterial",
+    "ShellPressure",
+    "ShellRectangle",
+    "ShellRotation",
+    "ShellStage",
+    "ShellWorkpiece",
     "Solver",
     "Stage",
     "Swift",
@@ -54,4 +83,5 @@ __all__ = [
     "build_model",
     "describe",
     "json_schema",
+    "read_case",
 ]

@@ -11,9 +11,10 @@ import numpy as np
 from presswork import model
 from presswork.case import schema
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.grid import grid_lines
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import Rectangle, Workpiece
-from presswork.mesh import MeshError, grade_line, mesh_rectangle, read_mesh
+from presswork.mesh import MeshError, mesh_rectangle, read_mesh
 from presswork.mesh.joined import join_meshes
 
 logger = logging.getLogger(__name__)
@@ -42,7 +43,7 @@ def _build_mesh(case: schema.Case, key: str, body: Workpiece) -> model.Mesh:
     """Mesh a body, or read its mesh."""
     material = list(case.materials).index(body.material)
     if isinstance(body.mesh, Rectangle):
-        x_lines, y_lines = _grid_lines(body.mesh)
+        x_lines, y_lines = grid_lines(body.mesh)
         return mesh_rectangle(x_lines, y_lines, element=body.element, pattern=body.mesh.pattern, material=material)
     folder = case.source.parent if case.source is not None else Path()
     scale = unit_factor(body.mesh.unit, LENGTH)
@@ -54,20 +55,6 @@ def _build_mesh(case: schema.Case, key: str, body: Workpiece) -> model.Mesh:
     for note in notes:
         logger.warning("%s.mesh.path = %s: %s", key, body.mesh.path, note)
     return mesh
-
-
-def _grid_lines(rectangle: Rectangle) -> tuple[model.FloatArray, model.FloatArray]:
-    """Return the grid lines [mm] of a rectangle along x and y."""
-    lines = []
-    for axis, zones in enumerate((rectangle.zones_x, rectangle.zones_y)):
-        if zones is not None:
-            sizes = [(zone.length, zone.cells, zone.ratio) for zone in zones]
-        else:
-            assert rectangle.size is not None
-            assert rectangle.cells is not None
-            sizes = [(rectangle.size[axis], rectangle.cells[axis], rectangle.grading[axis])]
-        lines.append(grade_line(rectangle.origin[axis], sizes))
-    return lines[0], lines[1]
 
 
 def check_bodies(case: schema.Case) -> list[Problem]:

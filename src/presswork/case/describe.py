@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.crossing import bound_segments
+from presswork.case.describe_shell import describe_sheet, describe_sheet_loads, estimate_sheet_memory
 
 _ELEMENTS: dict[str, str] = {
     "tri3": "3-node triangles, constant strain",
@@ -53,6 +54,9 @@ def describe(problem: model.Model) -> str:
 
 def _describe_body(problem: model.Model) -> Iterator[str]:
     mesh = problem.mesh
+    if problem.analysis == "shell":
+        yield from describe_sheet(problem)
+        return
     depth = f", depth {problem.depth:g} mm" if problem.analysis == "plane_strain" else " (x is the radius, y the axis)"
     yield f"analysis: {problem.analysis.replace('_', ' ')}{depth}"
     whole = model.Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks)))
@@ -71,7 +75,8 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
 
 def _describe_material(material: model.Material) -> str:
     return (
-        f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}, von Mises, "
+        f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}, "
+        f"{material.yield_function.law if material.yield_function else 'von Mises'}, "
         f"{_describe_hardening(material.hardening)}"
     )
 
@@ -134,7 +139,8 @@ def _describe_contact(problem: model.Model, contact: model.BodyContact) -> str:
 
 
 def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
-    fixed = " and ".join(axis for axis, fix in zip("xy", support.fix, strict=True) if fix)
+    names = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
+    fixed = " and ".join(name for name, fix in zip(names, support.fix, strict=False) if fix)
     return f"support: {fixed} held on {support.node_set} ({len(mesh.node_sets[support.node_set])} nodes)"
 
 
@@ -148,11 +154,21 @@ def _describe_stage(stage: model.Stage) -> Iterator[str]:
         if motion.turn:
             yield f"tool {name} turns by {np.degrees(motion.turn):g} degrees counter-clockwise"
     for entry in stage.prescribed:
-        yield f"{entry.node_set} moves by {entry.value:g} mm along {'xy'[entry.component]}"
+        if entry.component < 3:
+            yield f"{entry.node_set} moves by {entry.value:g} mm along {'xyz'[entry.component]}"
+        else:
+            yield f"{entry.node_set} turns by {np.degrees(entry.value):g} degrees about {'xyz'[entry.component - 3]}"
     for force in stage.forces:
-        yield f"force ({force.force[0]:g}, {force.force[1]:g}) N on {force.node_set}"
+        yield f"{_describe_force(force.force)} on {force.node_set}"
+    yield from describe_sheet_loads(stage)
     for pressure in stage.pressures:
         yield f"pressure {pressure.value:g} MPa on {pressure.edge_set}"
+
+
+def _describe_force(components: tuple[float, ...]) -> str:
+    """A force, and a moment if there are six components."""
+    text = f"force ({', '.join(f'{f:g}' for f in components[:3])}) N"
+    return text + (f" and moment ({', '.join(f'{m:g}' for m in components[3:])}) N mm" if any(components[3:]) else "")
 
 
 def _describe_settings(settings: object, default: object) -> str:
@@ -167,6 +183,8 @@ def _describe_settings(settings: object, default: object) -> str:
 
 def _estimate_memory(problem: model.Model) -> float:
     """Estimate the bytes for state, matrix and factors."""
+    if problem.analysis == "shell":
+        return estimate_sheet_memory(problem)
     n_freedoms = 2 * len(problem.mesh.points)
     state = matrix = 0.0
     for block in problem.mesh.blocks:

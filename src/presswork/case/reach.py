@@ -32,15 +32,13 @@ def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> l
     leaving = [tool for tool in moving if _only_leaves(tool, stages, nodes, tolerance)]
     loaded = any(stage.prescribed or stage.forces or stage.pressures for stage in stages)
     loaded = loaded or any(tool.spring is not None for tool in tools)
-    nearest = [_come_nearest(tool, stages, nodes) for tool in moving]
-    if moving and min(nearest) > tolerance and not loaded:
-        first = moving[int(np.argmin(nearest))]
+    nearest = {tool.name: _come_nearest(tool, stages, nodes) for tool in moving}
+    if moving and not loaded and all(tool in leaving or nearest[tool.name] > tolerance for tool in moving):
+        first = min(moving, key=lambda tool: nearest[tool.name])
         stage = next(i for i, stage in enumerate(stages) if _moves(stage.tool_motion.get(first.name)))
-        how = (
-            "it only moves away from it"
-            if first in leaving
-            else f"it comes no nearer to a node than {min(nearest):.6g} mm"
-        )
+        how = f"it comes no nearer to a node than {nearest[first.name]:.6g} mm"
+        if first in leaving:
+            how = "it only moves away from it"
         return [
             Problem(
                 f"stages.{stage}.tools.{first.name}",

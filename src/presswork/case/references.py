@@ -40,6 +40,9 @@ def check_references(case: schema.Case) -> list[Problem]:
         )
     for name, entry in case.tools.items():
         problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
+    if case.solver.control == "arc_length":
+        fault = "arc length is for shells under loads alone"
+        problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
     names = [stage.name for stage in case.stages]
     unloads = False
     for index, stage in enumerate(case.stages):

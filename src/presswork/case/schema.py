@@ -312,7 +312,9 @@ class Case(Part):
     """A complete forming case. Raises CaseError, with every problem found, when it is not valid."""
 
     title: str = Field(description="what the case shows, in one line")
-    analysis: model.Analysis = Field(description="axisymmetric (x is the radius, y the axis) or plane_strain")
+    analysis: Literal["axisymmetric", "plane_strain"] = Field(
+        description="axisymmetric (x is the radius, y the axis) or plane_strain"
+    )
     depth: Length = Field(default=1.0, gt=0, description="plane strain: extent normal to the plane [mm]")
     workpiece: Workpiece = Field(description="the body that is formed")
     materials: dict[str, Material] = Field(min_length=1, description="materials by name")
@@ -350,7 +352,7 @@ class Case(Part):
         case = cls.model_validate(data, context={"source": path})
         case._source = path
         files = [table for table, key in _tables_with_paths(data) if key in table]
-        case._text = _write_as_run(data, path.parent) if overrides or files else text
+        case._text = write_as_run(data, path.parent) if overrides or files else text
         return case
 
     @property
@@ -371,7 +373,7 @@ def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]
     return [*((body["mesh"], "path") for body in bodies), *((tool, "profile_file") for tool in tools)]
 
 
-def _write_as_run(data: dict[str, Any], folder: Path) -> str:
+def write_as_run(data: dict[str, Any], folder: Path) -> str:
     """Write a case so that it can be run from anywhere: overrides in it, files by their full paths."""
     data = copy.deepcopy(data)
     for table, key in _tables_with_paths(data):

@@ -49,7 +49,9 @@ class Solver(Part):
         default=_SOLVER.friction_tangent,
         description="what friction adds to the tangent; the answer does not depend on it",
     )
-    line_search: bool = Field(default=_SOLVER.line_search, description="shorten corrections that overshoot")
+    line_search: bool | None = Field(
+        default=None, description="shorten corrections that overshoot; without it: in solids, not in shells"
+    )
     force_tolerance: Number = Field(
         default=_SOLVER.force_tolerance, gt=0, lt=1, description="largest out-of-balance over largest nodal force"
     )
@@ -74,6 +76,17 @@ class Solver(Part):
     substeps: Whole = Field(default=_SOLVER.substeps, ge=1, description='sub-increments of "substepping"')
     hourglass_stiffness: Number = Field(
         default=_SOLVER.hourglass_stiffness, ge=0, description="quad4_1pt: fraction of the current shear modulus"
+    )
+
+    control: Literal["load", "arc_length"] = Field(
+        default=_SOLVER.control,
+        description="what an increment prescribes: load, a part of the stage; arc_length, for shells that snap "
+        "through, the length of path",
+    )
+    kirchhoff_penalty: Number = Field(
+        default=_SOLVER.kirchhoff_penalty,
+        ge=0,
+        description="shells: transverse shear stiffness added to the tangent alone, over the elastic one",
     )
 
     @model_validator(mode="after")
@@ -105,11 +118,18 @@ class Output(Part):
     )
 
 
-def build_solver(solver: Solver, *, with_coulomb: bool, with_body_contact: bool = False) -> model.SolverSettings:
-    """Turn a case's solver settings into the Model's; Coulomb friction and contact of bodies keep the whole tangent."""
+def build_solver(
+    solver: Solver, *, with_coulomb: bool, with_body_contact: bool = False, is_shell: bool = False
+) -> model.SolverSettings:
+    """Turn a case's solver settings into the Model's; Coulomb friction and contact of bodies keep the whole tangent.
+
+    Shells do without a line search: on the way to a new shape full steps pass through large membrane forces.
+    """
     values = solver.model_dump(exclude={"terms"})
     if solver.symmetric is None:
         values["symmetric"] = not (with_coulomb or with_body_contact)
+    if solver.line_search is None:
+        values["line_search"] = not is_shell
     if "initial_increment" not in solver.model_fields_set:
         values["initial_increment"] = min(max(_SOLVER.initial_increment, solver.min_increment), solver.max_increment)
     return model.SolverSettings(**values, terms=model.TangentTerms(**solver.terms.model_dump()))

@@ -33,6 +33,9 @@ FORCE = Dimension("a force", "N", "5 kN")
 TIME = Dimension("a time", "s", "20 ms")
 ANGLE = Dimension("an angle", "degree", "1.5 rad")
 STIFFNESS = Dimension("a stiffness", "N/mm", "2 kN/mm")
+MOMENT = Dimension("a moment", "N*mm", "2 N*m")
+LINE_FORCE = Dimension("a force per length", "N/mm", "3 kN/m")
+BODY_FORCE = Dimension("a force per volume", "N/mm^3", "77 kN/m^3")
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3")
 
 
@@ -102,6 +105,13 @@ def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:
     return to_number(value[0], dimension), to_number(value[1], dimension)
 
 
+def to_triple(value: object, dimension: Dimension) -> tuple[float, float, float]:
+    """Convert [x, y, z], each a number or a string with a unit."""
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise fault(f"expected [x, y, z], three values, each {dimension.name}", "write for instance [0, 0, 15]")
+    return to_number(value[0], dimension), to_number(value[1], dimension), to_number(value[2], dimension)
+
+
 def _json_schema(dimension: Dimension) -> dict[str, Any]:
     if not dimension.unit:
         return {"type": "number"}
@@ -122,6 +132,13 @@ def _pair(dimension: Dimension) -> tuple[BeforeValidator, WithJsonSchema]:
     )
 
 
+def _triple(dimension: Dimension) -> tuple[BeforeValidator, WithJsonSchema]:
+    return (
+        BeforeValidator(functools.partial(to_triple, dimension=dimension)),
+        WithJsonSchema({"type": "array", "items": _json_schema(dimension), "minItems": 3, "maxItems": 3}),
+    )
+
+
 Length = Annotated[float, *_scalar(LENGTH)]
 Stress = Annotated[float, *_scalar(STRESS)]
 Time = Annotated[float, *_scalar(TIME)]
@@ -132,3 +149,7 @@ Number = Annotated[float, *_scalar(PURE_NUMBER)]
 Point = Annotated[tuple[float, float], *_pair(LENGTH)]
 ForceVector = Annotated[tuple[float, float], *_pair(FORCE)]
 Direction = Annotated[tuple[float, float], *_pair(PURE_NUMBER)]
+Force3 = Annotated[tuple[float, float, float], *_triple(FORCE)]
+Moment3 = Annotated[tuple[float, float, float], *_triple(MOMENT)]
+EdgeForceVector = Annotated[tuple[float, float, float], *_triple(LINE_FORCE)]
+BodyForceVector = Annotated[tuple[float, float, float], *_triple(BODY_FORCE)]

@@ -87,7 +87,7 @@ class Workpiece(Part):
     """The body that is formed."""
 
     material: str = Field(description="name of one of the [materials]")
-    element: model.ElementName = Field(description="element formulation")
+    element: model.SolidElement = Field(description="element formulation")
     mesh: Annotated[Rectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
         description="the mesh of the workpiece"
     )

@@ -71,15 +71,20 @@ def wind_counter_clockwise(points: FloatArray, connectivity: IntArray) -> tuple[
     )
 
 
-def check_connected(points: FloatArray, connectivity: IntArray) -> None:
-    """Raise MeshError when the mesh falls into parts that share no node, or cells overlap."""
+def check_connected(points: FloatArray, connectivity: IntArray, *, most: int = 2) -> None:
+    """Raise MeshError when the mesh falls into parts that share no node, or cells overlap.
+
+    most: cells that may share an edge: two in a plane, more where shells meet.
+    """
     from scipy.spatial import cKDTree  # here, for it takes a third of a second to import
 
     edges, count = count_cells_of_edges([connectivity])
-    if (count > 2).any():
-        x, y = points[edges[np.argmax(count > 2), :2]].mean(axis=0)
+    if (count > most).any():
+        centre = points[edges[np.argmax(count > most), :2]].mean(axis=0)
+        where = ", ".join(f"{c:.6g}" for c in centre)
+        number = "two" if most == 2 else str(most)
         raise MeshError(
-            f"{int((count > 2).sum())} edges belong to more than two cells, the first near ({x:.6g}, {y:.6g})",
+            f"{int((count > most).sum())} edges belong to more than {number} cells, the first near ({where})",
             "remove cells that are doubled or overlap",
         )
     n_parts, part = find_parts([connectivity], len(points))

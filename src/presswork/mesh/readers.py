@@ -33,6 +33,13 @@ _ELEMENTS_OF_KIND = {
     "quad8": "quad8, quad8_2x2",
     "quad9": "quad9, quad9_2x2",
 }
+_SHELLS_OF_KIND = {
+    "tri3": "shell3_mitc, shell3",
+    "tri6": "shell6_reduced, shell6, shell6_selective",
+    "quad4": "shell4_mitc, shell4, shell4_selective, shell4_reduced",
+    "quad8": "shell8_reduced, shell8, shell8_selective",
+    "quad9": "shell9_mitc, shell9, shell9_selective, shell9_reduced",
+}
 
 
 def read_mesh(
@@ -44,15 +51,15 @@ def read_mesh(
     Node and edge sets come from the file's groups of nodes, lines and cells; left, right, bottom, top, all and boundary
     are added where the file has none of that name. Raises MeshError.
     """
-    raw = _read_raw(path)
+    raw = read_raw(path)
     flat = _take_plane(raw.points) * scale
-    cells = _take_cells(raw, element)
+    cells = take_cells(raw, element)
     cells, turned = wind_counter_clockwise(flat, cells)
     points, number = drop_unused_points(flat, [cells])
     cells = number[cells].astype(np.int32)
     check_connected(points, cells)
     boundary = find_boundary_edges([cells])
-    node_sets, edge_sets = _build_sets(raw, number, points, boundary)
+    node_sets, edge_sets = build_sets(raw, number, points, boundary)
     notes = []
     if turned:
         notes.append("all cells are clockwise: they were turned over")
@@ -61,7 +68,7 @@ def read_mesh(
     return Mesh(points, (CellBlock(element, cells, material),), node_sets, edge_sets, boundary), tuple(notes)
 
 
-def _read_raw(path: Path) -> RawMesh:
+def read_raw(path: Path) -> RawMesh:
     """Read a file by its ending, turning whatever a reader raises into a MeshError."""
     readers: dict[str, Callable[[Path], RawMesh]] = {
         ".msh": _read_gmsh,
@@ -157,7 +164,7 @@ def _take_plane(points: FloatArray) -> FloatArray:
     return np.ascontiguousarray(points[:, :2])
 
 
-def _take_cells(raw: RawMesh, element: ElementName) -> IntArray:
+def take_cells(raw: RawMesh, element: ElementName) -> IntArray:
     """Return the cells that fit the element, shape (n_cells, n_nodes)."""
     if not raw.cells:
         others = f" (it has {', '.join(sorted(raw.other_kinds))})" if raw.other_kinds else ""
@@ -165,7 +172,8 @@ def _take_cells(raw: RawMesh, element: ElementName) -> IntArray:
     wanted = cell_kind(element)
     if set(raw.cells) != {wanted}:
         counts = ", ".join(f"{sum(map(len, blocks))} {kind}" for kind, blocks in sorted(raw.cells.items()))
-        kinds = "; ".join(_ELEMENTS_OF_KIND[kind] for kind in sorted(raw.cells))
+        fitting = _SHELLS_OF_KIND if element.startswith("shell") else _ELEMENTS_OF_KIND
+        kinds = "; ".join(fitting.get(kind, "no shell") for kind in sorted(raw.cells))
         remedy = f"choose one of: {kinds}" if len(raw.cells) == 1 else f"mesh with {wanted} cells only"
         raise MeshError(f"the cells of the file ({counts}) do not fit element = {element}", remedy)
     cells = np.concatenate(raw.cells[wanted])
@@ -174,7 +182,7 @@ def _take_cells(raw: RawMesh, element: ElementName) -> IntArray:
     return cells
 
 
-def _build_sets(
+def build_sets(
     raw: RawMesh, number: IntArray, points: FloatArray, boundary: IntArray
 ) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
     """Return node sets and edge sets by name, in the new node numbers."""

@@ -21,6 +21,7 @@ from presswork import _core
 from presswork.mesh.topology import chain_edges, count_corners, edge_keys, list_cell_edges
 from presswork.model import BodyContact, FloatArray, IndexArray, IntArray, MaskArray, Model
 from presswork.procedure.mechanics import Mechanics, PassedThrough
+from presswork.procedure.shell_mechanics import ShellMechanics
 from presswork.state import State
 
 STIFFNESS = 100.0
@@ -62,11 +63,11 @@ class BodyForces:
     details: tuple[_core.InterfaceResult, ...]
 
     @staticmethod
-    def none(n_points: int) -> BodyForces:
-        """Return no forces at all, for a model without contact of bodies."""
+    def none(shape: tuple[int, ...]) -> BodyForces:
+        """Return no forces at all, of the shape of the displacement, for a model without contact of bodies."""
         empty = np.zeros(0)
         return BodyForces(
-            np.zeros((n_points, 2)), np.zeros((0, 2), dtype=np.int32), np.zeros((0, 2, 2)),
+            np.zeros(shape), np.zeros((0, 2), dtype=np.int32), np.zeros((0, 2, 2)),
             empty, empty, empty, empty, np.zeros(0, dtype=np.uint8), (),
         )  # fmt: skip
 
@@ -203,7 +204,7 @@ def measure_heights(
 class BodyContacts:
     """All contacts between bodies of one run; what persists lies in the State."""
 
-    def __init__(self, model: Model, mechanics: Mechanics) -> None:
+    def __init__(self, model: Model, mechanics: Mechanics | ShellMechanics) -> None:
         self._model = model
         self._mechanics = mechanics
         self.interfaces: list[Interface] = []
@@ -237,12 +238,13 @@ class BodyContacts:
         self._searched_at = trial.search_displacement.copy()
         points = np.ascontiguousarray(self._model.mesh.points + trial.search_displacement)
         couplings = np.concatenate([interface.search(points) for interface in self.interfaces])
+        assert isinstance(self._mechanics, Mechanics), "bodies in contact are solids"
         self._mechanics.couple(np.ascontiguousarray(np.unique(couplings, axis=0), dtype=np.int32))
 
     def evaluate(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
         """Return the forces of the bodies on each other at a guess."""
         if not self.interfaces:
-            return BodyForces.none(len(displacement))
+            return BodyForces.none(displacement.shape)
         self._follow(trial, displacement)
         points = self._model.mesh.points
         x, x_n = points + displacement, points + state_n.displacement

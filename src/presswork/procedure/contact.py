@@ -94,6 +94,8 @@ class Contact:
 
     def search(self, state: State, displacement: FloatArray) -> None:
         """Find gap and normal of every candidate to every tool; tools stand where the state has them."""
+        if not len(self.nodes):
+            return
         x = self._model.mesh.points[self.nodes] + displacement[self.nodes]
         for t, segments in enumerate(self._segments):
             local = np.ascontiguousarray(to_tool_frame(x, self._pose(state, t)))
@@ -128,6 +130,8 @@ class Contact:
 
         A node that a support holds along the normal needs no tool: both would pin it.
         """
+        if not len(self.nodes):
+            return
         self.search(state, state.displacement)
         state.contact[(self.gap <= self.tolerance) & self._free(fixed)] = SLIDING
         self._limit_faces(state.contact)
@@ -193,6 +197,8 @@ class Contact:
     def normal_forces(self, state: State, reaction: FloatArray, fixed: BoolArray) -> FloatArray:
         """Return the push of every held face on its node (n_faces, n_candidates) [N]; negative pulls."""
         push = np.zeros(self.gap.shape)
+        if not len(self.nodes):
+            return push
         held = state.contact > 0
         count = held.sum(axis=0)
         force = reaction[self.nodes] * ~fixed[self.nodes]
@@ -241,7 +247,8 @@ class Contact:
         tool, place = np.nonzero(by_tool)
         push = np.where(held, self.normal_forces(state, state.reaction, fixed), 0.0)
         by_face = (push[..., None] * self.normal).reshape(n_tools, 2, len(self.nodes), 2).sum(axis=1)
-        whole = state.reaction[self.nodes[place]] * ~fixed[self.nodes[place]]
+        plane = slice(0, 2)  # a shell, which no tool touches, has more freedoms
+        whole = state.reaction[self.nodes[place], plane] * ~fixed[self.nodes[place], plane]
         force = np.where((by_tool.sum(axis=0) > 1)[place, None], by_face[tool, place], whole)
         face = 2 * tool + ~held[2 * tool, place]
         normal = self.normal[face, place]

@@ -15,9 +15,10 @@ import numpy as np
 from presswork import _core
 from presswork.model import Body, BoolArray, FloatArray, Model, Stage, ToolMotion
 from presswork.procedure.contact import Contact
-from presswork.procedure.mechanics import Mechanics, elastic_energy, plastic_work_of_increment
+from presswork.procedure.mechanics import make_mechanics, plastic_work_of_increment
 from presswork.procedure.newton import Equilibrium
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
+from presswork.procedure.supports import NotHeldError, check_shell_held
 from presswork.procedure.timing import Timing
 from presswork.state import State
 
@@ -27,10 +28,6 @@ SMALLEST = 10.0
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
 TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
-
-
-class NotHeldError(Exception):
-    """Nothing holds the workpiece in some direction: it would move as a rigid body."""
 
 
 class GaveUpError(Exception):
@@ -56,15 +53,15 @@ class ImplicitProcedure:
     """Advances one model through its stages."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
-        freedoms = 2 * len(model.mesh.points)
+        freedoms = (6 if model.analysis == "shell" else 2) * len(model.mesh.points)
         threads = threads or (os.cpu_count() or 1 if freedoms > ENOUGH_FOR_THREADS else 1)
         _core.set_threads(threads)
         self.model = model
         self.timing = Timing()
-        self.mechanics = Mechanics(model, self.timing)
+        self.mechanics = make_mechanics(model, self.timing)
         self.contact = Contact(model)
         self.equilibrium = Equilibrium(model, self.mechanics, self.contact, self.timing, threads)
-        self.state = State.at_rest(model, len(self.contact.nodes), self.equilibrium.bodies.n_slots)
+        self.state = self.mechanics.at_rest(len(self.contact.nodes), self.equilibrium.bodies.n_slots)
         self.state.progress[SIZE] = model.solver.initial_increment
         self.contact.begin(self.state, self.equilibrium.fixed(0))
         self._check_held()
@@ -73,6 +70,9 @@ class ImplicitProcedure:
 
     def _check_held(self) -> None:
         """Refuse bodies that the first increment would push away."""
+        if self.model.analysis == "shell":
+            check_shell_held(self.model, self.equilibrium.fixed(0))
+            return
         whole = Body("workpiece", range(len(self.model.mesh.points)), range(len(self.model.mesh.blocks)))
         bodies = self.model.bodies or (whole,)
         touching = self.equilibrium.bodies.touching(self.state)
@@ -239,6 +239,7 @@ class ImplicitProcedure:
         """Make the trial state the converged one."""
         settings = self.model.solver
         self.contact.settle(trial)
+        self.mechanics.settle(self.state, trial)
         trial.tool_travel_increment = trial.tool_travel - self.state.tool_travel
         trial.work[0] += 0.5 * float(
             (
@@ -264,6 +265,8 @@ class ImplicitProcedure:
         p[STAGE], p[FRACTION] = stage, fraction
         if fraction == 1.0:
             p[STAGE], p[FRACTION], p[LAST] = stage + 1, 0.0, 0.0
+            if stage + 1 < len(self.model.stages):
+                self.mechanics.end_stage(trial, stage + 1)
             trial.tool_force_start, _ = self.contact.tool_forces(trial, self.equilibrium.fixed(stage))
             p[SIZE] = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
         self.state = trial
@@ -275,7 +278,7 @@ class ImplicitProcedure:
         """
         on_nodes, plastic, friction = (float(w) for w in self.state.work)
         external = on_nodes + friction
-        elastic = elastic_energy(self.model, self.state)
+        elastic = self.mechanics.elastic_energy(self.state)
         largest = max(abs(external), 1e-300)
         return {
             "external_work": external,

@@ -10,8 +10,18 @@ import numpy as np
 
 from presswork import _core
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
+from presswork.procedure.loads import AppliedLoads, evaluate_loads
+from presswork.procedure.shell_mechanics import ShellFailed, ShellMechanics
+from presswork.procedure.supports import Supports
 from presswork.procedure.timing import Timing
+from presswork.results.contact_stress import ContactForces
+from presswork.results.fields import cell_fields, effective_stress, point_fields
 from presswork.state import State
+
+
+def make_mechanics(model: Model, timing: Timing) -> Mechanics | ShellMechanics:
+    """Return what evaluates a model's cells."""
+    return ShellMechanics(model, timing) if model.analysis == "shell" else Mechanics(model, timing)
 
 
 @dataclass(frozen=True)
@@ -35,7 +45,7 @@ class PassedThrough:
         return f"surfaces of contact {self.contact!r} passed through each other"
 
 
-BadGuess = TurnedInsideOut | PassedThrough
+BadGuess = TurnedInsideOut | PassedThrough | ShellFailed
 
 
 def make_law(material: Material, solver: SolverSettings) -> _core.VonMises:
@@ -64,8 +74,14 @@ def make_point_settings(solver: SolverSettings) -> _core.PointSettings:
     )
 
 
+NOISE = 1e-8
+"""Strain across the workpiece whose forces are taken for round-off where no larger ones have been."""
+
+
 class Mechanics:
     """Evaluates all cells of the model over one increment and assembles the result."""
+
+    freedoms = 2
 
     def __init__(self, model: Model, timing: Timing) -> None:
         self._model = model
@@ -76,6 +92,9 @@ class Mechanics:
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in model.mesh.blocks]
         self.assembler = self._make_assembler(None)
         self._couplings: IntArray | None = None
+        self.supports = Supports(model)
+        self.length = np.ones(2)
+        """What each freedom is multiplied by to make it a length [mm]."""
         self._force: list[FloatArray] = []
         self._stiffness: list[FloatArray] = []
         for connectivity in self._connectivity:
@@ -93,6 +112,29 @@ class Mechanics:
         if self._couplings is None or not np.array_equal(couplings, self._couplings):
             self._couplings = couplings
             self.assembler = self._make_assembler(couplings)
+
+    def at_rest(self, n_candidates: int, n_slots: int) -> State:
+        """Return the State before the first increment."""
+        return State.at_rest(self._model, n_candidates, n_slots)
+
+    def settle(self, state_n: State, trial: State) -> None:
+        """Bring a converged trial state's other arrays up to its displacement: solids have none."""
+
+    def end_stage(self, state: State, next_stage: int) -> None:
+        """Prepare a converged state for the next stage: solids need nothing, their loads end with the stage."""
+
+    def apply_loads(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> AppliedLoads:
+        """Return the loads at a fraction of a stage, `increment` (n_points, 2) after state_n."""
+        points = self._model.mesh.points + (state_n.displacement + increment)
+        return evaluate_loads(self._model, points, stage, fraction)
+
+    def force_of_round_off(self) -> float:
+        """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
+        model = self._model
+        size = float(np.ptp(model.mesh.points, axis=0).max())
+        axisymmetric = model.analysis == "axisymmetric"
+        thickness = 2 * np.pi * float(model.mesh.points[:, 0].max()) if axisymmetric else model.depth
+        return NOISE * max(m.young for m in model.materials) * size * thickness
 
     def evaluate(
         self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool
@@ -156,20 +198,47 @@ class Mechanics:
         result: FloatArray = flow.reshape(eqps.shape)
         return result
 
+    def cell_fields(self, state: State) -> dict[str, FloatArray]:
+        """Return the fields that are saved of the cells."""
+        return cell_fields(self._model, state)
 
-def elastic_energy(model: Model, state: State) -> float:
-    """Return the energy stored elastically [N mm]."""
-    total = 0.0
-    for block, stress, volume in zip(model.mesh.blocks, state.stress, state.volume, strict=True):
-        material = model.materials[block.material]
-        trace = stress[..., :3].sum(axis=-1)
-        square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * stress[..., 3] ** 2
-        density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * material.young)
-        total += float((density * volume).sum())
-    return total
+    def point_fields(
+        self, state: State, contact: ContactForces, between_bodies: tuple[FloatArray, FloatArray] | None
+    ) -> dict[str, FloatArray]:
+        """Return the fields that are saved of the nodes."""
+        return point_fields(self._model, state, contact, self.nodal_flow_stress(state), between_bodies)
+
+    def extremes(self, state: State) -> dict[str, FloatArray]:
+        """Return the values whose extremes the summary tells."""
+        stress = np.concatenate([s.reshape(-1, 4) for s in state.stress])
+        return {
+            "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.eqps]),
+            "effective_stress": effective_stress(stress),
+            "hydrostatic_stress": stress[:, :3].mean(axis=1),
+            "displacement": np.linalg.norm(state.displacement, axis=1),
+        }
+
+    def elastic_dilatation(self, state: State) -> float:
+        """Return the volume gained elastically [mm3]."""
+        bulk = [self._model.materials[b.material] for b in self._model.mesh.blocks]
+        return sum(
+            float((s[..., :3].sum(axis=-1) * (1 - 2 * m.poisson) / m.young * v).sum())
+            for m, s, v in zip(bulk, state.stress, state.volume, strict=True)
+        )
+
+    def elastic_energy(self, state: State) -> float:
+        """Return the energy stored elastically [N mm]."""
+        total = 0.0
+        for block, stress, volume in zip(self._model.mesh.blocks, state.stress, state.volume, strict=True):
+            material = self._model.materials[block.material]
+            trace = stress[..., :3].sum(axis=-1)
+            square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * stress[..., 3] ** 2
+            density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * material.young)
+            total += float((density * volume).sum())
+        return total
 
 
-def plastic_work_of_increment(mechanics: Mechanics, state_n: State, trial: State) -> float:
+def plastic_work_of_increment(mechanics: Mechanics | ShellMechanics, state_n: State, trial: State) -> float:
     """Return the plastic work of one increment [N mm], by the trapezoidal rule on the flow stress."""
     total = 0.0
     for i in range(len(trial.eqps)):

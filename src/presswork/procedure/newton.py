@@ -15,9 +15,10 @@ from presswork.procedure.contact import Constraints, Contact
 from presswork.procedure.floating_tools import Floating, FloatingTools, LostWorkpieceError
 from presswork.procedure.friction import Friction, FrictionForces
 from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
-from presswork.procedure.loads import AppliedLoads, evaluate_loads
-from presswork.procedure.mechanics import BadGuess, Mechanics, PassedThrough, TurnedInsideOut
+from presswork.procedure.loads import AppliedLoads
+from presswork.procedure.mechanics import BadGuess, Mechanics, PassedThrough
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
+from presswork.procedure.shell_mechanics import ShellMechanics
 from presswork.procedure.timing import Timing
 from presswork.state import State
 
@@ -30,8 +31,6 @@ UNLOADED = 1e-2
 """Forces below this part of the largest so far count as nothing: residuals are measured against no less."""
 RELEASED = 1e-6
 """A pull below this part of the largest force so far lets no node go."""
-NOISE = 1e-8
-"""Strain across the workpiece whose forces are taken for round-off where no larger ones have been."""
 CALM = 1e-2
 """Relative residual at which soft friction is stiffened."""
 SOFT, STIFFENING = 300.0, 4.0
@@ -49,11 +48,13 @@ class _Point:
     loads: AppliedLoads
     bodies: BodyForces
     reaction: FloatArray
+    length: FloatArray
+    """What each freedom is multiplied by to make it a length, and its force divided by to make it a force."""
 
     @property
     def largest_force(self) -> float:
         """Largest nodal force, internal or applied [N]."""
-        return max(float(np.abs(self.internal).max()), float(np.abs(self.loads.force).max()))
+        return max(float(np.abs(f / self.length).max()) for f in (self.internal, self.loads.force))
 
 
 @dataclass(frozen=True)
@@ -68,18 +69,21 @@ class _Balance:
     lacking: FloatArray
     """Out of balance (n_points, 2) [N], in the nodes' own frames."""
     changes: int
+    length: FloatArray
 
     @property
     def largest_lacking(self) -> float:
         """Largest force out of balance, of a node or of a tool [N]."""
         of_tools = float(np.abs(self.floating.missing).max(initial=0.0)) if self.floating else 0.0
-        return max(float(np.abs(self.lacking).max()), of_tools)
+        return max(float(np.abs(self.lacking / self.length).max()), of_tools)
 
 
 class Equilibrium:
     """Solves increments of one model; holds the matrix and its factors, but nothing that a restart would need."""
 
-    def __init__(self, model: Model, mechanics: Mechanics, contact: Contact, timing: Timing, threads: int) -> None:
+    def __init__(
+        self, model: Model, mechanics: Mechanics | ShellMechanics, contact: Contact, timing: Timing, threads: int
+    ) -> None:
         self._model = model
         self._mechanics = mechanics
         self._contact = contact
@@ -88,22 +92,9 @@ class Equilibrium:
         self.bodies = BodyContacts(model, mechanics)
         self._timing = timing
         self._threads = threads
-        self._noise = self._force_of_round_off()
+        self._noise = mechanics.force_of_round_off()
         self._diagonal = 1.0
         self._analyse()
-        n = len(model.mesh.points)
-        self._supported = np.zeros((n, 2), dtype=bool)
-        for support in model.supports:
-            nodes = model.mesh.node_sets[support.node_set]
-            self._supported[nodes] |= np.asarray(support.fix)
-        self._identity = np.tile(np.eye(2), (n, 1, 1))
-
-    def _force_of_round_off(self) -> float:
-        """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
-        size = float(np.ptp(self._model.mesh.points, axis=0).max())
-        axisymmetric = self._model.analysis == "axisymmetric"
-        thickness = 2 * np.pi * float(self._model.mesh.points[:, 0].max()) if axisymmetric else self._model.depth
-        return NOISE * max(m.young for m in self._model.materials) * size * thickness
 
     def _analyse(self) -> None:
         """Make matrix and solver for the assembler's pattern."""
@@ -117,20 +108,15 @@ class Equilibrium:
         self._timing.add("analysis", started)
 
     def fixed(self, stage: int) -> BoolArray:
-        """Return the components that supports and prescribed displacements hold in a stage (n_points, 2)."""
-        fixed = self._supported.copy()
-        for p in self._model.stages[stage].prescribed:
-            fixed[self._model.mesh.node_sets[p.node_set], p.component] = True
-        return fixed
+        """Return the components that supports and prescribed displacements hold in a stage (n_points, freedoms)."""
+        return self._mechanics.supports.fixed(stage)
 
-    def _supports(self, step: Step, increment: FloatArray) -> Constraints:
-        mask = self.fixed(step.stage).astype(np.uint8)
-        target = np.zeros_like(increment)
-        for p in self._model.stages[step.stage].prescribed:
-            nodes = self._model.mesh.node_sets[p.node_set]
-            target[nodes, p.component] = p.value * (step.fraction - step.fraction_n)
-        value = np.where(mask, target - increment, 0.0)
-        return Constraints(mask, value, np.zeros(len(mask), dtype=np.uint8), self._identity)
+    def _supports(self, state_n: State, step: Step, increment: FloatArray) -> Constraints:
+        return self._mechanics.supports.constrain(state_n, step.stage, step.fraction - step.fraction_n, increment)
+
+    def _largest(self, change: FloatArray) -> float:
+        """Largest change of a freedom, made a length [mm]."""
+        return float(np.abs(change * self._mechanics.length).max())
 
     def solve(
         self, state_n: State, trial: State, step: Step, guess: FloatArray, *, gently: bool = False
@@ -166,7 +152,7 @@ class Equilibrium:
             balance = self._balance(state_n, trial, step, increment, point, fixed, near=near)
 
             # 2. converged?
-            missing = float(np.abs(balance.constraints.value).max())
+            missing = self._largest(balance.constraints.value)
             scale = max(point.largest_force, UNLOADED * peak)
             changes = balance.changes + body_changes
             self._note(log, balance, scale, max(size, missing), increment, changes)
@@ -203,7 +189,7 @@ class Equilibrium:
             increment, point, part = moved
             if balance.floating:
                 self.floating_tools.move(trial, balance.floating, part * travel)
-            size = max(float(np.abs(correction).max()), float(np.abs(travel).max(initial=0.0)))
+            size = max(self._largest(correction), float(np.abs(travel).max(initial=0.0)))
         return Failed(log, f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}", 0.5)
 
     def _balance(
@@ -215,7 +201,7 @@ class Equilibrium:
         floor = RELEASED * max(float(state_n.peak_force[0]), self._noise / UNLOADED)
         self._contact.search(trial, point.displacement)
         changes = self._contact.update(trial, point.reaction, fixed, near=near, floor=floor)
-        supports = self._supports(step, increment)
+        supports = self._supports(state_n, step, increment)
         constraints = self._contact.constrain(trial, point.displacement, supports)
         friction = self._rub(state_n, trial, point, constraints)
         drag = friction.vector(len(point.reaction)) if friction else np.zeros_like(point.reaction)
@@ -228,20 +214,22 @@ class Equilibrium:
         lacking = self._turn(constraints, drag - point.reaction)
         lacking[constraints.mask == 1] = 0.0
         self._timing.add("contact", started)
-        return _Balance(constraints, friction, drag, floating, lacking, changes)
+        return _Balance(constraints, friction, drag, floating, lacking, changes, self._mechanics.length)
 
     def _evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
     ) -> _Point | BadGuess:
         internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness)
-        if isinstance(internal, TurnedInsideOut):
+        if isinstance(internal, BadGuess):
             return internal
+        loads = self._mechanics.apply_loads(state_n, increment, step.stage, step.fraction)
         displacement = state_n.displacement + increment
-        loads = evaluate_loads(self._model, self._model.mesh.points + displacement, step.stage, step.fraction)
         bodies = self._touch_bodies(state_n, trial, displacement)
         if isinstance(bodies, PassedThrough):
             return bodies
-        return _Point(displacement, internal, loads, bodies, internal - loads.force - bodies.force)
+        return _Point(
+            displacement, internal, loads, bodies, internal - loads.force - bodies.force, self._mechanics.length
+        )
 
     def _touch_bodies(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
         started = perf_counter()
@@ -277,7 +265,7 @@ class Equilibrium:
             part *= 0.5
         if isinstance(found, BadGuess):
             return found
-        largest = float(np.abs(correction).max())
+        largest = self._largest(correction)
         if not self._model.solver.line_search or part < 1.0 or missing > 1e-3 * largest:
             return taken, found, part
         before = float(((drag - point.reaction) * correction).sum())
@@ -313,12 +301,14 @@ class Equilibrium:
         """Take a nodal vector into the nodes' own frames."""
         result = vector.copy()
         nodes = np.nonzero(constraints.turned)[0]
-        result[nodes] = np.einsum("nij,nj->ni", constraints.frames[nodes], vector[nodes])
+        own = constraints.frames.shape[-1]  # the last freedoms of a node are those taken in its frame
+        result[nodes, -own:] = np.einsum("nij,nj->ni", constraints.frames[nodes], vector[nodes, -own:])
         return result
 
     def _turn_back(self, constraints: Constraints, vector: FloatArray) -> FloatArray:
         nodes = np.nonzero(constraints.turned)[0]
-        vector[nodes] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes])
+        own = constraints.frames.shape[-1]
+        vector[nodes, -own:] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes, -own:])
         return vector
 
     def _correct(self, balance: _Balance, point: _Point, *, refactorise: bool) -> tuple[FloatArray, FloatArray]:
@@ -341,7 +331,7 @@ class Equilibrium:
             self.solver.factorise(self._data)
             self._timing.add("solve", started)
         started = perf_counter()
-        solution = self.solver.solve(flat).reshape(-1, 2)
+        solution = self.solver.solve(flat).reshape(balance.lacking.shape)
         travel = np.zeros(0)
         if travels:
             assert floating is not None
@@ -377,12 +367,11 @@ class Equilibrium:
         matrix = sp.csr_matrix((data, assembler.indices, assembler.indptr))
         return matrix + sp.triu(matrix, 1).T if self._model.solver.symmetric else matrix
 
-    @staticmethod
     def _note(
-        log: IterationLog, balance: _Balance, scale: float, size: float, increment: FloatArray, changes: int
+        self, log: IterationLog, balance: _Balance, scale: float, size: float, increment: FloatArray, changes: int
     ) -> None:
         log.residual.append(balance.largest_lacking / scale if scale > 0 else 0.0)
-        moved = float(np.abs(increment).max())
+        moved = self._largest(increment)
         log.correction.append(size / moved if moved > 0 else (np.inf if size > 0 else 0.0))
         log.contact_changes.append(changes)
 

@@ -25,6 +25,8 @@ class Penetration:
 
     def note(self, model: Model, contact: Contact, state: State) -> None:
         """Look at a converged state."""
+        if not model.tools:
+            return
         points = model.mesh.points + state.displacement
         self.node = max(self.node, _depth(contact, state, points[contact.nodes]))
         edges = model.mesh.boundary_edges

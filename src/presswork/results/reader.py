@@ -46,7 +46,7 @@ class ResultMesh:
     """The undeformed mesh."""
 
     points: FloatArray
-    """Coordinates [mm], shape (n_points, 2)."""
+    """Coordinates [mm], shape (n_points, 2); of shells (n_points, 3)."""
     blocks: tuple[ResultBlock, ...]
     boundary_edges: NDArray[np.int64]
     """Shape (n_edges, 2 | 3): first end, last end[, mid-side], the body on the left."""
@@ -103,7 +103,7 @@ class Result:
                 blocks.append(ResultBlock(element, int(types[first]), ids))
                 first += count
             edges = extras["boundary_edges"][()].astype(np.int64)
-            return ResultMesh(root["Points"][:, :2], tuple(blocks), edges)
+            return ResultMesh(root["Points"][:, : self._dimension], tuple(blocks), edges)
 
     @cached_property
     def tools(self) -> dict[str, FloatArray]:
@@ -138,7 +138,8 @@ class Result:
     def field(self, name: str, step: int = -1) -> FloatArray:
         """Return a field at a saved step, shape (n,) or (n, k), n points or cells; negative steps count from the end.
 
-        "eqps" stands for equivalent_plastic_strain; "stress_xx" ... "stress_xy" for one component of the stress.
+        "eqps" stands for equivalent_plastic_strain; "stress_xx" ... "stress_xy" for one component of the stress, and
+        "stress_top_xx" and the like of a sheet's.
         """
         stored, component = self._resolve(name)
         group, count = ("PointData", "Points") if self.field_names[stored] == "point" else ("CellData", "Cells")
@@ -162,14 +163,25 @@ class Result:
         return self.field_names[self._resolve(name)[0]]
 
     def points(self, step: int = -1) -> FloatArray:
-        """Return the coordinates of the deformed mesh [mm], shape (n_points, 2)."""
-        return np.asarray(self.mesh.points + self.field("displacement", step)[:, :2], dtype=np.float64)
+        """Return the coordinates of the deformed mesh [mm], shape (n_points, 2); of shells (n_points, 3)."""
+        moved = self.field("displacement", step)[:, : self._dimension]
+        return np.asarray(self.mesh.points + moved, dtype=np.float64)
+
+    @property
+    def is_shell(self) -> bool:
+        """Whether the body is a sheet in space."""
+        return self.info.get("analysis") == "shell"
+
+    @property
+    def _dimension(self) -> int:
+        return 3 if self.is_shell else 2
 
     def _resolve(self, name: str) -> tuple[str, int | None]:
         """Return the stored field and the component that a name stands for."""
         stored = ALIASES.get(name, name)
         base, _, component = stored.rpartition("_")
-        if base == "stress" and component in STRESS_COMPONENTS and base in self.field_names:
+        is_tensor = base.startswith(("stress", "strain"))
+        if is_tensor and component in STRESS_COMPONENTS and base in self.field_names:
             return base, STRESS_COMPONENTS.index(component)
         self._require(stored, self.field_names, "field")
         return stored, None

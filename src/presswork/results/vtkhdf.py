@@ -23,8 +23,14 @@ from numpy.typing import NDArray
 from presswork.model import FloatArray, Mesh
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
-VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28}
+VTK_TYPES = {
+    "tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28,
+    "shell3": 5, "shell6": 22, "shell4": 9, "shell8": 23, "shell9": 28,
+}  # fmt: skip
 
+_PLACES = ("bottom", "middle", "top")
+_SHEET_STRESSES = ("stress", "lamina_stress", "effective_stress")
+_SHEET_STRAINS = ("strain", "major_strain", "minor_strain", "equivalent_plastic_strain")
 UNITS = {
     "displacement": "mm",
     "gap": "mm",
@@ -40,6 +46,11 @@ UNITS = {
     "hydrostatic_stress": "MPa",
     "body": "1",
     "thickness": "mm",
+    "thickness_strain": "1",
+    "reaction_force": "N",
+    "reaction_moment": "N mm",
+    **{f"{name}_{place}": "MPa" for name in _SHEET_STRESSES for place in _PLACES},
+    **{f"{name}_{place}": "1" for name in _SHEET_STRAINS for place in _PLACES},
 }
 
 _ROWS_PER_CHUNK = 16384
@@ -146,7 +157,9 @@ def _write_geometry(file: h5py.File, mesh: Mesh) -> None:
     root = file.create_group("VTKHDF")
     root.attrs["Version"] = np.array([2, 0])
     root.attrs["Type"] = np.bytes_("UnstructuredGrid")
-    root["Points"] = np.column_stack([mesh.points, np.zeros(len(mesh.points))]).astype(np.float64)
+    space = np.zeros((len(mesh.points), 3))
+    space[:, : mesh.points.shape[1]] = mesh.points
+    root["Points"] = space
     root["Points"].attrs["units"] = "mm"
     root["Connectivity"] = np.concatenate([c.ravel() for c in cells]).astype(np.int64)
     root["Offsets"] = np.concatenate([[0], np.cumsum(nodes_per_cell)]).astype(np.int64)

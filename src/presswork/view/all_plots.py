@@ -12,6 +12,7 @@ from presswork.results.whole_file import explain_write_error, replace_whole
 from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
+from presswork.view.shell_plot import plot_shell
 from presswork.view.style import DPI, require_matplotlib
 
 if TYPE_CHECKING:
@@ -31,7 +32,8 @@ def plot_all(
 ) -> list[Path]:
     """Write the pictures of a run as PNG and return their paths.
 
-    For each field and step: contours beside the mesh, and the mesh coloured by the field. For each moving tool: force
+    For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
+    space. For each moving tool: force
     against stroke. For each tool in contact: contact stress along the contact surface. `out_dir` is by default the
     folder "plots" in the output folder. Raises ResultError for an unknown field or step before anything is written.
     """
@@ -46,6 +48,10 @@ def plot_all(
     paths = []
     for step in (step % count for step in chosen):
         for field in fields:
+            if result.is_shell:
+                figure = plot_shell(result, field, step, mirror=mirror, figure=_new_figure())
+                paths.append(_save(figure, folder / f"shell_{field}_{step:03d}.png"))
+                continue
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
             paths.append(_save(contours, folder / f"contours_{field}_{step:03d}.png"))
             paths.append(_save(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from presswork import model
-from presswork.case import Case, build_model, describe
+from presswork.case import build_model, describe, read_case
 from presswork.examples import copy_example, list_examples
 
 WriteCase = Callable[..., Path]
@@ -18,7 +18,7 @@ PLANE_STRAIN = ('analysis = "axisymmetric"', 'analysis = "plane_strain"\ndepth =
 
 
 def build(path: Path, *overrides: str) -> model.Model:
-    return build_model(Case.from_toml(path, overrides))
+    return build_model(read_case(path, overrides))
 
 
 def test_model_holds_what_the_case_says(write_case: WriteCase) -> None:

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The list of shells, and the threaded loop over a block of them.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "element/shell_pack.hpp"
+
+namespace presswork {
+
+struct ShellType {
+  std::string_view name;
+  int nodes;
+  int points;
+  ShellFailure (*evaluate_pack)(const ShellView&, const SheetLaw&, int pack);
+  // N (points, nodes), dN (points, nodes, 2), weights (points) of the rule, and dN at the nodes (nodes, nodes, 2)
+  void (*tabulate)(double* N, double* dN, double* weight, double* dN_at_nodes);
+};
+
+// The shell of that name, or nothing.
+std::optional<ShellType> find_shell(std::string_view name);
+
+// Evaluate every pack of a block. Returns the failure of the lowest cell, if any. The result does not depend on the
+// number of threads: each pack writes its own slots.
+ShellFailure evaluate_shells(const ShellType& shell, const ShellView& view, const SheetLaw& law);
+
+}  // namespace presswork

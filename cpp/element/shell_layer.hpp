@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// One layer of a shell at one point of its surface, in one increment.
+//
+// In: the Green-Lagrange strain E of the increment in the lamina frame at t, which turns with the material. With
+// C = 1 + 2E = U^2 the law sees ln U and gives the Cauchy stress s in the turned frame; the stress that does work on E
+// per volume at t is S = J U^-1 s U^-1, J = det U exp(thickness strain). Order xx, yy, xy, shear strain engineering.
+// The derivative dS/dE is that of this program, by dual numbers, so it is exact.
+#pragma once
+
+#include "kinematics/increment.hpp"
+#include "material/anisotropic_law.hpp"
+#include "tensor/dual.hpp"
+
+namespace presswork {
+
+inline constexpr int most_history = 32;  // values a layer point may keep
+
+template <class T>
+struct Layer {
+  T stress[3];              // Cauchy, lamina frame
+  T history[most_history];  // of the law
+  T direction[2];           // unit vector of the covariant base vector g_1 in the lamina frame
+};
+
+template <class T>
+struct LayerResponse {
+  T force[3];       // S
+  T modulus[3][3];  // dS/dE
+  T thickness_strain;
+};
+
+namespace layer {
+
+template <class V>
+struct Stretch {
+  V strain[3];    // ln U
+  V inverse[3];   // U^-1: 11, 22, 12
+  V determinant;  // of U
+};
+
+template <class V>
+void stretch_from(const V E[3], Stretch<V>& out) {
+  V c11 = V(1.0) + V(2.0) * E[0], c22 = V(1.0) + V(2.0) * E[1], c12 = E[2];
+  V mean = V(0.5) * (c11 + c22), half = V(0.5) * (c11 - c22), g, g_s;
+  divided_atanh(mean, half * half + c12 * c12, g, g_s);
+  V excess = V(2.0) * (E[0] + E[1]) + V(4.0) * E[0] * E[1] - c12 * c12;  // det C - 1
+  V quarter = V(0.25) * logarithm_one_plus(excess);
+  out.strain[0] = quarter + V(0.5) * g * half;
+  out.strain[1] = quarter - V(0.5) * g * half;
+  out.strain[2] = g * c12;
+  // U = (C + det U)/sqrt(tr C + 2 det U)
+  out.determinant = square_root(V(1.0) + excess);
+  V scale = V(1.0) / (out.determinant * square_root(c11 + c22 + V(2.0) * out.determinant));
+  out.inverse[0] = (c22 + out.determinant) * scale;
+  out.inverse[1] = (c11 + out.determinant) * scale;
+  out.inverse[2] = -c12 * scale;
+}
+
+// J U^-1 s U^-1
+template <class V>
+void pull_back(const Stretch<V>& u, const V s[3], const V& thickness_strain, V S[3]) {
+  const V *w = u.inverse, J = u.determinant * exponential(thickness_strain);
+  V a11 = w[0] * s[0] + w[2] * s[2], a12 = w[0] * s[2] + w[2] * s[1];
+  V a21 = w[2] * s[0] + w[1] * s[2], a22 = w[2] * s[2] + w[1] * s[1];
+  S[0] = J * (a11 * w[0] + a12 * w[2]);
+  S[1] = J * (a21 * w[2] + a22 * w[1]);
+  S[2] = J * (a11 * w[2] + a12 * w[1]);
+}
+
+// d(thickness strain)/d(strain): the elastic part follows the stress, the plastic part keeps the volume
+template <class T>
+void thickness_slope(T young, double poisson, const T D[3][3], T slope[3]) {
+  for (int j = 0; j < 3; ++j) {
+    T across = T(1.0 - poisson) / young * (D[0][j] + D[1][j]);
+    slope[j] = across * T(-poisson / (1.0 - poisson)) - (T(j < 2 ? 1.0 : 0.0) - across);
+  }
+}
+
+}  // namespace layer
+
+// Advance a layer by E over dt; gives the lanes in which the law failed.
+template <class T>
+Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_modulus, Layer<T>& state,
+                      LayerResponse<T>& out) {
+  using V = Dual<T, 3>;
+  T D[3][3], young = law.young_at(state.history[0]);
+  layer::Stretch<T> u;
+  layer::stretch_from(E, u);
+  Mask<T> failed = update_sheet(law, u.strain, dt, T(1.0), state.stress, state.history, out.thickness_strain,
+                                with_modulus ? D : nullptr);
+  // the frame turns with the material: g_1 goes to U g_1, seen from the turned frame
+  T c = state.direction[0], s = state.direction[1];
+  T x = u.inverse[1] * c - u.inverse[2] * s, y = u.inverse[0] * s - u.inverse[2] * c;  // U = adj(U^-1) det U
+  T length = T(1.0) / square_root(x * x + y * y);
+  state.direction[0] = x * length, state.direction[1] = y * length;
+  if (!with_modulus) {
+    layer::pull_back(u, state.stress, out.thickness_strain, out.force);
+    return failed;
+  }
+  V E_dual[3], stress[3], across(out.thickness_strain), S[3];
+  for (int i = 0; i < 3; ++i) E_dual[i] = V::variable(E[i], i);
+  layer::Stretch<V> v;
+  layer::stretch_from(E_dual, v);
+  T slope[3];
+  layer::thickness_slope(young, law.poisson, D, slope);
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < 3; ++j) across.slope[k] += slope[j] * v.strain[j].slope[k];
+    for (int i = 0; i < 3; ++i) {
+      if (k == 0) stress[i] = V(state.stress[i]);
+      for (int j = 0; j < 3; ++j) stress[i].slope[k] += D[i][j] * v.strain[j].slope[k];
+    }
+  }
+  layer::pull_back(v, stress, across, S);
+  for (int i = 0; i < 3; ++i) {
+    out.force[i] = S[i].value;
+    for (int k = 0; k < 3; ++k) out.modulus[i][k] = S[i].slope[k];
+  }
+  return failed;
+}
+
+}  // namespace presswork

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// One pack of shells in one increment: lanes in, points and layers, lanes out. The arithmetic is in shell.hpp.
+#pragma once
+
+#include <algorithm>
+
+#include "element/shell.hpp"
+
+namespace presswork {
+
+enum class ShellFault : int { none = 0, inside_out = 1, turned_too_far = 2, law = 3 };
+
+// Views of one block of shells, C-contiguous. q points in the plane, k layers, h history values, m directors.
+struct ShellView {
+  int n_cells, n_layers, n_history;
+  const int* connectivity;       // (n_cells, nodes)
+  const int* director_of;        // (n_cells, nodes) into director
+  const double* points;          // (n_points, 3) at t [mm]
+  const double* increment;       // (n_points, 6) displacement [mm], rotation vector [rad] since t
+  const double* director;        // (m, 3) at t
+  const double* layer_position;  // (k) in (-1, 1)
+  const double* layer_weight;    // (k), sums to 2
+  double dt, penalty;
+  const double *thickness_n, *stress_n, *history_n, *direction_n, *shear_n;
+  double* thickness;  // (n_cells, q) [mm]
+  double* stress;     // (n_cells, q, k, 3) [MPa]
+  double* history;    // (n_cells, q, k, h)
+  double* direction;  // (n_cells, q, k, 2)
+  double* shear;      // (n_cells, q, 2)
+  double* volume;     // (n_cells, q, k) [mm3] at t+dt
+  double* force;      // (n_packs, 6 nodes, pack_width)
+  double* stiffness;  // (n_packs, 6 nodes, 6 nodes, pack_width), or null
+  bool symmetric;     // keep the symmetric part of the stiffness
+};
+
+struct ShellFailure {
+  int cell = -1;
+  ShellFault fault = ShellFault::none;
+};
+
+namespace lanes {
+inline int count(double) { return 1; }
+inline int count(Pack) { return pack_width; }
+inline double get(double v, int) { return v; }
+inline double get(const Pack& v, int lane) { return v[lane]; }
+inline void set(double& v, int, double x) { v = x; }
+inline void set(Pack& v, int lane, double x) { v.set(lane, x); }
+inline bool is(bool m, int) { return m; }
+inline bool is(Pack::Mask m, int lane) { return m[lane] != 0; }
+}  // namespace lanes
+
+template <Cell cell, int n_points, Tying tying, class T>
+struct ShellPack {
+  using Kernel = Shell<cell, n_points, tying, T>;
+  using Table = typename Kernel::Table;
+  static constexpr int nodes = Kernel::nodes, freedoms = Kernel::freedoms;
+  static constexpr int width = std::is_same_v<T, double> ? 1 : pack_width;
+
+  const ShellView& view;
+  const SheetLaw& law;
+  const Table& table = Table::get();
+  int first, used, cells[width];
+  typename Kernel::Nodes n;
+
+  ShellPack(const ShellView& v, const SheetLaw& l, int pack) : view(v), law(l), first(pack * width) {
+    used = std::min(width, v.n_cells - first);
+    for (int lane = 0; lane < width; ++lane) {
+      cells[lane] = first + std::min(lane, used - 1);
+      for (int a = 0; a < nodes; ++a) {
+        const std::size_t at = static_cast<std::size_t>(cells[lane]) * nodes + a;
+        const int node = v.connectivity[at], director = v.director_of[at];
+        for (int i = 0; i < 3; ++i) {
+          lanes::set(n.x[a][i], lane, v.points[3 * node + i]);
+          lanes::set(n.u[a][i], lane, v.increment[6 * node + i]);
+          lanes::set(n.turn[a].theta[i], lane, v.increment[6 * node + 3 + i]);
+          lanes::set(n.d[a][i], lane, v.director[3 * director + i]);
+        }
+      }
+    }
+  }
+
+  // values of a point (n_cells, rows, size): row is the same in all lanes
+  void load(const double* array, std::size_t rows, std::size_t row, int size, T* to) const {
+    for (int lane = 0; lane < width; ++lane)
+      for (int i = 0; i < size; ++i) lanes::set(to[i], lane, array[(cells[lane] * rows + row) * size + i]);
+  }
+  void save(const T* from, std::size_t rows, std::size_t row, int size, double* array) const {
+    for (int lane = 0; lane < used; ++lane)
+      for (int i = 0; i < size; ++i) array[(cells[lane] * rows + row) * size + i] = lanes::get(from[i], lane);
+  }
+
+  ShellFailure find(Mask<T> bad, ShellFault fault) const {
+    for (int lane = 0; lane < used; ++lane)
+      if (lanes::is(bad, lane)) return {cells[lane], fault};
+    return {};
+  }
+
+  // All layers of point q: their resultants, new thickness and volumes
+  ShellFailure run_layers(int q, const typename Kernel::Surface& surface, const typename Kernel::Strain& strain,
+                          typename Kernel::Resultants& sum) const {
+    const std::size_t rows = static_cast<std::size_t>(n_points) * view.n_layers;
+    const bool with_modulus = view.stiffness != nullptr;
+    T h, stretch(0.0);
+    load(view.thickness_n, n_points, q, 1, &h);
+    for (int k = 0; k < view.n_layers; ++k) {
+      const std::size_t row = static_cast<std::size_t>(q) * view.n_layers + k;
+      Layer<T> state;
+      LayerResponse<T> response;
+      load(view.stress_n, rows, row, 3, state.stress);
+      load(view.history_n, rows, row, view.n_history, state.history);
+      load(view.direction_n, rows, row, 2, state.direction);
+      T z = T(0.5 * view.layer_position[k]) * h, Q[3][3], covariant[3], E[3];
+      T area = Kernel::lamina_map(surface, z, state.direction, Q);
+      for (int c = 0; c < 3; ++c) covariant[c] = strain.E[0][c] + z * (strain.E[1][c] + z * strain.E[2][c]);
+      for (int i = 0; i < 3; ++i) E[i] = Q[i][0] * covariant[0] + Q[i][1] * covariant[1] + Q[i][2] * covariant[2];
+      // a layer folded onto itself has no stretch
+      T c11 = T(1.0) + T(2.0) * E[0], c22 = T(1.0) + T(2.0) * E[1];
+      T least = smaller(c11, c11 * c22 - E[2] * E[2]);
+      if (auto bad = find(!(least > T(1e-6)), ShellFault::inside_out); bad.cell >= 0) return bad;
+      auto failed = respond_layer(law, view.dt, E, with_modulus, state, response);
+      if (auto bad = find(failed, ShellFault::law); bad.cell >= 0) return bad;
+      T weight = T(0.5 * table.shape.weight[q] * view.layer_weight[k]) * area * h;
+      T across = exponential(response.thickness_strain);
+      T volume = weight * across * square_root(c11 * c22 - E[2] * E[2]);
+      stretch += T(0.5 * view.layer_weight[k]) * across;
+      Kernel::add_layer(response, Q, weight, z, with_modulus, sum);
+      save(state.stress, rows, row, 3, view.stress);
+      save(state.history, rows, row, view.n_history, view.history);
+      save(state.direction, rows, row, 2, view.direction);
+      save(&volume, rows, row, 1, view.volume);
+    }
+    h *= stretch;
+    save(&h, n_points, q, 1, view.thickness);
+    return {};
+  }
+
+  // Transverse shear of point q: force per area of the reference cell times the weight, and its stiffness
+  void run_shear(int q, const typename Kernel::Surface& surface, const T strain[2], T force[2], T D[2][2]) const {
+    T h, p[2];
+    load(view.thickness_n, n_points, q, 1, &h);
+    load(view.shear_n, n_points, q, 2, p);
+    T stiffness = T(shear_factor * 0.5 / (1.0 + law.poisson) * law.young) * h * surface.area;
+    const T* inverse = surface.inverse;
+    p[0] += stiffness * (inverse[0] * strain[0] + inverse[2] * strain[1]);
+    p[1] += stiffness * (inverse[2] * strain[0] + inverse[1] * strain[1]);
+    save(p, n_points, q, 2, view.shear);
+    T weight(table.shape.weight[q]), with_penalty = weight * stiffness * T(1.0 + view.penalty);
+    for (int k = 0; k < 2; ++k) force[k] = weight * p[k];
+    D[0][0] = with_penalty * inverse[0], D[1][1] = with_penalty * inverse[1];
+    D[0][1] = D[1][0] = with_penalty * inverse[2];
+  }
+
+  ShellFailure evaluate() {
+    // 1. directors, and the configuration half-way and at the end
+    T mid_x[nodes][3], mid_d[nodes][3], end_x[nodes][3], end_d[nodes][3], turned(0.0);
+    for (int a = 0; a < nodes; ++a) {
+      const T theta[3] = {n.turn[a].theta[0], n.turn[a].theta[1], n.turn[a].theta[2]};
+      n.turn[a].turn(theta, n.d[a]);
+      turned = larger(turned, n.turn[a].s);
+      for (int i = 0; i < 3; ++i) {
+        mid_x[a][i] = n.x[a][i] + T(0.5) * n.u[a][i], mid_d[a][i] = n.d[a][i] + T(0.5) * n.turn[a].change[i];
+        end_x[a][i] = n.x[a][i] + n.u[a][i], end_d[a][i] = n.d[a][i] + n.turn[a].change[i];
+      }
+    }
+    if (auto bad = find(!(turned < T(largest_turn_squared)), ShellFault::turned_too_far); bad.cell >= 0) return bad;
+
+    // 2. point by point
+    T force[freedoms];
+    T(*K)[freedoms] = nullptr;
+    T matrix[freedoms][freedoms];
+    for (auto& f : force) f = T(0.0);
+    if (view.stiffness) {
+      K = matrix;
+      for (auto& row : matrix)
+        for (auto& k : row) k = T(0.0);
+    }
+    for (int q = 0; q < n_points; ++q) {
+      typename Kernel::Surface surface;
+      typename Kernel::Gradient gradient;
+      typename Kernel::Strain strain;
+      typename Kernel::Resultants sum = {};
+      T a[2][3], b[2][3], shear[2], D[2][2];
+      auto folded = Kernel::measure_surface(table, q, n, surface) | Kernel::base_vectors(table, q, end_x, end_d, a, b);
+      if (auto bad = find(folded, ShellFault::inside_out); bad.cell >= 0) return bad;
+      Kernel::differentiate(table, q, mid_x, mid_d, gradient);
+      Kernel::measure(gradient, n, strain);
+      clear(sum);
+      if (auto bad = run_layers(q, surface, strain, sum); bad.cell >= 0) return bad;
+      run_shear(q, surface, strain.shear, shear, D);
+      Kernel::differentiate(table, q, end_x, end_d, gradient);
+      Kernel::add_force(gradient, sum, shear, force);
+      if (K) Kernel::add_stiffness(table, q, gradient, sum, shear, D, K);
+    }
+
+    // 3. from directors to rotations, and out
+    Kernel::take_rotations(n, force, K);
+    write(force, K);
+    return {};
+  }
+
+  static void clear(typename Kernel::Resultants& sum) {
+    for (auto& row : sum.S)
+      for (auto& s : row) s = T(0.0);
+    for (auto& matrix : sum.C)
+      for (auto& row : matrix)
+        for (auto& c : row) c = T(0.0);
+  }
+
+  void write(const T* force, const T (*K)[freedoms]) const {
+    auto put = [this](double* array, std::size_t per_pack, std::size_t index, const T& value) {
+      for (int lane = 0; lane < width; ++lane) {
+        const int slot = first + lane, pack = slot / pack_width;
+        array[(pack * per_pack + index) * pack_width + slot % pack_width] = lanes::get(value, lane);
+      }
+    };
+    for (int i = 0; i < freedoms; ++i) put(view.force, freedoms, i, force[i]);
+    if (!K) return;
+    for (int i = 0; i < freedoms; ++i)
+      for (int j = 0; j < freedoms; ++j)
+        put(view.stiffness, freedoms * freedoms, i * freedoms + j,
+            view.symmetric ? T(0.5) * (K[i][j] + K[j][i]) : K[i][j]);
+  }
+
+  static ShellFailure evaluate_pack(const ShellView& view, const SheetLaw& law, int pack) {
+    return ShellPack(view, law, pack).evaluate();
+  }
+};
+
+}  // namespace presswork

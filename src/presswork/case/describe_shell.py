@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `presswork check` says of a shell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from presswork import _core, model
+
+_WORDS: dict[str, str] = {
+    "shell3": "3-node degenerated shells, one point; they lock",
+    "shell3_mitc": "3-node shells, tied transverse shear (MITC3)",
+    "shell6": "6-node degenerated shells, 6 points",
+    "shell6_selective": "6-node degenerated shells, transverse shear from 3 points",
+    "shell6_reduced": "6-node degenerated shells, 3 points",
+    "shell4": "4-node degenerated shells, 2 x 2 points; they lock",
+    "shell4_selective": "4-node degenerated shells, transverse shear from the centre",
+    "shell4_reduced": "4-node degenerated shells, one point, no hourglass control",
+    "shell4_mitc": "4-node shells, tied transverse shear (MITC4)",
+    "shell8": "8-node degenerated shells, 3 x 3 points",
+    "shell8_selective": "8-node degenerated shells, transverse shear from 2 x 2 points",
+    "shell8_reduced": "8-node degenerated shells, 2 x 2 points",
+    "shell9": "9-node degenerated shells, 3 x 3 points",
+    "shell9_selective": "9-node degenerated shells, transverse shear from 2 x 2 points",
+    "shell9_reduced": "9-node degenerated shells, 2 x 2 points",
+    "shell9_mitc": "9-node shells, all strains tied (MITC9)",
+}
+_BYTES_PER_LAYER = 3 * 8 * 8
+"""Three copies of about 8 numbers at a point of a layer."""
+_FACTOR_BYTES_PER_FREEDOM = 3500.0
+"""Of a sparse direct factorisation of a shell at 100,000 freedoms."""
+
+
+def describe_sheet(problem: model.Model) -> Iterator[str]:
+    """Describe mesh and sections, a line per fact."""
+    mesh = problem.mesh
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    yield "analysis: shell, large rotation and strain"
+    spans = (f"{axis} {a:g} to {b:g} mm" for axis, a, b in zip("xyz", low, high, strict=True))
+    yield f"workpiece: {', '.join(spans)}"
+    for block in mesh.blocks:
+        material = problem.materials[block.material].name
+        yield f"elements: {len(block.connectivity)} {block.element} ({_WORDS[block.element]}) of {material}"
+        if block.section:
+            section = block.section
+            yield f"section: {section.thickness:g} mm thick, {section.points} {section.rule.capitalize()} points"
+    n = len(mesh.points)
+    yield f"nodes: {n}, freedoms: {6 * n} before supports, boundary edges: {len(mesh.boundary_edges)}"
+    yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
+    yield f"edge sets: {', '.join(f'{name} ({len(edges)})' for name, edges in sorted(mesh.edge_sets.items()))}"
+
+
+def describe_sheet_loads(stage: model.Stage) -> Iterator[str]:
+    """Describe the loads that only shells have."""
+    for pressure in stage.shell_pressures:
+        yield f"pressure {pressure.value:g} MPa on {pressure.node_set}"
+    for edge in stage.edge_forces:
+        yield f"force ({', '.join(f'{f:g}' for f in edge.force)}) N/mm along {edge.edge_set}"
+    for body in stage.body_forces:
+        yield f"force ({', '.join(f'{f:g}' for f in body.force)}) N/mm3 on the whole sheet"
+
+
+def estimate_sheet_memory(problem: model.Model) -> float:
+    """Estimate the bytes for state, matrix and factors."""
+    freedoms = 6 * len(problem.mesh.points)
+    state = matrix = 0.0
+    for block in problem.mesh.blocks:
+        cells, nodes = block.connectivity.shape
+        layers = block.section.points if block.section else 0
+        state += cells * _core.shell_sizes(block.element)[1] * layers * _BYTES_PER_LAYER
+        matrix += cells * (6 * nodes) ** 2 * (8 + 0.6 * 12)
+    factor = _FACTOR_BYTES_PER_FREEDOM * freedoms * np.log(max(freedoms, 2)) / np.log(1e5)
+    return state + matrix + float(factor)

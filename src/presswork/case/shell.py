@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The case of a shell: a sheet in x, y, z with supports and loads. Units as in schema.py."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
+
+from presswork import model
+from presswork.case import schema
+from presswork.case.errors import CaseError
+from presswork.case.part import Part
+from presswork.case.reader import apply_overrides, list_problems, read_toml
+from presswork.case.settings import Output, Solver
+from presswork.case.units import (
+    Angle,
+    BodyForceVector,
+    EdgeForceVector,
+    Force3,
+    Length,
+    Moment3,
+    Stress,
+    Time,
+    fault,
+)
+from presswork.case.workpiece import MeshFile, Rectangle
+from presswork.case.yield_function import VonMisesYield, YieldFunction
+
+Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
+FREEDOMS: tuple[Freedom, ...] = ("x", "y", "z", "rx", "ry", "rz")
+HOLDS: dict[str, tuple[Freedom, ...]] = {
+    "clamped": FREEDOMS,
+    "hinged": ("x", "y", "z"),
+    "symmetry_x": ("x", "ry", "rz"),
+    "symmetry_y": ("y", "rx", "rz"),
+    "symmetry_z": ("z", "rx", "ry"),
+}
+
+
+class Section(Part):
+    """A sheet through its thickness."""
+
+    thickness: Length = Field(gt=0, description="thickness [mm]")
+    points: int = Field(
+        default=model.Section(1.0).points, strict=True, ge=2, le=51, description="points through the thickness, 2 to 51"
+    )
+    rule: model.ThicknessRule = Field(
+        default=model.Section(1.0).rule, description="gauss; lobatto and simpson have points on both faces"
+    )
+
+    @model_validator(mode="after")
+    def _check_simpson(self) -> Self:
+        if self.rule == "simpson" and self.points % 2 == 0:
+            raise fault("Simpson's rule has an odd number of points", f"take {self.points + 1}", key="points")
+        return self
+
+
+class ShellRectangle(Rectangle):
+    """A rectangle in x, y, flat or rolled; its sets are left, right, bottom, top, all, boundary and the corners."""
+
+    roll_radius: Length | None = Field(
+        default=None,
+        gt=0,
+        description="rolls the rectangle into a cylinder about an axis along x: y becomes arc length; y = 0 stays at "
+        "z = 0, with the axis below it [mm]",
+    )
+
+
+def _assume_rectangle(mesh: object) -> object:
+    if isinstance(mesh, dict) and "kind" not in mesh:
+        return {"kind": "file" if "path" in mesh else "rectangle", **mesh}
+    return mesh
+
+
+class ShellWorkpiece(Part):
+    """The sheet that is formed."""
+
+    material: str = Field(description="name of one of the [materials]")
+    element: model.ShellElement = Field(description="element formulation")
+    section: Section = Field(description="thickness and the points through it")
+    mesh: Annotated[ShellRectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
+        description="the mesh of the mid-surface"
+    )
+
+
+class ShellMaterial(schema.Material):
+    """Isotropic elasticity with plasticity of a sheet; x, laid into the sheet, is the rolling direction."""
+
+    yield_function: YieldFunction = Field(default=VonMisesYield(), description="yield function; without it: von Mises")
+
+
+class ShellBoundary(Part):
+    """What is held in every stage, in one word or freedom by freedom."""
+
+    set: str = Field(description="name of a node set")
+    hold: Literal["clamped", "hinged", "symmetry_x", "symmetry_y", "symmetry_z"] | None = Field(
+        default=None,
+        description="clamped: nothing moves or turns; hinged: nothing moves; symmetry_x: a symmetry plane normal to x",
+    )
+    fix: tuple[Freedom, ...] = Field(
+        default=(), description="instead: out of x, y, z and the rotations about them rx, ry, rz"
+    )
+
+    @model_validator(mode="after")
+    def _check_one_way_of_holding(self) -> Self:
+        if (self.hold is None) == (not self.fix):
+            raise fault("give either hold or fix", 'for instance hold = "clamped", or fix = ["z"]', key="hold")
+        return self
+
+    def build(self) -> model.Support:
+        """Return the Model's support."""
+        held = self.fix if self.hold is None else HOLDS[self.hold]
+        return model.Support(self.set, tuple(freedom in held for freedom in FREEDOMS))
+
+
+class ShellDisplacement(Part):
+    """A displacement component that grows linearly over the stage."""
+
+    set: str = Field(description="name of a node set")
+    component: Literal["x", "y", "z"] = Field(description="x, y or z")
+    value: Length = Field(description="displacement over the stage [mm]")
+
+
+class ShellRotation(Part):
+    """A rotation that grows linearly over the stage."""
+
+    set: str = Field(description="name of a node set")
+    axis: Literal["x", "y", "z"] = Field(description="axis turned about: x, y or z")
+    angle: Angle = Field(description="angle over the stage [degree]")
+
+
+class ShellForce(Part):
+    """A total force and moment of fixed direction, shared equally by the nodes of a set."""
+
+    set: str = Field(description="name of a node set")
+    value: Force3 = Field(default=(0.0, 0.0, 0.0), description="force [x, y, z] [N]")
+    moment: Moment3 = Field(default=(0.0, 0.0, 0.0), description="moment about x, y, z [N mm]")
+
+
+class EdgeForce(Part):
+    """A force per undeformed length along an edge set, of fixed direction."""
+
+    set: str = Field(description="name of an edge set")
+    value: EdgeForceVector = Field(description="force per length [x, y, z] [N/mm]")
+
+
+class ShellPressure(Part):
+    """A pressure that follows the sheet."""
+
+    set: str = Field(description="name of a node set: the pressure acts on the cells whose nodes are all in it")
+    value: Stress = Field(description="pressure [MPa], positive along the normal of the cells")
+
+
+class BodyForce(Part):
+    """A force per undeformed volume on the whole sheet, such as its weight."""
+
+    value: BodyForceVector = Field(description="force per volume [x, y, z] [N/mm^3]")
+
+
+class ShellStage(Part):
+    """A part of the process in which every load is linear in time."""
+
+    name: str = Field(description="name of the stage")
+    duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
+    displacement: tuple[ShellDisplacement, ...] = Field(default=(), description="prescribed displacements")
+    rotation: tuple[ShellRotation, ...] = Field(default=(), description="prescribed rotations")
+    force: tuple[ShellForce, ...] = Field(default=(), description="forces and moments")
+    edge_force: tuple[EdgeForce, ...] = Field(default=(), description="forces along edges")
+    pressure: tuple[ShellPressure, ...] = Field(default=(), description="pressures")
+    body_force: tuple[BodyForce, ...] = Field(default=(), description="forces per volume")
+
+
+class ShellCase(Part):
+    """A complete case of a shell. Raises CaseError, with every problem found, when it is not valid."""
+
+    title: str = Field(description="what the case shows, in one line")
+    analysis: Literal["shell"] = Field(description="shell")
+    workpiece: ShellWorkpiece = Field(description="the sheet that is formed")
+    materials: dict[str, ShellMaterial] = Field(min_length=1, description="materials by name")
+    boundary: dict[str, ShellBoundary] = Field(default={}, description="supports and symmetry planes by name")
+    stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
+    solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
+    output: Output = Field(default=Output(), description="what is saved, and when")
+
+    _source: Path | None = PrivateAttr(default=None)
+    _text: str = PrivateAttr(default="")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_tools(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "tools" in data:
+            raise fault("tools cannot touch a shell yet", "move its edges, or load it", key="tools")
+        return data
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        try:
+            return handler(data)
+        except ValidationError as error:
+            raise CaseError(list_problems(error, data, shell_json_schema()), None) from None
+
+    @classmethod
+    def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
+        """Read and validate a case file, as Case.from_toml does. Raises CaseError with every problem found."""
+        path = Path(path)
+        data, text = read_toml(path)
+        apply_overrides(data, overrides, path)
+        try:
+            case = cls.model_validate(data)
+        except CaseError as error:
+            raise CaseError(error.problems, path) from None
+        case._source = path
+        case._text = (
+            schema.write_as_run(data, path.parent) if overrides or "path" in data["workpiece"]["mesh"] else text
+        )
+        return case
+
+    @property
+    def source(self) -> Path | None:
+        """The file that the case was read from, if any."""
+        return self._source
+
+    @property
+    def text(self) -> str:
+        """The case file as read, or written anew with the overrides in it; empty for a case built in Python."""
+        return self._text
+
+
+@functools.cache
+def shell_json_schema() -> dict[str, Any]:
+    """Return the JSON schema of a shell's case file."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **ShellCase.model_json_schema()}
+
+
+def read_case(path: str | Path, overrides: Sequence[str] = ()) -> schema.Case | ShellCase:
+    """Read and validate a case file of either kind, by its `analysis`. Raises CaseError with every problem found."""
+    path = Path(path)
+    data, _ = read_toml(path)
+    apply_overrides(data, overrides, path)
+    kind = ShellCase if data.get("analysis") == "shell" else schema.Case
+    return kind.from_toml(path, overrides)

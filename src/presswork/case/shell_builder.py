@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a shell's case to the Model: names resolved, the sheet meshed, everything checked."""
+
+from __future__ import annotations
+
+import logging
+from math import radians
+from pathlib import Path
+
+from presswork import model
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.grid import grid_lines
+from presswork.case.hardening import build_hardening
+from presswork.case.settings import build_output, build_solver
+from presswork.case.shell import FREEDOMS, ShellCase, ShellRectangle, ShellStage
+from presswork.case.units import LENGTH, unit_factor
+from presswork.case.workpiece import MeshFile
+from presswork.case.yield_function import Barlat1989, Hill1948, VonMisesYield, YieldFunction
+from presswork.mesh import MeshError
+from presswork.mesh.shells import mesh_shell_rectangle, read_shell_mesh
+
+logger = logging.getLogger(__name__)
+
+
+def build_shell_model(case: ShellCase) -> model.Model:
+    """Build the Model of a shell's case; raises CaseError with every problem of the first kind that is found."""
+    _stop_at(_check_names(case), case)
+    mesh = _build_mesh(case)
+    _stop_at(_check_sets(case, mesh), case)
+    solver = build_solver(case.solver, with_coulomb=False, is_shell=True)
+    return model.Model(
+        title=case.title,
+        analysis="shell",
+        depth=1.0,
+        mesh=mesh,
+        materials=tuple(
+            model.Material(
+                name,
+                material.young,
+                material.poisson,
+                build_hardening(material.hardening),
+                build_yield_function(material.yield_function),
+            )
+            for name, material in case.materials.items()
+        ),
+        tools=(),
+        supports=tuple(entry.build() for entry in case.boundary.values()),
+        stages=tuple(_build_stage(stage) for stage in case.stages),
+        solver=solver,
+        output=build_output(case.output),
+        case_text=case.text,
+    )
+
+
+def _stop_at(problems: list[Problem], case: ShellCase) -> None:
+    if problems:
+        raise CaseError(problems, case.source)
+
+
+def _check_names(case: ShellCase) -> list[Problem]:
+    """Return the problems that show without the mesh."""
+    problems = []
+    piece = case.workpiece
+    if piece.material not in case.materials:
+        remedy = suggest(piece.material, case.materials, "materials")
+        problems.append(Problem("workpiece.material", "no such material", remedy, piece.material))
+    if isinstance(piece.mesh, MeshFile):
+        try:
+            unit_factor(piece.mesh.unit, LENGTH)
+        except ValueError as error:
+            fault = f"expected a unit of length, but {error}"
+            problems.append(Problem("workpiece.mesh.unit", fault, "e.g. mm, m, inch", piece.mesh.unit))
+    if case.solver.control == "arc_length":
+        for index, stage in enumerate(case.stages):
+            if stage.displacement or stage.rotation:
+                fault, remedy = "arc length follows loads, not prescribed displacements", 'take control = "load"'
+                problems.append(Problem("solver.control", f"{fault} (stages.{index})", remedy, "arc_length"))
+    names = [stage.name for stage in case.stages]
+    loaded = False
+    for index, stage in enumerate(case.stages):
+        if stage.name in names[:index]:
+            problems.append(
+                Problem(f"stages.{index}.name", "two stages have this name", "give each its own", stage.name)
+            )
+        loads = stage.displacement + stage.rotation + stage.force + stage.edge_force + stage.pressure + stage.body_force
+        if not (loads or loaded):
+            remedy = "add [[stages.force]], [[stages.pressure]], [[stages.displacement]] or another load"
+            problems.append(Problem(f"stages.{index}", f'the stage "{stage.name}" changes nothing', remedy))
+        loaded = bool(loads)
+    return problems
+
+
+def _check_sets(case: ShellCase, mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of set names, once the mesh is known."""
+    uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
+    for index, stage in enumerate(case.stages):
+        for kind in ("displacement", "rotation", "force", "pressure"):
+            uses += [(f"stages.{index}.{kind}.{row}.set", e.set, False) for row, e in enumerate(getattr(stage, kind))]
+        uses += [(f"stages.{index}.edge_force.{row}.set", e.set, True) for row, e in enumerate(stage.edge_force)]
+    problems = []
+    for key, name, is_edge_set in uses:
+        what, known = ("edge sets", mesh.edge_sets) if is_edge_set else ("node sets", mesh.node_sets)
+        if name not in known:
+            problems.append(Problem(key, f"no such {what[:-1]}", suggest(name, known, what), name))
+        elif len(known[name]) == 0:
+            problems.append(Problem(key, f"the {what[:-1]} is empty", "choose another", name))
+    return problems
+
+
+def _build_mesh(case: ShellCase) -> model.Mesh:
+    """Mesh the sheet, or read its mesh."""
+    piece = case.workpiece
+    material = list(case.materials).index(piece.material)
+    section = model.Section(piece.section.thickness, piece.section.points, piece.section.rule)
+    if isinstance(piece.mesh, ShellRectangle):
+        return mesh_shell_rectangle(
+            *grid_lines(piece.mesh),
+            element=piece.element,
+            section=section,
+            pattern=piece.mesh.pattern,
+            roll_radius=piece.mesh.roll_radius,
+            material=material,
+        )
+    folder = case.source.parent if case.source is not None else Path()
+    scale = unit_factor(piece.mesh.unit, LENGTH)
+    try:
+        mesh, notes = read_shell_mesh(
+            folder / piece.mesh.path, element=piece.element, section=section, scale=scale, material=material
+        )
+    except MeshError as error:
+        problem = Problem("workpiece.mesh.path", error.fault, error.remedy, piece.mesh.path)
+        raise CaseError([problem], case.source) from error
+    for note in notes:
+        logger.warning("workpiece.mesh.path = %s: %s", piece.mesh.path, note)
+    return mesh
+
+
+def build_yield_function(chosen: YieldFunction) -> model.YieldFunction | None:
+    """Return the Model's yield function; None for von Mises."""
+    if isinstance(chosen, VonMisesYield):
+        return None
+    if isinstance(chosen, Hill1948):
+        return model.YieldFunction("hill1948", chosen.hill_parameters())
+    if isinstance(chosen, Barlat1989):
+        return model.YieldFunction("barlat1989", chosen.coefficients(), chosen.exponent)
+    return model.YieldFunction("yld2000", tuple(chosen.alpha), chosen.exponent)
+
+
+def _build_stage(stage: ShellStage) -> model.Stage:
+    """Turn a case's stage into the Model's."""
+    moved = [(e.set, FREEDOMS.index(e.component), e.value) for e in stage.displacement]
+    moved += [(e.set, 3 + FREEDOMS.index(e.axis), radians(e.angle)) for e in stage.rotation]
+    return model.Stage(
+        name=stage.name,
+        duration=stage.duration,
+        prescribed=tuple(model.PrescribedDisplacement(*entry) for entry in moved),  # type: ignore[arg-type]
+        forces=tuple(model.PointForce(e.set, (*e.value, *e.moment)) for e in stage.force),
+        shell_pressures=tuple(model.ShellPressure(e.set, e.value) for e in stage.pressure),
+        edge_forces=tuple(model.EdgeForce(e.set, e.value) for e in stage.edge_force),
+        body_forces=tuple(model.BodyForce(e.value) for e in stage.body_force),
+    )

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes of shells: rectangles, flat or rolled, and mesh files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from presswork import _core
+from presswork.mesh.checks import MeshError, check_connected
+from presswork.mesh.directors import cell_normals
+from presswork.mesh.readers import build_sets, read_raw, take_cells
+from presswork.mesh.structured import Pattern, mesh_rectangle
+from presswork.mesh.topology import drop_unused_points, find_boundary_edges
+from presswork.model import CellBlock, ElementName, FloatArray, Mesh, Section
+
+
+def mesh_shell_rectangle(
+    x_lines: FloatArray,
+    y_lines: FloatArray,
+    *,
+    element: ElementName,
+    section: Section,
+    pattern: Pattern | None = None,
+    roll_radius: float | None = None,
+    material: int = 0,
+) -> Mesh:
+    """Mesh the rectangle between grid lines, in the plane z = 0 or rolled about an axis along x.
+
+    Rolled, y becomes arc length on a cylinder of `roll_radius` whose axis lies at z = -roll_radius. Normals point up,
+    or outwards. Sets as in mesh_rectangle.
+    """
+    plane = mesh_rectangle(x_lines, y_lines, element=element, pattern=pattern, material=material)
+    block = replace(plane.blocks[0], section=section)
+    x, y = plane.points.T
+    if roll_radius is None:
+        return replace(plane, points=np.column_stack([x, y, np.zeros_like(x)]), blocks=(block,))
+    angle = y / roll_radius
+    points = np.column_stack([x, roll_radius * np.sin(angle), roll_radius * (np.cos(angle) - 1.0)])
+    normals = np.column_stack([np.zeros_like(x), np.sin(angle), np.cos(angle)])
+    return replace(plane, points=points, blocks=(block,), normals=normals)
+
+
+def read_shell_mesh(
+    path: Path, *, element: ElementName, section: Section, scale: float = 1.0, material: int = 0
+) -> tuple[Mesh, tuple[str, ...]]:
+    """Read the mesh of a shell; return it and notes on what was changed.
+
+    scale: factor of the file's coordinates to mm. Sets as in read_mesh, by x and y. Cells may be wound either way.
+    Raises MeshError.
+    """
+    raw = read_raw(path)
+    if not np.isfinite(raw.points).all() or not len(raw.points):
+        raise MeshError("some coordinates are no finite numbers, or there are none", "write it again from the mesher")
+    space = np.zeros((len(raw.points), 3))
+    space[:, : raw.points.shape[1]] = raw.points * scale
+    cells = take_cells(raw, element)
+    points, number = drop_unused_points(space, [cells])
+    cells = number[cells].astype(np.int32)
+    check_connected(points, cells, most=8)
+    cell_normals(points, cells, _core.shell_shape(element)[3])
+    boundary = find_boundary_edges([cells])
+    node_sets, edge_sets = build_sets(raw, number, points, boundary)
+    notes = []
+    if len(points) < len(space):
+        notes.append(f"{len(space) - len(points)} nodes belong to no cell: they were left out")
+    block = CellBlock(element, cells, material, section)
+    return Mesh(points, (block,), node_sets, edge_sets, boundary), tuple(notes)

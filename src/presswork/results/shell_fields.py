@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The saved fields of shells: stress and strain at the bottom, middle and top of the sheet, thickness.
+
+Bottom and top are the outermost integration points, which lie on the faces with the Lobatto and Simpson rules; the
+middle is the middle point, or the mean of the two beside it. Strains are logarithmic, from the undeformed to the
+present metric of a layer, so they do not depend on the path; the top is where the cells' normals point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.model import FloatArray, IntArray
+from presswork.state import State
+
+PLACES = ("bottom", "middle", "top")
+
+
+@dataclass(frozen=True)
+class ShellGeometry:
+    """What the fields of one block need besides the State."""
+
+    connectivity: IntArray
+    director_of: IntArray
+    slopes: FloatArray
+    """Of the shape functions at the points (q, n_nodes, 2)."""
+    points: FloatArray
+    """Undeformed (n_points, 3)."""
+    director: FloatArray
+    """Undeformed (n_directors, 3)."""
+    thickness: float
+    layers: FloatArray
+    """Positions in (-1, 1)."""
+
+    def base_vectors(self, points: FloatArray, director: FloatArray, z: FloatArray) -> FloatArray:
+        """Return the two covariant base vectors at heights z (n_cells, q) (n_cells, q, 2, 3)."""
+        a = np.einsum("qaj,cai->cqji", self.slopes, points[self.connectivity])
+        b = np.einsum("qaj,cai->cqji", self.slopes, director[self.director_of])
+        vectors: FloatArray = a + z[..., None, None] * b
+        return vectors
+
+
+def shell_cell_fields(state: State, geometry: list[ShellGeometry]) -> dict[str, FloatArray]:
+    """Return the cell means over the points in the plane, cells in the order of the blocks."""
+    parts = [_block_fields(state, i, g) for i, g in enumerate(geometry)]
+    return {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
+
+
+def shell_point_fields(state: State) -> dict[str, FloatArray]:
+    """Return displacement, reaction force and moment at the nodes (n_points, 3)."""
+    return {
+        "displacement": state.displacement[:, :3].copy(),
+        "reaction_force": state.reaction[:, :3].copy(),
+        "reaction_moment": state.reaction[:, 3:].copy(),
+    }
+
+
+def sheet_effective_stress(stress: FloatArray) -> FloatArray:
+    """Return the von Mises stress of xx, yy, xy in plane stress (..., 3)."""
+    xx, yy, xy = np.moveaxis(stress, -1, 0)
+    return np.asarray(np.sqrt(xx**2 - xx * yy + yy**2 + 3 * xy**2))
+
+
+def _block_fields(state: State, block: int, g: ShellGeometry) -> dict[str, FloatArray]:
+    k = len(g.layers)
+    stress = state.stress[block].reshape(len(g.connectivity), -1, k, 3)
+    eqps = state.eqps[block].reshape(stress.shape[:3])
+    direction = state.shells.direction[block]
+    thickness = state.shells.thickness[block]
+    now = g.points + state.displacement[:, :3]
+    fields = {
+        "thickness": thickness.mean(axis=1),
+        "thickness_strain": np.log(thickness / g.thickness).mean(axis=1),
+        "effective_stress": sheet_effective_stress(stress).max(axis=2).mean(axis=1),
+        "equivalent_plastic_strain": eqps.max(axis=2).mean(axis=1),
+    }
+    picks = {"bottom": [0], "middle": sorted({(k - 1) // 2, k // 2}), "top": [k - 1]}
+    for place in PLACES:
+        own = picks[place]
+        position = float(g.layers[own].mean())
+        lamina = stress[:, :, own].mean(axis=2)
+        base = g.base_vectors(now, state.shells.director, 0.5 * position * thickness)
+        frame = _lamina_frame(base, direction[:, :, own[0]])
+        start = g.base_vectors(g.points, g.director, np.full_like(thickness, 0.5 * position * g.thickness))
+        strain, major, minor = _logarithmic_strain(start, base)
+        fields |= {
+            f"equivalent_plastic_strain_{place}": eqps[:, :, own].mean(axis=(1, 2)),
+            f"effective_stress_{place}": sheet_effective_stress(lamina).mean(axis=1),
+            f"lamina_stress_{place}": lamina.mean(axis=1),
+            f"stress_{place}": _to_global(frame, lamina).mean(axis=1),
+            f"strain_{place}": _voigt(strain).mean(axis=1),
+            f"major_strain_{place}": major.mean(axis=1),
+            f"minor_strain_{place}": minor.mean(axis=1),
+        }
+    return fields
+
+
+def _lamina_frame(base: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return the axes (n_cells, q, 2, 3) of the lamina frame: `direction` is g_1 in it."""
+    first = base[:, :, 0] / np.linalg.norm(base[:, :, 0], axis=2, keepdims=True)
+    normal = np.cross(base[:, :, 0], base[:, :, 1])
+    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+    second = np.cross(normal, first)
+    c, s = direction[..., :1], direction[..., 1:]
+    return np.stack([c * first - s * second, s * first + c * second], axis=2)
+
+
+def _to_global(frame: FloatArray, lamina: FloatArray) -> FloatArray:
+    """Return xx, yy, zz, xy, yz, xz (n_cells, q, 6) of stresses xx, yy, xy in the frame."""
+    inner = np.empty((*lamina.shape[:2], 2, 2))
+    inner[..., 0, 0], inner[..., 1, 1] = lamina[..., 0], lamina[..., 1]
+    inner[..., 0, 1] = inner[..., 1, 0] = lamina[..., 2]
+    return _voigt(np.einsum("cqai,cqab,cqbj->cqij", frame, inner, frame))
+
+
+def _voigt(tensor: FloatArray) -> FloatArray:
+    """Return xx, yy, zz, xy, yz, xz of symmetric tensors (..., 3, 3)."""
+    return np.stack([tensor[..., i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))], axis=-1)
+
+
+def _logarithmic_strain(start: FloatArray, now: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the strain in the present directions (n_cells, q, 3, 3), and its larger and smaller principal value."""
+    before = np.einsum("cqai,cqbi->cqab", start, start)
+    after = np.einsum("cqai,cqbi->cqab", now, now)
+    # after = F^T F in covariant components: b = F F^T has the same principal stretches, along m = now^i v_i
+    lower = np.linalg.cholesky(before)
+    inverse = np.linalg.inv(lower)
+    square = np.einsum("cqab,cqbd,cqed->cqae", inverse, after, inverse)
+    values, vectors = np.linalg.eigh(square)
+    principal = 0.5 * np.log(values)
+    material = np.einsum("cqba,cqbk->cqak", inverse, vectors)  # contravariant components of the material directions
+    along = np.einsum("cqak,cqai->cqki", material, now)
+    along /= np.linalg.norm(along, axis=3, keepdims=True)
+    strain = np.einsum("cqk,cqki,cqkj->cqij", principal, along, along)
+    return strain, principal[..., 1], principal[..., 0]

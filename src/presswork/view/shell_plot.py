@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of a deformed sheet in space."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from presswork.model import FloatArray
+from presswork.results import Result, ResultError
+from presswork.view.cells import outline_cells
+from presswork.view.mesh_plot import Mirror
+from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d import Axes3D
+
+_LIGHT = np.array([0.35, -0.5, 0.8])
+
+
+def plot_shell(
+    result: Result,
+    field: str | None = "effective_stress",
+    step: int = -1,
+    *,
+    mirror: Mirror = "",
+    scale: float = 1.0,
+    view: tuple[float, float] = (28.0, -58.0),
+    show_edges: bool = True,
+    figure: Figure | None = None,
+) -> Figure:
+    """Draw the deformed sheet coloured by a field, shaded by its slope; `field=None` draws the bare mesh.
+
+    Point fields are shown as the mean of a cell's nodes; of a vector the length is shown. scale: factor on the
+    displacement. view: elevation and azimuth [degree]. mirror: planes through the origin, normal to x, y or both.
+    """
+    require_matplotlib()
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    figure = new_figure(7.0, 5.2) if figure is None else figure
+    ax: Axes3D = figure.add_subplot(projection="3d")
+    ax.set_proj_type("ortho")
+    ax.view_init(*view)
+    moved = result.points(step)
+    points = result.mesh.points + scale * (moved - result.mesh.points)
+    outlines = outline_cells(result.mesh, points)
+    values = None if field is None else _cell_values(result, field, step)
+    colours = _colours(values, outlines)
+    width = float(np.clip(10.0 / np.sqrt(len(outlines)), 0.04, 0.6)) if show_edges else 0.0
+    low, high = points.min(axis=0), points.max(axis=0)
+    for sign in _images(mirror):
+        faces = Poly3DCollection([o * sign for o in outlines], facecolors=colours, linewidths=width)
+        faces.set_edgecolor((0.1, 0.1, 0.1, 0.7) if show_edges else colours)
+        ax.add_collection3d(faces)
+        low, high = np.minimum(low, (points * sign).min(axis=0)), np.maximum(high, (points * sign).max(axis=0))
+    _frame(ax, low, high)
+    if field is not None and values is not None:
+        _add_colour_bar(figure, ax, values, label_field(result, field))
+    title = str(result.info.get("title", "")).strip()
+    magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
+    ax.set_title("\n".join(filter(None, (title, describe_step(result, step) + magnified))), fontsize="medium")
+    return figure
+
+
+def _images(mirror: Mirror) -> list[FloatArray]:
+    """Return the factors on the coordinates of the sheet and its mirror images."""
+    signs = [np.ones(3)]
+    for axis, name in enumerate("xy"):
+        if name in mirror:
+            flip = np.ones(3)
+            flip[axis] = -1.0
+            signs += [s * flip for s in signs]
+    return signs
+
+
+def _cell_values(result: Result, field: str, step: int) -> FloatArray:
+    """Return a field as one number per cell."""
+    values = result.field(field, step)
+    if values.ndim == 2 and values.shape[1] == 3:
+        values = np.linalg.norm(values, axis=1)
+    if values.ndim != 1:
+        raise ResultError(f"{field} has {values.shape[1]} components; choose one, as {field}_xx")
+    if result.kind(field) == "cell":
+        return values
+    return np.concatenate([values[block.connectivity].mean(axis=1) for block in result.mesh.blocks])
+
+
+def _colours(values: FloatArray | None, outlines: list[FloatArray]) -> FloatArray:
+    """Return one colour per cell, darker where the sheet turns away from the light."""
+    from matplotlib import colormaps
+    from matplotlib.colors import Normalize
+
+    if values is None:
+        colours = np.tile([0.82, 0.87, 0.93, 1.0], (len(outlines), 1))
+    else:
+        finite = values[np.isfinite(values)]
+        low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+        colours = np.asarray(colormaps[COLOURS](Normalize(low, high if high > low else low + 1.0)(values)))
+    centred = [o - o.mean(axis=0) for o in outlines]
+    normals = np.array([np.cross(o, np.roll(o, -1, axis=0)).sum(axis=0) for o in centred])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    light = _LIGHT / np.linalg.norm(_LIGHT)
+    colours[:, :3] *= (0.72 + 0.28 * np.abs(normals @ light))[:, None]
+    return colours
+
+
+def _frame(ax: Axes3D, low: FloatArray, high: FloatArray) -> None:
+    """Set limits and labels, with the same scale along all axes."""
+    size = high - low
+    margin = 0.03 * float(size.max())
+    ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
+    ax.set_zlim(low[2] - margin, high[2] + margin)
+    ax.set_box_aspect(size + 2 * margin)
+    ax.set_xlabel("x [mm]")
+    ax.set_ylabel("y [mm]")
+    ax.set_zlabel("z [mm]")
+    ax.tick_params(labelsize="x-small")
+    ax.locator_params(nbins=5)
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        axis.pane.set_alpha(0.0)
+    ax.grid(visible=False)
+
+
+def _add_colour_bar(figure: Figure, ax: Axes3D, values: FloatArray, label: str) -> None:
+    """Put a colour bar beside the sheet."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+    drawn = ScalarMappable(Normalize(low, high if high > low else low + 1.0), COLOURS)
+    bar = figure.colorbar(drawn, ax=ax, shrink=0.6, pad=0.1)
+    bar.set_label(label)
+    bar.outline.set_linewidth(0.5)

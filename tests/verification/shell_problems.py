@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Set-up shared by the verification of shells: mapped patches, models in memory, runs without an output folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from presswork.mesh import mesh_rectangle
+from presswork.model import (
+    BodyForce,
+    EdgeForce,
+    ElementName,
+    FloatArray,
+    IntArray,
+    Material,
+    Mesh,
+    Model,
+    OutputSettings,
+    PointForce,
+    PrescribedDisplacement,
+    Section,
+    ShellPressure,
+    SolverSettings,
+    Stage,
+    Support,
+)
+from presswork.procedure.implicit import ImplicitProcedure
+
+X, Y, Z, RX, RY, RZ = range(6)
+FLAT = {"3": "tri3", "6": "tri6_6pt", "4": "quad4", "8": "quad8", "9": "quad9"}
+
+
+def fixing(*freedoms: int) -> tuple[bool, ...]:
+    """Return which of the six freedoms a support fixes."""
+    return tuple(i in freedoms for i in range(6))
+
+
+def symmetry(normal: int) -> tuple[bool, ...]:
+    """Return what a symmetry plane normal to x, y or z fixes: the displacement out of it, the rotations in it."""
+    return fixing(normal, *(3 + i for i in range(3) if i != normal))
+
+
+CLAMPED = fixing(X, Y, Z, RX, RY, RZ)
+
+
+def patch(
+    shape: Callable[[FloatArray, FloatArray], FloatArray],
+    u_lines: FloatArray,
+    v_lines: FloatArray,
+    *,
+    element: ElementName = "shell4_mitc",
+    thickness: float = 1.0,
+    points: int = 2,
+    normal: Callable[[FloatArray, FloatArray], FloatArray] | None = None,
+    distortion: float = 0.0,
+    pattern: str | None = None,
+    **section: Any,
+) -> Mesh:
+    """Mesh the image of a rectangle in (u, v); sets are named as in it: left, right, bottom, top and the corners.
+
+    distortion: moves inner corners by that part of the cell size, at random but always the same.
+    """
+    flat = FLAT[element[5]]
+    plane = mesh_rectangle(u_lines, v_lines, element=flat, pattern=pattern)  # type: ignore[arg-type]
+    u, v = plane.points.T
+    if distortion:
+        rng = np.random.default_rng(7)
+        inner = np.ones(len(u), dtype=bool)
+        for side in ("left", "right", "bottom", "top"):
+            inner[plane.node_sets[side]] = False
+        cell = np.array([np.diff(u_lines).min(), np.diff(v_lines).min()])
+        moved = plane.points + rng.uniform(-distortion, distortion, (len(u), 2)) * cell * inner[:, None]
+        _straighten(moved, plane.blocks[0].connectivity, 3 if flat.startswith("tri") else 4)
+        u, v = moved.T
+    block = replace(plane.blocks[0], element=element, section=Section(thickness, points, **section))
+    normals = normal(u, v) if normal else None
+    return replace(plane, points=np.ascontiguousarray(shape(u, v)), blocks=(block,), normals=normals)
+
+
+def _straighten(points: FloatArray, cells: IntArray, corners: int) -> None:
+    """Put mid-sides and centres in the middle of their corners, in place."""
+    if cells.shape[1] > corners:
+        ends = points[cells[:, :corners]]
+        points[cells[:, corners : 2 * corners]] = 0.5 * (ends + np.roll(ends, -1, axis=1))
+    if cells.shape[1] == 9:
+        points[cells[:, 8]] = points[cells[:, :4]].mean(axis=1)
+
+
+def shell_model(
+    mesh: Mesh,
+    material: Material,
+    supports: Sequence[tuple[str, tuple[bool, ...]]],
+    *,
+    forces: Sequence[tuple[str, Sequence[float]]] = (),
+    prescribed: Sequence[tuple[str, int, float]] = (),
+    pressures: Sequence[tuple[str, float]] = (),
+    edges: Sequence[tuple[str, Sequence[float]]] = (),
+    body: Sequence[float] | None = None,
+    stages: Sequence[Stage] | None = None,
+    **solver: Any,
+) -> Model:
+    """Build a one-material Model of one stage; `stages` replaces it."""
+    stage = Stage(
+        "load",
+        prescribed=tuple(PrescribedDisplacement(*p) for p in prescribed),  # type: ignore[arg-type]
+        forces=tuple(PointForce(name, tuple(f)) for name, f in forces),
+        shell_pressures=tuple(ShellPressure(name, p) for name, p in pressures),
+        edge_forces=tuple(EdgeForce(name, tuple(f)) for name, f in edges),
+        body_forces=() if body is None else (BodyForce(tuple(body)),),  # type: ignore[arg-type]
+    )
+    return Model(
+        title="shell",
+        analysis="shell",
+        depth=1.0,
+        mesh=mesh,
+        materials=(material,),
+        tools=(),
+        supports=tuple(Support(name, fix) for name, fix in supports),
+        stages=tuple(stages or (stage,)),
+        solver=SolverSettings(**{"line_search": False, **solver}),
+        output=OutputSettings(every=1),
+    )
+
+
+def run(model: Model) -> ImplicitProcedure:
+    """Run a model to its end."""
+    procedure = ImplicitProcedure(model, threads=1)
+    for _ in procedure.advance():
+        pass
+    return procedure
+
+
+def solve_linear(model: Model, scale: float = 1e-6) -> FloatArray:
+    """Return the displacement (n_points, 6) by the tangent of the undeformed shell under the load of the first stage.
+
+    The load is scaled down, and the answer scaled back, so that it is the linear one.
+    """
+    procedure = ImplicitProcedure(model, threads=1)
+    mechanics, state = procedure.mechanics, procedure.state
+    zero = np.zeros_like(state.displacement)
+    mechanics.evaluate(state, state.duplicate(), zero, with_stiffness=True)
+    loads = mechanics.apply_loads(state, zero, 0, scale)
+    constraints = mechanics.supports.constrain(state, 0, scale, zero)
+    data = np.zeros(len(mechanics.assembler.indices))
+    mechanics.assemble_stiffness(constraints.turned, constraints.frames, data)
+    rhs = loads.force.copy()
+    rhs[:, 3:] = np.einsum("nij,nj->ni", constraints.frames, rhs[:, 3:])
+    flat = rhs.reshape(-1)
+    mechanics.assembler.constrain(
+        constraints.mask.reshape(-1), constraints.value.reshape(-1), float(data.max()), data, flat
+    )
+    solver = procedure.equilibrium.solver
+    solver.factorise(data)
+    solution = solver.solve(flat).reshape(-1, 6)
+    solution[:, 3:] = np.einsum("nji,nj->ni", constraints.frames, solution[:, 3:])
+    result: FloatArray = solution / scale
+    return result

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Snap-through of the hinged roof by arc length, against the tables of Sze, Liu & Lo (2004)."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+
+import numpy as np
+import pytest
+from problems import elastic
+from shell_problems import X, Y, Z, fixing, patch, shell_model, symmetry
+from test_shell_large_rotation import TABLES, lines
+
+from presswork.model import Model
+from presswork.procedure.arc_length import ArcLengthProcedure
+from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
+
+
+def hinged_roof(thickness: float, n: int, **solver: object) -> Model:
+    """A quarter: u = 0 the middle of its length along y, v = 0 the crown; straight edges hinged, ends free."""
+    radius = 2540.0
+    mesh = patch(
+        lambda u, v: np.column_stack([radius * np.sin(v), u, radius * np.cos(v)]),
+        lines(254.0, n), lines(0.1, n), thickness=thickness,
+        normal=lambda u, v: np.column_stack([np.sin(v), 0 * u, np.cos(v)]),
+    )  # fmt: skip
+    held = [("left", symmetry(Y)), ("bottom", symmetry(X)), ("top", fixing(X, Y, Z))]
+    return shell_model(mesh, elastic(3102.75, 0.3), held, forces=[("bottom_left", (0, 0, -750.0))], **solver)
+
+
+def follow(model: Model) -> np.ndarray:
+    """Load fraction and deflection under the load, point by point."""
+    procedure = ArcLengthProcedure(model, threads=1)
+    node = model.mesh.node_sets["bottom_left"]
+    path = [(0.0, 0.0)]
+    for report in procedure.advance():
+        path.append((report.fraction, -float(procedure.state.displacement[node, Z].mean())))
+    return np.array(path)
+
+
+@pytest.mark.parametrize(("thickness", "tolerance"), [(12.7, 0.012), (6.35, 0.012)])
+def test_hinged_roof(thickness, tolerance) -> None:
+    """Every tabulated point lies on our path: distance over the path's extent in load and deflection."""
+    path = follow(hinged_roof(thickness, 8, initial_increment=0.02, target_iterations=4))
+    table = np.array(TABLES["hinged_roof"][f"thickness_{thickness:g}"])
+    table = table[table[:, 0] <= 1.0]
+    extent = np.ptp(table, axis=0)
+    dense = np.concatenate([np.linspace(a, b, 50) for a, b in itertools.pairwise(path)]) / extent
+    distance = np.linalg.norm(table[:, None] / extent - dense, axis=2).min(axis=1)
+    assert distance.max() < tolerance
+
+
+def test_arc_length_passes_both_limit_loads() -> None:
+    path = follow(hinged_roof(12.7, 8, initial_increment=0.02, target_iterations=4))
+    peak = path[:, 0][: int(np.argmax(path[:, 1] > 14.0))].max()
+    assert peak == pytest.approx(0.7421, rel=0.01)
+    assert path[(path[:, 1] > 15) & (path[:, 1] < 25), 0].min() == pytest.approx(0.1729, rel=0.05)
+    assert path[-1, 0] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_load_control_jumps_over_the_path_between_the_limit_loads() -> None:
+    model = hinged_roof(12.7, 8, initial_increment=0.05, max_increment=0.05)
+    procedure = ImplicitProcedure(model, threads=1)
+    node = model.mesh.node_sets["bottom_left"]
+    deflections = [0.0]
+    with contextlib.suppress(GaveUpError):
+        for _ in procedure.advance():
+            deflections.append(-float(procedure.state.displacement[node, Z].mean()))
+    assert not any(12.0 < d < 24.0 for d in deflections)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Longer problems of Sze, Liu & Lo (2004), as in tests/verification/test_shell_large_rotation.py."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
+
+from problems import elastic
+from shell_problems import CLAMPED, RX, X, Y, Z, fixing, patch, shell_model, symmetry
+from test_shell_large_rotation import cylinder, deviation, follow, lines
+
+pytestmark = pytest.mark.validation
+
+
+def test_pinched_cylinder_with_diaphragms() -> None:
+    """It snaps through several wrinkles on the way; the same displacements pass where the table has its points."""
+    mesh = cylinder(100.0, 100.0, 1.0, (40, 40))
+    held = [("left", symmetry(Y)), ("right", fixing(X, Z)), ("bottom", symmetry(X)), ("top", symmetry(Z))]
+    model = shell_model(mesh, elastic(3e4, 0.3), held, forces=[("bottom_left", (0, 0, -3000.0))],
+                        initial_increment=0.025, max_increment=0.025)  # fmt: skip
+    found, _ = follow(model, [("bottom_left", Z), ("top_left", X)])
+    assert deviation(found, "pinched_cylinder_diaphragms", [1]) < 0.012
+    assert deviation(found[:, [0, 2]], "pinched_cylinder_diaphragms", [2]) < 0.03
+
+
+def test_pinched_semi_cylinder() -> None:
+    radius = 101.6
+
+    def shape(u, v):
+        return np.column_stack([u, radius * np.sin(v), radius * np.cos(v)])
+
+    mesh = patch(shape, lines(304.8, 32), lines(np.pi / 2, 32), thickness=3.0,
+                 normal=lambda u, v: np.column_stack([0 * u, np.sin(v), np.cos(v)]))  # fmt: skip
+    held = [("left", CLAMPED), ("bottom", symmetry(Y)), ("top", fixing(Z, RX))]
+    model = shell_model(mesh, elastic(2068.5, 0.3), held, forces=[("bottom_right", (0, 0, -1000.0))],
+                        initial_increment=0.025, max_increment=0.025)  # fmt: skip
+    found, _ = follow(model, [("bottom_right", Z)])
+    assert deviation(found, "pinched_semi_cylinder", [1]) < 0.01
