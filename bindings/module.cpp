@@ -12,6 +12,7 @@ void bind_anisotropic(nb::module_& m);
 void bind_element(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_assembly(nb::module_& m);
+void bind_explicit(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -26,4 +27,5 @@ NB_MODULE(_core, m) {
   bind_element(m);
   bind_contact(m);
   bind_assembly(m);
+  bind_explicit(m);
 }
