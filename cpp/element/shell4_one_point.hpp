@@ -9,10 +9,13 @@
 // Where this departs from the originals:
 // - e3 is normal to both diagonals, as there; e1 is the rotation of the mean deformation gradient since the start
 //   (polar decomposition), not a side: the frame turns with the material and does not depend on the node number.
-// - the strain increment is e + e^2 with Almansi's e of the step, so that a rigid rotation of any size gives none.
+// - velocity strains are taken on the geometry in the middle of the step, in the frame there, and forces on that at its
+//   end: a rigid rotation gives no strain, and fast spinning does not feed vibrations (it does with one geometry).
 // - hourglass velocities leave out the rigid rotation of a warped element.
 // - the warping terms come from v(z) with p the normals of the warped surface at the nodes: the coupling b^c of the
-//   curvature is that of Belytschko, Wong & Chiang, and the drilling rotation works through p.
+//   curvature is that of Belytschko, Wong & Chiang, and the drilling rotation works through p. With them goes the
+//   projection of the transverse shear on the edges (Dvorkin & Bathe's, at the centre), which makes bending of
+//   distorted elements free of shear; the hourglass deflection is what remains of w beside it.
 //
 // Virtual power with b_x, b_y the gradients, A the area:
 //   d_xx = b_x v_x + z (b_x t_y + bc_x v_x)          t_y = w_y - p_y w_z,  t_x = w_x - p_x w_z
@@ -130,11 +133,12 @@ struct Strain {
   T q[5];                       // hourglass: membrane x, y, deflection, rotations x, y
 };
 
-// Take the drilling rotation into t_x, t_y: t = w - p w_z at each node, p_1 = -p_3, p_2 = -p_4.
+// Take the drilling rotation, beyond the element's own spin, into t_x, t_y: t = w - p w_z at each node, p_1 = -p_3, p_2
+// = -p_4.
 template <class T>
-void tilt_rotations(const Geometry<T>& g, Pattern<T>& w) {
+void tilt_rotations(const Geometry<T>& g, T spin, Pattern<T>& w) {
   const T z4 = g.H[2];  // four times the hourglass height
-  const T s13 = T(0.5) * (w.sum[2] + w.h[2]), s24 = T(0.5) * (w.sum[2] - w.h[2]);
+  const T s13 = T(0.5) * (w.sum[2] + w.h[2]) - T(2.0) * spin, s24 = T(0.5) * (w.sum[2] - w.h[2]) - T(2.0) * spin;
   const T p13[2] = {-z4 * g.bx[0], -z4 * g.by[0]}, p24[2] = {z4 * g.bx[1], z4 * g.by[1]};
   for (int i = 0; i < 2; ++i) {
     w.d13[i] -= p13[i] * s13, w.d24[i] -= p24[i] * s24;
@@ -143,50 +147,59 @@ void tilt_rotations(const Geometry<T>& g, Pattern<T>& w) {
   }
 }
 
-// v, w: velocities times dt.
+// What depends on the rotations before they are tilted, so that a rigid rotation of a warped element gives none: the
+// hourglass rotations, and the projection's part of shear and hourglass deflection. With the product t.x = t_y x - t_x
+// y, shear along an edge is the difference of w plus the mean of t.x; at the centre that is b.w + mean t plus
+// (b_1 d13 - b_2 d24).H/4, and what is left to the hourglass mode is h.w + sum.H/4 + (d24.q - d13.p)/4, none for any
+// quadratic w with its own slopes.
 template <bool warped, class T>
-void measure_strain(const Geometry<T>& g, const Pattern<T>& v, const Pattern<T>& w, Strain<T>& out) {
+void measure_rotations(const Geometry<T>& g, const Pattern<T>& w, Strain<T>& out) {
+  const T a = g.H[0] * g.bx[0] + g.H[1] * g.by[0], b = g.H[0] * g.bx[1] + g.H[1] * g.by[1];
+  for (int i = 0; i < 2; ++i) out.q[3 + i] = w.h[i] - a * w.d13[i] - b * w.d24[i];
+  out.shear[0] = out.shear[1] = out.q[2] = T(0.0);
+  if constexpr (warped) {
+    auto along = [](const T t[3], const T x[]) { return T(0.25) * (t[1] * x[0] - t[0] * x[1]); };
+    T d13 = along(w.d13, g.H), d24 = along(w.d24, g.H);
+    out.shear[0] = g.bx[0] * d13 - g.bx[1] * d24;
+    out.shear[1] = g.by[0] * d13 - g.by[1] * d24;
+    out.q[2] = along(w.sum, g.H) + along(w.d24, g.q) - along(w.d13, g.p);
+  }
+}
+
+// v, w: velocities times dt; w is left with the tilted rotations.
+template <bool warped, class T>
+void measure_strain(const Geometry<T>& g, const Pattern<T>& v, Pattern<T>& w, Strain<T>& out) {
+  measure_rotations<warped>(g, w, out);
   auto by_x = [&](T a, T b) { return g.bx[0] * a + g.bx[1] * b; };
   auto by_y = [&](T a, T b) { return g.by[0] * a + g.by[1] * b; };
   T L[3][2];
   for (int i = 0; i < 3; ++i) L[i][0] = by_x(v.d13[i], v.d24[i]), L[i][1] = by_y(v.d13[i], v.d24[i]);
-  // 1. membrane: Almansi's strain of the step, and from it the logarithmic one to second order
-  T e11 = L[0][0], e22 = L[1][1], g12 = L[0][1] + L[1][0];
-  for (int i = 0; i < 3; ++i) {
-    e11 -= T(0.5) * L[i][0] * L[i][0];
-    e22 -= T(0.5) * L[i][1] * L[i][1];
-    g12 -= L[i][0] * L[i][1];
-  }
-  T trace = e11 + e22, difference = e11 - e22;
-  out.membrane[0] = trace + e11 * e11 + e22 * e22 + T(0.5) * g12 * g12;
-  out.membrane[1] = difference * (T(1.0) + trace);
-  out.membrane[2] = g12 * (T(1.0) + trace);
-  // 2. curvature
+  // 1. membrane
+  out.membrane[0] = L[0][0] + L[1][1];
+  out.membrane[1] = L[0][0] - L[1][1];
+  out.membrane[2] = L[0][1] + L[1][0];
+  // 2. curvature; bc_x v_x is L S with S = c (p p - q q), of which the strain's part stands here and the spin's in the
+  // tilting
+  if constexpr (warped) tilt_rotations(g, T(0.5) * (L[1][0] - L[0][1]), w);
   T tyx = by_x(w.d13[1], w.d24[1]), tyy = by_y(w.d13[1], w.d24[1]);
   T txx = by_x(w.d13[0], w.d24[0]), txy = by_y(w.d13[0], w.d24[0]);
   T kxx = tyx, kyy = -txy, kxy = tyy - txx;
   if constexpr (warped) {
     T c = T(2.0) * g.H[2] * g.over_2a * g.over_2a;  // 2 z/A^2 with z = H/4
-    auto bc_x = [&](int i) { return c * (g.q[0] * v.d24[i] - g.p[0] * v.d13[i]); };
-    auto bc_y = [&](int i) { return c * (g.q[1] * v.d24[i] - g.p[1] * v.d13[i]); };
-    kxx += bc_x(0);
-    kyy += bc_y(1);
-    kxy += bc_x(1) + bc_y(0);
+    T sxx = c * (g.p[0] * g.p[0] - g.q[0] * g.q[0]), syy = c * (g.p[1] * g.p[1] - g.q[1] * g.q[1]);
+    T sxy = c * (g.p[0] * g.p[1] - g.q[0] * g.q[1]), dxy = T(0.5) * out.membrane[2];
+    kxx += T(0.5) * (out.membrane[0] + out.membrane[1]) * sxx + dxy * sxy;
+    kyy += T(0.5) * (out.membrane[0] - out.membrane[1]) * syy + dxy * sxy;
+    kxy += out.membrane[0] * sxy + dxy * (sxx + syy);
   }
   out.curvature[0] = kxx + kyy, out.curvature[1] = kxx - kyy, out.curvature[2] = kxy;
   // 3. transverse shear
-  out.shear[0] = L[2][0] + T(0.25) * w.sum[1];
-  out.shear[1] = L[2][1] - T(0.25) * w.sum[0];
+  out.shear[0] += L[2][0] + T(0.25) * w.sum[1];
+  out.shear[1] += L[2][1] - T(0.25) * w.sum[0];
   // 4. hourglass
   for (int i = 0; i < 2; ++i) out.q[i] = v.h[i] - g.H[0] * L[i][0] - g.H[1] * L[i][1] + g.H[2] * L[2][i];
-  out.q[2] = v.h[2] - g.H[0] * L[2][0] - g.H[1] * L[2][1];
-}
-
-// Hourglass rotations, of the rotations as they are: a rigid rotation gives none in a warped element either.
-template <class T>
-void measure_rotation_hourglass(const Geometry<T>& g, const Pattern<T>& w, T q[2]) {
-  const T a = g.H[0] * g.bx[0] + g.H[1] * g.by[0], b = g.H[0] * g.bx[1] + g.H[1] * g.by[1];
-  for (int i = 0; i < 2; ++i) q[i] = w.h[i] - a * w.d13[i] - b * w.d24[i];
+  out.q[2] += v.h[2];
+  if constexpr (!warped) out.q[2] -= g.H[0] * L[2][0] + g.H[1] * L[2][1];
 }
 
 // Stiffness [N/mm; rotations: N mm] of the five hourglass modes; sizes is the sum of b^2 over nodes and directions.
@@ -236,11 +249,9 @@ void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], cons
   T N[3][2] = {{xx(r.force), A * r.force[2]}, {A * r.force[2], yy(r.force)}, {A * shear[0], A * shear[1]}};
   T mxx = xx(r.moment), myy = yy(r.moment), mxy = A * r.moment[2];
   T M[2][2] = {{-mxy, -myy}, {mxx, mxy}};  // of t_x, t_y
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < (warped ? 2 : 3); ++i)
     for (int j = 0; j < 2; ++j) N[i][j] -= Q[i] * g.H[j];
-  for (int i = 0; i < 2; ++i) {
-    N[2][i] += g.H[2] * Q[i];
-  }
+  for (int i = 0; i < 2; ++i) N[2][i] += g.H[2] * Q[i];
   T f13[3], f24[3], m13[3], m24[3], s13[3], s24[3];
   for (int i = 0; i < 3; ++i) {
     f13[i] = g.bx[0] * N[i][0] + g.by[0] * N[i][1];
@@ -265,7 +276,16 @@ void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], cons
       m24[2] -= p24[i] * s24[i], s24[2] -= p24[i] * m24[i];
     }
   }
-  // 3. hourglass of the rotations
+  // 3. what works on the rotations as they are: hourglass and the projection of shear
+  if constexpr (warped) {
+    const T quarter = T(0.25) * A, q4 = T(0.25) * Q[2];
+    T a = quarter * (shear[0] * g.bx[0] + shear[1] * g.by[0]), b = quarter * (shear[0] * g.bx[1] + shear[1] * g.by[1]);
+    const T H[2] = {-g.H[1], g.H[0]}, p[2] = {-g.p[1], g.p[0]}, q[2] = {-g.q[1], g.q[0]};
+    for (int i = 0; i < 2; ++i) {
+      m13[i] += a * H[i] - q4 * p[i], m24[i] += q4 * q[i] - b * H[i];
+      s13[i] += q4 * H[i], s24[i] += q4 * H[i];
+    }
+  }
   const T a13 = g.H[0] * g.bx[0] + g.H[1] * g.by[0], a24 = g.H[0] * g.bx[1] + g.H[1] * g.by[1];
   for (int i = 0; i < 2; ++i) {
     m13[i] -= a13 * Q[3 + i], m24[i] -= a24 * Q[3 + i];
@@ -286,19 +306,24 @@ void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], cons
 template <bool warped, class T, class Law>
 void advance(const Law& law, const LayerRule& rule, const ShellControl& control, const T x[4][3], const T v[4][3],
              const T w[4][3], T* state, T* force) {
-  // 1. kinematics
+  // 1. kinematics, in the middle of the step
+  const T dt(control.dt);
+  Strain<T> strain;
+  {
+    T middle[4][3];
+    for (int a = 0; a < 4; ++a)
+      for (int i = 0; i < 3; ++i) middle[a][i] = x[a][i] - T(0.5) * dt * v[a][i];
+    Geometry<T> g;
+    measure(middle, state + reference, g);
+    Pattern<T> dv, dw;
+    to_patterns(v, g.e, dv);
+    to_patterns(w, g.e, dw);
+    for (int i = 0; i < 3; ++i)
+      for (T* a : {&dv.d13[i], &dv.d24[i], &dv.h[i], &dw.d13[i], &dw.d24[i], &dw.h[i], &dw.sum[i]}) *a *= dt;
+    measure_strain<warped>(g, dv, dw, strain);
+  }
   Geometry<T> g;
   measure(x, state + reference, g);
-  Pattern<T> dv, dw;
-  to_patterns(v, g.e, dv);
-  to_patterns(w, g.e, dw);
-  Strain<T> strain;
-  const T dt(control.dt);
-  for (int i = 0; i < 3; ++i)
-    for (T* a : {&dv.d13[i], &dv.d24[i], &dv.h[i], &dw.d13[i], &dw.d24[i], &dw.h[i], &dw.sum[i]}) *a *= dt;
-  measure_rotation_hourglass(g, dw, strain.q + 3);
-  if constexpr (warped) tilt_rotations(g, dw);
-  measure_strain<warped>(g, dv, dw, strain);
   // 2. layers
   T t = state[thickness];
   Resultants<T> r;

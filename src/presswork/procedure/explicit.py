@@ -120,7 +120,8 @@ class ExplicitShells:
     """4-node shells in explicit dynamics.
 
     points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell; thickness [mm], one or (n); law in
-    plane stress; density [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each shell.
+    plane stress; density [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each
+    shell.
     Elements and nodes are renumbered inside for the sake of the cache; every array here is in the order given.
     """
 
@@ -250,8 +251,8 @@ class ExplicitShells:
 
     # --- what a run is told ---------------------------------------------------------------------------------------
 
-    def fix(self, nodes: npt.ArrayLike, freedoms: str, velocity: float = 0.0) -> None:
-        """Prescribe the velocity [mm/s or 1/s] of freedoms, letters of "uvwpqr", of nodes."""
+    def fix(self, nodes: npt.ArrayLike, freedoms: str, velocity: npt.ArrayLike = 0.0) -> None:
+        """Prescribe the velocity [mm/s or 1/s], one or one for each node, of freedoms: letters of "uvwpqr"."""
         unknown = set(freedoms) - set(FREEDOMS)
         if unknown or not freedoms:
             raise ExplicitError(f"freedoms = {freedoms!r}: give letters of {FREEDOMS!r}")
