@@ -102,7 +102,7 @@ void ShellLoop::advance(int n, double dt, double damping, const double* force_sc
   constexpr int packs_a_task = 16;
   const int n_tasks = (n_packs + packs_a_task - 1) / packs_a_task;
   std::vector<Sums> sums(n_chunks);
-#pragma omp parallel if (n_packs >= 64)  // waking a second thread costs a small mesh more than it gives
+#pragma omp parallel if (n_packs >= 256)  // waking a second thread costs a small mesh more than it gives
   for (int cycle = 0; cycle < n; ++cycle) {
 #pragma omp for schedule(static)
     for (int c = 0; c < n_chunks; ++c)

@@ -124,7 +124,7 @@ def test_the_rolling_direction_turns_with_the_sheet() -> None:
             shells.fix(np.arange(len(points)), letter, motion[:, i])
         shells.advance(300)
         found.append((shells.stress, shells.thickness))
-    assert found[0][0][:, :, 0].min() > 300.0
+    assert found[0][0][:, :, 0].min() > 200.0
     np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-6)
     np.testing.assert_allclose(found[0][1], found[1][1], rtol=1e-9)
 

@@ -164,20 +164,20 @@ def test_a_plate_spins_freely_for_ten_turns(axis: list[float]) -> None:
 
 
 def test_energy_over_a_hundred_thousand_cycles() -> None:
-    """A cantilevered strip thrown into swings of half its length: the balance closes within 0.5 % all the time."""
+    """A cantilevered strip thrown into swings of a third of its length: the balance closes within 0.2 %."""
     points, cells = grid(10, 2, 50.0, 10.0)
     shells = ExplicitShells(points, cells, 1.0, mises(young=70e3), 2.7e-9, options=elastic_options())
     shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
     velocity = np.zeros((len(points), 6))
-    velocity[:, 2] = 8e4 * (points[:, 0] / 50.0) ** 2
+    velocity[:, 2] = 4e4 * (points[:, 0] / 50.0) ** 2
     shells.velocity = velocity
     worst, swing = 0.0, 0.0
     for _ in range(100):
         shells.advance(1000)
         worst = max(worst, abs(shells.energies().error_percent))
         swing = max(swing, float(np.abs(shells.position[:, 2]).max()))
-    assert swing > 25.0
-    assert worst < 0.5
+    assert swing > 16.0
+    assert worst < 0.2
 
 
 if __name__ == "__main__":
