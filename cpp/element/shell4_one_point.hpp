@@ -47,17 +47,17 @@ enum Row { thickness = 0, reference = 1, shear_xz = 5, shear_yz = 6, hourglass =
 inline constexpr int head_rows = 14;
 
 template <class T>
-T dot(const T a[3], const T b[3]) {
+[[gnu::always_inline]] inline T dot(const T a[3], const T b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 template <class T>
-void cross(const T a[3], const T b[3], T c[3]) {
+[[gnu::always_inline]] inline void cross(const T a[3], const T b[3], T c[3]) {
   c[0] = a[1] * b[2] - a[2] * b[1];
   c[1] = a[2] * b[0] - a[0] * b[2];
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 template <class T>
-void scale(T a[3], T by) {
+[[gnu::always_inline]] inline void scale(T a[3], T by) {
   for (int i = 0; i < 3; ++i) a[i] *= by;
 }
 
@@ -72,7 +72,7 @@ struct Geometry {
 
 // Diagonals p = x3 - x1, q = x4 - x2; sides g1 = p - q, g2 = p + q (twice the mean sides).
 template <class T>
-void make_frame(const T p[3], const T q[3], const T inverse[4], T e[3][3], T& twice_area) {
+[[gnu::always_inline]] inline void make_frame(const T p[3], const T q[3], const T inverse[4], T e[3][3], T& twice_area) {
   T f1[3], f2[3], turned[3];
   cross(p, q, e[2]);
   twice_area = square_root(dot(e[2], e[2]));
@@ -89,7 +89,7 @@ void make_frame(const T p[3], const T q[3], const T inverse[4], T e[3][3], T& tw
 }
 
 template <class T>
-void measure(const T x[4][3], const T inverse[4], Geometry<T>& g) {
+[[gnu::always_inline]] inline void measure(const T x[4][3], const T inverse[4], Geometry<T>& g) {
   T p[3], q[3], h[3];
   for (int i = 0; i < 3; ++i) {
     p[i] = x[2][i] - x[0][i];
@@ -113,7 +113,7 @@ struct Pattern {
 };
 
 template <class T>
-void to_patterns(const T u[4][3], const T e[3][3], Pattern<T>& out) {
+[[gnu::always_inline]] inline void to_patterns(const T u[4][3], const T e[3][3], Pattern<T>& out) {
   T a[3], b[3], s13[3], s24[3], h[3], sum[3];
   for (int i = 0; i < 3; ++i) {
     a[i] = u[0][i] - u[2][i], b[i] = u[1][i] - u[3][i];
@@ -136,7 +136,7 @@ struct Strain {
 // Take the drilling rotation, beyond the element's own spin, into t_x, t_y: t = w - p w_z at each node, p_1 = -p_3, p_2
 // = -p_4.
 template <class T>
-void tilt_rotations(const Geometry<T>& g, T spin, Pattern<T>& w) {
+[[gnu::always_inline]] inline void tilt_rotations(const Geometry<T>& g, T spin, Pattern<T>& w) {
   const T z4 = g.H[2];  // four times the hourglass height
   const T s13 = T(0.5) * (w.sum[2] + w.h[2]) - T(2.0) * spin, s24 = T(0.5) * (w.sum[2] - w.h[2]) - T(2.0) * spin;
   const T p13[2] = {-z4 * g.bx[0], -z4 * g.by[0]}, p24[2] = {z4 * g.bx[1], z4 * g.by[1]};
@@ -153,7 +153,7 @@ void tilt_rotations(const Geometry<T>& g, T spin, Pattern<T>& w) {
 // (b_1 d13 - b_2 d24).H/4, and what is left to the hourglass mode is h.w + sum.H/4 + (d24.q - d13.p)/4, none for any
 // quadratic w with its own slopes.
 template <bool warped, class T>
-void measure_rotations(const Geometry<T>& g, const Pattern<T>& w, Strain<T>& out) {
+[[gnu::always_inline]] inline void measure_rotations(const Geometry<T>& g, const Pattern<T>& w, Strain<T>& out) {
   const T a = g.H[0] * g.bx[0] + g.H[1] * g.by[0], b = g.H[0] * g.bx[1] + g.H[1] * g.by[1];
   for (int i = 0; i < 2; ++i) out.q[3 + i] = w.h[i] - a * w.d13[i] - b * w.d24[i];
   out.shear[0] = out.shear[1] = out.q[2] = T(0.0);
@@ -168,7 +168,7 @@ void measure_rotations(const Geometry<T>& g, const Pattern<T>& w, Strain<T>& out
 
 // v, w: velocities times dt; w is left with the tilted rotations.
 template <bool warped, class T>
-void measure_strain(const Geometry<T>& g, const Pattern<T>& v, Pattern<T>& w, Strain<T>& out) {
+[[gnu::always_inline]] inline void measure_strain(const Geometry<T>& g, const Pattern<T>& v, Pattern<T>& w, Strain<T>& out) {
   measure_rotations<warped>(g, w, out);
   auto by_x = [&](T a, T b) { return g.bx[0] * a + g.bx[1] * b; };
   auto by_y = [&](T a, T b) { return g.by[0] * a + g.by[1] * b; };
@@ -204,7 +204,7 @@ void measure_strain(const Geometry<T>& g, const Pattern<T>& v, Pattern<T>& w, St
 
 // Stiffness [N/mm; rotations: N mm] of the five hourglass modes; sizes is the sum of b^2 over nodes and directions.
 template <class T>
-void hourglass_moduli(const ShellControl& control, double young, double poisson, const Geometry<T>& g, T thickness,
+[[gnu::always_inline]] inline void hourglass_moduli(const ShellControl& control, double young, double poisson, const Geometry<T>& g, T thickness,
                       T sizes, T k[5]) {
   T area = g.area, t2 = thickness * thickness;
   T membrane = T(control.membrane * young / 8.0) * thickness * area * sizes;
@@ -241,7 +241,7 @@ T bound_frequency(double young, double poisson, const Geometry<T>& g, T thicknes
 
 // Nodal forces and moments from resultants; force: (4, 6) in global axes.
 template <bool warped, class T>
-void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], const T Q[5], T* force) {
+[[gnu::always_inline]] inline void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], const T Q[5], T* force) {
   T A = g.area;
   auto xx = [&](const T n[3]) { return T(0.5) * A * (n[0] + n[1]); };
   auto yy = [&](const T n[3]) { return T(0.5) * A * (n[0] - n[1]); };
@@ -304,7 +304,7 @@ void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], cons
 // Advance one shell (or pack) by dt: positions x at the end of the step, velocity v and angular velocity w of it.
 // state: rows as above, in place. force: (4, 6), the internal force.
 template <bool warped, class T, class Law>
-void advance(const Law& law, const LayerRule& rule, const ShellControl& control, const T x[4][3], const T v[4][3],
+[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const ShellControl& control, const T x[4][3], const T v[4][3],
              const T w[4][3], T* state, T* force) {
   // 1. kinematics, in the middle of the step
   const T dt(control.dt);

@@ -18,7 +18,7 @@ namespace records {
 
 // One butterfly of a transposition: exchanges the off-diagonal blocks of `step` lanes between rows a and b.
 template <int step, int... lane>
-void exchange(Pack& a, Pack& b, std::integer_sequence<int, lane...>) {
+[[gnu::always_inline]] inline void exchange(Pack& a, Pack& b, std::integer_sequence<int, lane...>) {
   constexpr Pack::Mask low = {((lane & step) ? pack_width + (lane ^ step) : lane)...};
   constexpr Pack::Mask high = {((lane & step) ? pack_width + lane : (lane ^ step))...};
   const Pack::Vector first = __builtin_shuffle(a.v, b.v, low);
@@ -28,7 +28,7 @@ void exchange(Pack& a, Pack& b, std::integer_sequence<int, lane...>) {
 
 // Transposes blocks of `size` rows by `size` lanes.
 template <int size>
-void transpose(Pack* rows) {
+[[gnu::always_inline]] inline void transpose(Pack* rows) {
   constexpr auto lanes = std::make_integer_sequence<int, pack_width>{};
   auto stage = [&]<int step>() {
     if constexpr (step < size)
@@ -44,7 +44,7 @@ void transpose(Pack* rows) {
 }  // namespace records
 
 template <int R>
-inline void load_records(const double* const from[pack_width], Pack out[R]) {
+[[gnu::always_inline]] inline void load_records(const double* const from[pack_width], Pack out[R]) {
   if constexpr (R >= pack_width) {
     for (int chunk = 0; chunk < R; chunk += pack_width) {
       for (int lane = 0; lane < pack_width; ++lane) std::memcpy(&out[chunk + lane], from[lane] + chunk, sizeof(Pack));
@@ -61,12 +61,12 @@ inline void load_records(const double* const from[pack_width], Pack out[R]) {
   }
 }
 template <int R>
-inline void load_records(const double* const from[1], double out[R]) {
+[[gnu::always_inline]] inline void load_records(const double* const from[1], double out[R]) {
   std::memcpy(out, from[0], R * sizeof(double));
 }
 
 template <int R>
-inline void store_records(const Pack rows[R], double* const to[pack_width]) {
+[[gnu::always_inline]] inline void store_records(const Pack rows[R], double* const to[pack_width]) {
   static_assert(R % pack_width == 0);
   for (int chunk = 0; chunk < R; chunk += pack_width) {
     Pack block[pack_width];
@@ -76,7 +76,7 @@ inline void store_records(const Pack rows[R], double* const to[pack_width]) {
   }
 }
 template <int R>
-inline void store_records(const double rows[R], double* const to[1]) {
+[[gnu::always_inline]] inline void store_records(const double rows[R], double* const to[1]) {
   std::memcpy(to[0], rows, R * sizeof(double));
 }
 
