@@ -146,25 +146,22 @@ NewDoubles history_of(const ShellLoop& self) {
   return array;
 }
 
-NewDoubles internal_force(const ShellLoop& self) {
-  double* to;
-  auto array = new_array({std::size_t(self.nodes.n), 6}, &to);
-  self.internal_force(to);
-  return array;
-}
-
 // What the internal force would be after an increment of displacement and rotation, positions and state unchanged.
 NewDoubles trial_force(ShellLoop& self, Doubles increment) {
   const auto n = std::size_t(self.nodes.n);
   const std::vector<double> state(self.shells.state().data(), self.shells.state().data() + self.shells.state().size());
   const std::vector<double> motion(self.nodes.motion.data(), self.nodes.motion.data() + 8 * n);
-  const std::vector<double> forces = self.element_force();
+  const std::vector<double> position(self.nodes.position.data(), self.nodes.position.data() + 4 * n);
+  const std::vector<double> forces = self.internal_force;
   set_columns(self.nodes.motion, self.nodes.n, 8, 0, 6, increment, "increment must have shape (n_nodes, 6)");
-  self.shells.advance(self.nodes, 1.0, 0, self.shells.n_packs(), self.element_force().data());
-  auto array = internal_force(self);
+  for (std::size_t i = 0; i < n; ++i)
+    for (int j = 0; j < 3; ++j) self.nodes.position.data()[4 * i + j] += increment.data()[6 * i + j];
+  self.advance_shells(1.0);
+  auto array = copy_vector(self.internal_force, {n, 6});
   std::memcpy(self.shells.state().data(), state.data(), state.size() * sizeof(double));
   std::memcpy(self.nodes.motion.data(), motion.data(), motion.size() * sizeof(double));
-  self.element_force() = forces;
+  std::memcpy(self.nodes.position.data(), position.data(), position.size() * sizeof(double));
+  self.internal_force = forces;
   return array;
 }
 
@@ -177,8 +174,7 @@ void advance(ShellLoop& self, double dt, Doubles force_scale, Doubles velocity_s
 auto dump(const ShellLoop& self) {
   const auto& state = self.shells.state();
   auto states = copy_vector(std::vector<double>(state.data(), state.data() + state.size()), {state.size()});
-  auto forces =
-      copy_vector(const_cast<ShellLoop&>(self).element_force(), {const_cast<ShellLoop&>(self).element_force().size()});
+  auto forces = copy_vector(self.internal_force, {std::size_t(self.nodes.n), 6});
   return std::make_tuple(get_columns(self.nodes.position, self.nodes.n, 4, 0, 3),
                          get_columns(self.nodes.motion, self.nodes.n, 8, 0, 6), states, forces, self.work[0],
                          self.work[1]);
@@ -186,12 +182,12 @@ auto dump(const ShellLoop& self) {
 
 void restore(ShellLoop& self, Doubles position, Doubles velocity, Doubles state, Doubles forces, double external,
              double damping) {
-  require(state.size() == self.shells.state().size() && forces.size() == self.element_force().size(),
+  require(state.size() == self.shells.state().size() && forces.size() == self.internal_force.size(),
           "state does not belong to these shells, or was dumped on a machine with another SIMD width");
   set_columns(self.nodes.position, self.nodes.n, 4, 0, 3, position, "position must have shape (n_nodes, 3)");
   set_columns(self.nodes.motion, self.nodes.n, 8, 0, 6, velocity, "velocity must have shape (n_nodes, 6)");
   std::memcpy(self.shells.state().data(), state.data(), state.size() * sizeof(double));
-  std::memcpy(self.element_force().data(), forces.data(), forces.size() * sizeof(double));
+  std::memcpy(self.internal_force.data(), forces.data(), forces.size() * sizeof(double));
   self.work[0] = external, self.work[1] = damping;
 }
 
@@ -237,8 +233,11 @@ void bind_explicit(nb::module_& m) {
            nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0, "Energies at the present time.")
       .def("trial_force", &trial_force, nb::arg("increment"),
            "Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.")
-      .def("internal_force", &internal_force, "Internal force [N] and moment [N mm] (n_nodes, 6).")
-      .def("dump", &dump, "Position, velocity, element state, element forces, external work, damping.")
+      .def_prop_ro(
+          "internal_force",
+          [](const ShellLoop& self) { return copy_vector(self.internal_force, {std::size_t(self.nodes.n), 6}); },
+          nb::rv_policy::move, "Internal force [N] and moment [N mm] (n_nodes, 6).")
+      .def("dump", &dump, "Position, velocity, element state, internal force, external work, damping.")
       .def("restore", &restore, nb::arg("position"), nb::arg("velocity"), nb::arg("state"), nb::arg("forces"),
            nb::arg("external"), nb::arg("damping"), "Take over what dump gave.")
       .def(

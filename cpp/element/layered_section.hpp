@@ -56,8 +56,9 @@ struct Resultants {
 
 // Advance all layers by the increments of membrane strain and curvature [1/mm]; layers: (points, rows) in place.
 template <class T, class Law>
-[[gnu::always_inline]] inline void advance_section(const Law& law, const LayerRule& rule, const T membrane[3], const T curvature[3],
-                            T thickness, double dt, T* layers, Resultants<T>& out) {
+[[gnu::always_inline]] inline void advance_section(const Law& law, const LayerRule& rule, const T membrane[3],
+                                                   const T curvature[3], T thickness, double dt, T* layers,
+                                                   Resultants<T>& out) {
   T half = T(0.5) * thickness, bend[3], mean[3], turn[3], work(0.0), across(0.0);
   for (int i = 0; i < 3; ++i) bend[i] = half * curvature[i], mean[i] = turn[i] = T(0.0);
   const int points = static_cast<int>(rule.height.size()), rows = law.rows();

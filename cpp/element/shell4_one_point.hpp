@@ -72,7 +72,8 @@ struct Geometry {
 
 // Diagonals p = x3 - x1, q = x4 - x2; sides g1 = p - q, g2 = p + q (twice the mean sides).
 template <class T>
-[[gnu::always_inline]] inline void make_frame(const T p[3], const T q[3], const T inverse[4], T e[3][3], T& twice_area) {
+[[gnu::always_inline]] inline void make_frame(const T p[3], const T q[3], const T inverse[4], T e[3][3],
+                                              T& twice_area) {
   T f1[3], f2[3], turned[3];
   cross(p, q, e[2]);
   twice_area = square_root(dot(e[2], e[2]));
@@ -168,7 +169,8 @@ template <bool warped, class T>
 
 // v, w: velocities times dt; w is left with the tilted rotations.
 template <bool warped, class T>
-[[gnu::always_inline]] inline void measure_strain(const Geometry<T>& g, const Pattern<T>& v, Pattern<T>& w, Strain<T>& out) {
+[[gnu::always_inline]] inline void measure_strain(const Geometry<T>& g, const Pattern<T>& v, Pattern<T>& w,
+                                                  Strain<T>& out) {
   measure_rotations<warped>(g, w, out);
   auto by_x = [&](T a, T b) { return g.bx[0] * a + g.bx[1] * b; };
   auto by_y = [&](T a, T b) { return g.by[0] * a + g.by[1] * b; };
@@ -204,8 +206,8 @@ template <bool warped, class T>
 
 // Stiffness [N/mm; rotations: N mm] of the five hourglass modes; sizes is the sum of b^2 over nodes and directions.
 template <class T>
-[[gnu::always_inline]] inline void hourglass_moduli(const ShellControl& control, double young, double poisson, const Geometry<T>& g, T thickness,
-                      T sizes, T k[5]) {
+[[gnu::always_inline]] inline void hourglass_moduli(const ShellControl& control, double young, double poisson,
+                                                    const Geometry<T>& g, T thickness, T sizes, T k[5]) {
   T area = g.area, t2 = thickness * thickness;
   T membrane = T(control.membrane * young / 8.0) * thickness * area * sizes;
   T bending = T(control.rotation * young / 192.0) * thickness * t2 * area * sizes;
@@ -241,7 +243,8 @@ T bound_frequency(double young, double poisson, const Geometry<T>& g, T thicknes
 
 // Nodal forces and moments from resultants; force: (4, 6) in global axes.
 template <bool warped, class T>
-[[gnu::always_inline]] inline void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], const T Q[5], T* force) {
+[[gnu::always_inline]] inline void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], const T Q[5],
+                                          T* force) {
   T A = g.area;
   auto xx = [&](const T n[3]) { return T(0.5) * A * (n[0] + n[1]); };
   auto yy = [&](const T n[3]) { return T(0.5) * A * (n[0] - n[1]); };
@@ -304,8 +307,8 @@ template <bool warped, class T>
 // Advance one shell (or pack) by dt: positions x at the end of the step, velocity v and angular velocity w of it.
 // state: rows as above, in place. force: (4, 6), the internal force.
 template <bool warped, class T, class Law>
-[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const ShellControl& control, const T x[4][3], const T v[4][3],
-             const T w[4][3], T* state, T* force) {
+[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const ShellControl& control,
+                                           const T x[4][3], const T v[4][3], const T w[4][3], T* state, T* force) {
   // 1. kinematics, in the middle of the step
   const T dt(control.dt);
   Strain<T> strain;

@@ -24,44 +24,106 @@ ShellLoop::ShellLoop(int n_nodes, const double* points, ShellSection section, st
       force(std::size_t(n_nodes) * 6, 0.0),
       fixed(std::size_t(n_nodes) * 6, 0),
       prescribed(std::size_t(n_nodes) * 6, 0.0),
-      start_(n_nodes + 1, 0),
-      element_force_(std::size_t(shells.n_packs()) * pack_width * 24, 0.0) {
-  const auto& cells = shells.connectivity();
-  for (int node : cells) ++start_[node + 1];
-  for (int i = 0; i < n_nodes; ++i) start_[i + 1] += start_[i];
-  source_.resize(cells.size());
-  auto fill = start_;
-  for (std::size_t i = 0; i < cells.size(); ++i) source_[fill[cells[i]]++] = static_cast<int>(i);
+      internal_force(std::size_t(n_nodes) * 6, 0.0),
+      packs_a_tile_(std::clamp(shells.n_packs() / 32, 8, 64)) {
+  make_tiles();
   set_masses();
+}
+
+// Which tile each node belongs to, and what it adds up there.
+void ShellLoop::make_tiles() {
+  const auto& cells = shells.connectivity();
+  const int per_tile = packs_a_tile_ * pack_width, n_tiles = (shells.n() + per_tile - 1) / per_tile;
+  constexpr int none = -1, rim = -2;
+  std::vector<int> owner(nodes.n, none);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const int tile = static_cast<int>(i / 4) / per_tile;
+    int& of = owner[cells[i]];
+    of = of == none || of == tile ? tile : rim;
+  }
+  std::vector<std::vector<int>> rows(nodes.n);  // of partial_
+  std::vector<std::pair<int, int>> uses;        // node, offset
+  int n_partial = 0;
+  entry_start_.push_back(0);
+  for (int t = 0; t < n_tiles; ++t) {
+    Tile tile{t * packs_a_tile_, std::min(shells.n_packs(), (t + 1) * packs_a_tile_), static_cast<int>(target_.size()),
+              0};
+    uses.clear();
+    for (int e = t * per_tile; e < std::min(shells.n(), (t + 1) * per_tile); ++e)
+      for (int a = 0; a < 4; ++a) uses.emplace_back(cells[4 * e + a], (e - t * per_tile) * 24 + 6 * a);
+    std::sort(uses.begin(), uses.end());
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      const int node = uses[i].first;
+      if (i == 0 || uses[i - 1].first != node) {
+        if (i > 0) entry_start_.push_back(static_cast<int>(entry_.size()));
+        if (owner[node] == rim) rows[node].push_back(n_partial);
+        target_.push_back(owner[node] == rim ? -1 - n_partial++ : node);
+      }
+      entry_.push_back(uses[i].second);
+    }
+    entry_start_.push_back(static_cast<int>(entry_.size()));
+    tile.nodes_last = static_cast<int>(target_.size());
+    tiles_.push_back(tile);
+  }
+  partial_.assign(std::size_t(n_partial) * 6, 0.0);
+  rim_start_.push_back(0);
+  for (int node = 0; node < nodes.n; ++node) {
+    if (rows[node].empty()) continue;
+    rim_node_.push_back(node);
+    rim_partial_.insert(rim_partial_.end(), rows[node].begin(), rows[node].end());
+    rim_start_.push_back(static_cast<int>(rim_partial_.size()));
+  }
 }
 
 void ShellLoop::set_masses() {
   const auto& mass = shells.mass();
   const auto& ratio = shells.inertia_ratio();
-  for (int i = 0; i < nodes.n; ++i) {
-    double m = 0.0, inertia = 0.0;
-    for (int s = start_[i]; s < start_[i + 1]; ++s) {
-      const double share = 0.25 * mass[source_[s] / 4];
-      m += share;
-      inertia += share * ratio[source_[s] / 4];
+  const auto& cells = shells.connectivity();
+  std::vector<double> sum(std::size_t(nodes.n) * 2, 0.0);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const double share = 0.25 * mass[i / 4];
+    sum[2 * cells[i]] += share;
+    sum[2 * cells[i] + 1] += share * ratio[i / 4];
+  }
+  for (int i = 0; i < nodes.n; ++i)
+    for (int j = 0; j < 2; ++j) {
+      const double m = sum[2 * std::size_t(i) + j];
+      nodes.motion.data()[std::size_t(Nodes::motion_stride) * i + 6 + j] = m > 0.0 ? 1.0 / m : 0.0;
     }
-    double* motion = nodes.motion.data() + std::size_t(Nodes::motion_stride) * i;
-    motion[6] = m > 0.0 ? 1.0 / m : 0.0;
-    motion[7] = inertia > 0.0 ? 1.0 / inertia : 0.0;
+}
+
+// scratch: forces of the tile's shells (packs, lanes, 24).
+void ShellLoop::advance_tile(const Tile& tile, double dt, double* scratch) {
+  shells.advance(nodes, dt, tile.first, tile.last, scratch);
+  for (int i = tile.nodes_first; i < tile.nodes_last; ++i) {
+    double sum[6] = {0, 0, 0, 0, 0, 0};
+    for (int s = entry_start_[i]; s < entry_start_[i + 1]; ++s)
+      for (int j = 0; j < 6; ++j) sum[j] += scratch[entry_[s] + j];
+    const int to = target_[i];
+    double* row = to >= 0 ? &internal_force[std::size_t(6) * to] : &partial_[std::size_t(6) * (-1 - to)];
+    for (int j = 0; j < 6; ++j) row[j] = sum[j];
   }
 }
 
-void ShellLoop::gather(int node, double sum[6]) const {
-  for (int i = 0; i < 6; ++i) sum[i] = 0.0;
-  for (int s = start_[node]; s < start_[node + 1]; ++s) {
-    const double* from = &element_force_[std::size_t(6) * source_[s]];
-    for (int i = 0; i < 6; ++i) sum[i] += from[i];
+void ShellLoop::close_rims(int first, int last) {
+  for (int i = first; i < last; ++i) {
+    double* to = &internal_force[std::size_t(6) * rim_node_[i]];
+    for (int j = 0; j < 6; ++j) to[j] = 0.0;
+    for (int s = rim_start_[i]; s < rim_start_[i + 1]; ++s)
+      for (int j = 0; j < 6; ++j) to[j] += partial_[std::size_t(6) * rim_partial_[s] + j];
   }
 }
 
-void ShellLoop::next_velocity(int node, const double internal[6], double dt, double damping, double force_scale,
-                              double velocity_scale, double after[6], double outer[6]) const {
+void ShellLoop::advance_shells(double dt) {
+  std::vector<double> scratch(std::size_t(packs_a_tile_) * pack_width * 24);
+  for (const auto& tile : tiles_) advance_tile(tile, dt, scratch.data());
+  close_rims(0, static_cast<int>(rim_node_.size()));
+}
+
+void ShellLoop::next_velocity(int node, double dt, double damping, double force_scale, double velocity_scale,
+                              double after[6], double outer[6]) const {
   const std::size_t at = std::size_t(6) * node;
+  const double* internal = &internal_force[at];
   const double* motion = nodes.motion.data() + std::size_t(Nodes::motion_stride) * node;
   const double kept = (1.0 - 0.5 * damping * dt) / (1.0 + 0.5 * damping * dt), push = dt / (1.0 + 0.5 * damping * dt);
   for (int i = 0; i < 6; ++i) {
@@ -79,9 +141,8 @@ ShellLoop::Sums ShellLoop::move_nodes(int first, int last, double dt, double dam
                                       double velocity_scale) {
   Sums sums;
   for (int node = first; node < last; ++node) {
-    double internal[6], after[6], outer[6];
-    gather(node, internal);
-    next_velocity(node, internal, dt, damping, force_scale, velocity_scale, after, outer);
+    double after[6], outer[6];
+    next_velocity(node, dt, damping, force_scale, velocity_scale, after, outer);
     double* motion = nodes.motion.data() + std::size_t(Nodes::motion_stride) * node;
     double* x = nodes.position.data() + std::size_t(Nodes::position_stride) * node;
     for (int i = 0; i < 6; ++i) {
@@ -98,22 +159,24 @@ ShellLoop::Sums ShellLoop::move_nodes(int first, int last, double dt, double dam
 }
 
 void ShellLoop::advance(int n, double dt, double damping, const double* force_scale, const double* velocity_scale) {
-  const int n_chunks = (nodes.n + chunk - 1) / chunk, n_packs = shells.n_packs();
-  constexpr int packs_a_task = 16;
-  const int n_tasks = (n_packs + packs_a_task - 1) / packs_a_task;
+  const int n_chunks = (nodes.n + chunk - 1) / chunk, n_tiles = static_cast<int>(tiles_.size());
+  const int n_rims = static_cast<int>(rim_node_.size()), n_rim_chunks = (n_rims + chunk - 1) / chunk;
   std::vector<Sums> sums(n_chunks);
-#pragma omp parallel if (n_packs >= 256)  // waking a second thread costs a small mesh more than it gives
-  for (int cycle = 0; cycle < n; ++cycle) {
+#pragma omp parallel if (shells.n_packs() >= 256)  // waking a second thread costs a small mesh more than it gives
+  {
+    std::vector<double> scratch(std::size_t(packs_a_tile_) * pack_width * 24 + 8);
+    for (int cycle = 0; cycle < n; ++cycle) {
 #pragma omp for schedule(static)
-    for (int c = 0; c < n_chunks; ++c)
-      sums[c] = move_nodes(c * chunk, std::min(nodes.n, (c + 1) * chunk), dt, damping, force_scale[cycle],
-                           velocity_scale[cycle]);
+      for (int c = 0; c < n_chunks; ++c)
+        sums[c] = move_nodes(c * chunk, std::min(nodes.n, (c + 1) * chunk), dt, damping, force_scale[cycle],
+                             velocity_scale[cycle]);
 #pragma omp master
-    for (const auto& s : sums) work[0] += s.external, work[1] += s.damping;
+      for (const auto& s : sums) work[0] += s.external, work[1] += s.damping;
 #pragma omp for schedule(static)
-    for (int task = 0; task < n_tasks; ++task)
-      shells.advance(nodes, dt, task * packs_a_task, std::min(n_packs, (task + 1) * packs_a_task),
-                     element_force_.data());
+      for (int t = 0; t < n_tiles; ++t) advance_tile(tiles_[t], dt, scratch.data());
+#pragma omp for schedule(static)
+      for (int c = 0; c < n_rim_chunks; ++c) close_rims(c * chunk, std::min(n_rims, (c + 1) * chunk));
+    }
   }
 }
 
@@ -122,9 +185,8 @@ Energies ShellLoop::energies(double dt, double damping, double force_scale, doub
   e.external = work[0];
   e.damping = work[1];
   for (int node = 0; node < nodes.n; ++node) {
-    double internal[6], after[6], outer[6];
-    gather(node, internal);
-    next_velocity(node, internal, dt, damping, force_scale, velocity_scale, after, outer);
+    double after[6], outer[6];
+    next_velocity(node, dt, damping, force_scale, velocity_scale, after, outer);
     const double* motion = nodes.motion.data() + std::size_t(Nodes::motion_stride) * node;
     for (int i = 0; i < 6; ++i) {
       const double inverse = motion[i < 3 ? 6 : 7];
@@ -140,10 +202,6 @@ Energies ShellLoop::energies(double dt, double damping, double force_scale, doub
     e.hourglass += shells.value(i, shell4::hourglass_work);
   }
   return e;
-}
-
-void ShellLoop::internal_force(double* out) const {
-  for (int node = 0; node < nodes.n; ++node) gather(node, out + 6 * std::size_t(node));
 }
 
 }  // namespace presswork::explicit_dynamics

@@ -3,8 +3,9 @@
 //
 // A cycle: nodes  a = (f_ext - f_int)/m, v += a dt, x += v dt
 //          shells f_int from x, v (each pack writes forces of its own)
-// and a node adds up the forces of its elements in a fixed order. At the end of a call x and the forces belong to time
-// t, v to t - dt/2.
+// Shells are taken in tiles, the forces of which stay in the cache: nodes inside a tile are summed up there and then,
+// and those on its rim leave a partial sum, which a second pass adds to those of the other tiles; all in a fixed order.
+// At the end of a call x and the forces belong to time t, v to t - dt/2.
 #pragma once
 
 #include <cstdint>
@@ -40,25 +41,35 @@ class ShellLoop {
   void advance(int n, double dt, double damping, const double* force_scale, const double* velocity_scale);
   // Energies at the present time; scales are those of the next cycle.
   Energies energies(double dt, double damping, double force_scale, double velocity_scale) const;
-  // Internal forces and moments (n, 6).
-  void internal_force(double* out) const;
+  // Advance the shells alone, and with them the internal force.
+  void advance_shells(double dt);
 
-  std::vector<double>& element_force() { return element_force_; }
-  double work[2] = {0.0, 0.0};  // done by force and prescription, by damping: up to half a step back
+  std::vector<double> internal_force;  // (n, 6) [N, N mm]
+  double work[2] = {0.0, 0.0};         // done by force and prescription, by damping: up to half a step back
 
  private:
   struct Sums {
     double external = 0.0, damping = 0.0;
   };
-  void gather(int node, double sum[6]) const;
+  struct Tile {
+    int first, last;              // packs
+    int nodes_first, nodes_last;  // in tile_node_
+  };
+  void make_tiles();
+  void advance_tile(const Tile& tile, double dt, double* scratch);
+  void close_rims(int first, int last);
   Sums move_nodes(int first, int last, double dt, double damping, double force_scale, double velocity_scale);
   // Velocity half a step on of one freedom, and its outer force at present.
-  void next_velocity(int node, const double internal[6], double dt, double damping, double force_scale,
-                     double velocity_scale, double after[6], double outer[6]) const;
+  void next_velocity(int node, double dt, double damping, double force_scale, double velocity_scale, double after[6],
+                     double outer[6]) const;
 
-  std::vector<int> start_;             // (n + 1): the node's entries in source_
-  std::vector<int> source_;            // element * 4 + local node
-  std::vector<double> element_force_;  // (packs, lanes, 24)
+  int packs_a_tile_;
+  std::vector<Tile> tiles_;
+  // Nodes of the tiles, one tile after the other: where the sum goes, a row of internal_force or, below zero, of
+  // partial_ (as -1 - row); and the entries to add up, offsets in the tile's forces.
+  std::vector<int> target_, entry_start_, entry_;
+  std::vector<double> partial_;                          // (rows, 6)
+  std::vector<int> rim_node_, rim_start_, rim_partial_;  // nodes on rims and their rows of partial_
 };
 
 }  // namespace presswork::explicit_dynamics

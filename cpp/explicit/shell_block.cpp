@@ -92,7 +92,8 @@ void ShellBlock::advance_packs(const Law& law, const Nodes& nodes, const ShellCo
     auto* state = reinterpret_cast<Pack*>(state_.data() + std::size_t(pack) * rows_ * pack_width);
     shell4::advance<warped>(law, section_.rule, control, x, v, w, state, nodal);
     double* to[pack_width];
-    for (int lane = 0; lane < pack_width; ++lane) to[lane] = force + 24 * (std::size_t(pack) * pack_width + lane);
+    for (int lane = 0; lane < pack_width; ++lane)
+      to[lane] = force + 24 * (std::size_t(pack - first) * pack_width + lane);
     store_records<24>(nodal, to);
   }
 }

@@ -222,7 +222,7 @@ class ExplicitShells:
     @property
     def internal_force(self) -> Array:
         """Internal forces and moments (n_nodes, 6) [N, N mm]."""
-        return self._by_node(self._loop.internal_force())
+        return self._by_node(self._loop.internal_force)
 
     def trial_force(self, increment: npt.ArrayLike) -> Array:
         """Give the internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed."""
