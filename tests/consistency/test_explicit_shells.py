@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.procedure.explicit import ExplicitShells, ShellOptions, layer_rule
+from presswork.procedure.explicit import EnergyBalance, ExplicitShells, ShellOptions, layer_rule
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
@@ -160,6 +160,23 @@ def test_damping_takes_energy_and_says_how_much() -> None:
     assert after.kinetic < 0.1 * before.kinetic
     assert after.damping > 0.5 * before.kinetic
     assert abs(after.error_percent) < 1.0
+
+
+def test_energies_out_of_hand_are_warned_of() -> None:
+    """A sheet hurled at its clamp is not quasi-static; one that vibrates in hourglass modes alone says so."""
+    shells = make_run()
+    shells.advance(20)
+    assert ["kinetic energy" in w for w in shells.energies().warnings()].count(True) == 1
+    points, cells = mesh()
+    points[:, 2] = 0.0
+    odd = np.zeros((len(points), 6))
+    odd[:, 0] = 1.0 - 2.0 * (np.add(*np.divmod(np.arange(len(points)), N + 1)) % 2)
+    shells = ExplicitShells(points, cells, 0.8, SWIFT, 7.85e-9)
+    shells.velocity = odd
+    shells.advance(5)
+    assert any("hourglass energy" in w for w in shells.energies().warnings())
+    assert EnergyBalance(1.0, 100.0, 1.0, 100.0, 0.0, 0.1).warnings() == []
+    assert "off by 7 %" in EnergyBalance(1.0, 100.0, 1.0, 100.0, 0.0, 7.0).warnings()[0]
 
 
 def test_mass_scaling_reaches_its_step_and_reports_the_mass() -> None:

@@ -73,6 +73,24 @@ class EnergyBalance:
     damping: float
     error_percent: float
 
+    def warnings(self) -> list[str]:
+        """Say what is out of hand: kinetic or hourglass energy above 5 % of the internal, an error above 5 %."""
+        found = []
+        kinetic, hourglass = (100 * e / max(self.internal, 1e-300) for e in (self.kinetic, self.hourglass))
+        if kinetic > 5:
+            found.append(
+                f"kinetic energy is {kinetic:.3g} % of the internal: this is not quasi-static; drive the tools slower "
+                "or add less mass"
+            )
+        if hourglass > 5:
+            found.append(
+                f"hourglass energy is {hourglass:.3g} % of the internal: refine the mesh where it is bent sharply, or "
+                "spread point loads"
+            )
+        if abs(self.error_percent) > 5:
+            found.append(f"the energy balance is off by {self.error_percent:.3g} %: shorten the time step")
+        return found
+
 
 @dataclass(frozen=True)
 class MassScaling:
