@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy
 from numpy.typing import NDArray
 
+
 pack_width: int = 8
 
 def set_threads(n: int) -> None:
@@ -26,9 +27,7 @@ class StrainMeasure(enum.Enum):
 
     small = 3
 
-def measure_increments(
-    F: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], measure: StrainMeasure
-) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+def measure_increments(F: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], measure: StrainMeasure) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
     Strain (n, 4: xx, yy, zz, xy), rotation (n, 2: cosine, sine) and d strain / d l* (n, 4, 5) of increments F (n, 5).
     """
@@ -77,28 +76,12 @@ class Modulus(enum.Enum):
 class VonMises:
     """Isotropic elasticity with von Mises plasticity; stresses in MPa."""
 
-    def __init__(
-        self,
-        young: float,
-        poisson: float,
-        hardening: HardeningLaw,
-        parameters: Sequence[float],
-        *,
-        integrator: Integrator = Integrator.backward_euler,
-        substeps: int = 10,
-        modulus: Modulus = Modulus.consistent,
-    ) -> None: ...
-    def flow_stress(
-        self, eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
-    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def __init__(self, young: float, poisson: float, hardening: HardeningLaw, parameters: Sequence[float], *, integrator: Integrator = Integrator.backward_euler, substeps: int = 10, modulus: Modulus = Modulus.consistent) -> None: ...
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """Flow stress and its slope [MPa] at equivalent plastic strains (n)."""
 
-    def update(
-        self,
-        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Advance points by strain increments (n, 4); returns stress (n, 4), eqps (n) and tangent (n, 4, 4).
         """
@@ -218,57 +201,17 @@ class TangentKind(enum.Enum):
 class PointSettings:
     """Kinematics and tangent of an integration point."""
 
-    def __init__(
-        self,
-        *,
-        measure: StrainMeasure = StrainMeasure.log,
-        tangent: TangentKind = TangentKind.consistent,
-        green_lagrange_matrix: bool = False,
-        k_e: bool = True,
-        k_u: bool = True,
-        k_v: bool = False,
-    ) -> None: ...
+    def __init__(self, *, measure: StrainMeasure = StrainMeasure.log, tangent: TangentKind = TangentKind.consistent, green_lagrange_matrix: bool = False, k_e: bool = True, k_u: bool = True, k_v: bool = False) -> None: ...
 
 def element_sizes(element: str) -> tuple[int, int]:
     """Number of nodes and of integration points of an element."""
 
-def evaluate_block(
-    element: str,
-    connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    increment: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    law: VonMises,
-    settings: PointSettings,
-    *,
-    axisymmetric: bool,
-    depth: float,
-    hourglass_fraction: float,
-    stress_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    eqps_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    hourglass_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    hourglass: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    volume: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    force: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    stiffness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")] | None,
-    symmetric: bool = False,
-) -> int:
+def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False) -> int:
     """
     Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. Returns the index of a cell turned inside out, or -1.
     """
 
-def touch_profile(
-    segments: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-) -> tuple[
-    NDArray[numpy.float64],
-    NDArray[numpy.float64],
-    NDArray[numpy.float64],
-    NDArray[numpy.float64],
-    NDArray[numpy.int32],
-    NDArray[numpy.int32],
-]:
+def touch_profile(segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.int32]]:
     """
     Gap (n) and normal (n, 2) of points to a tool profile, those of the second face where a point lies in an inner corner (infinite elsewhere), and the indices of the segments touched by the first and the second (-1: none).
     """
@@ -328,41 +271,12 @@ class InterfaceResult:
     def master_force(self) -> tuple[float, float]:
         """Of the slave on the master [N]."""
 
-def evaluate_interface(
-    slave: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    master: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    slots: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    x: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    x_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    *,
-    slave_depth: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    master_depth: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    held: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-    pressure: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    shear: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    slip: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    stiffness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    shear_limit: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    mu: float,
-    tangential_part: float,
-    reach: float,
-    touching: float,
-    largest_pressure: float,
-    thickness: float,
-    with_tangent: bool,
-) -> InterfaceResult:
+def evaluate_interface(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], slots: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], x_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, slave_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], master_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], held: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], pressure: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slip: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear_limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], mu: float, tangential_part: float, reach: float, touching: float, largest_pressure: float, thickness: float, with_tangent: bool) -> InterfaceResult:
     """
     Mortar contact of slave and master edges at positions x; see interface.hpp.
     """
 
-def find_edge_pairs(
-    slave: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    master: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-    x: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-    margin: float,
-    self: bool,
-) -> NDArray[numpy.int32]:
+def find_edge_pairs(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], margin: float, self: bool) -> NDArray[numpy.int32]:
     """
     Pairs of half-edges (n, 2) that may touch within the margin [mm], slave and master.
     """
@@ -370,49 +284,166 @@ def find_edge_pairs(
 class Assembler:
     """Sparsity pattern and scatter of element arrays, two freedoms a node."""
 
-    def __init__(
-        self,
-        n_nodes: int,
-        connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]],
-        symmetric: bool,
-        couplings: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)] | None = None,
-    ) -> None: ...
+    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
+
     @property
     def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
     @property
     def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-    def assemble_matrix(
-        self,
-        stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
-        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    ) -> None:
+
+    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
         """
         Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
         """
 
-    def add_blocks(
-        self,
-        pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
-        blocks: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    ) -> None:
+    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
         """Add 2x2 blocks at node pairs."""
 
-    def assemble_vector(
-        self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
-    ) -> NDArray[numpy.float64]:
+    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
         """Nodal force (n_nodes, 2) of packed element forces."""
 
-    def constrain(
-        self,
-        mask: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
-        value: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
-        scale: float,
-        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-        rhs: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
-    ) -> None:
+    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
         """Prescribe the masked freedoms in the matrix and the right-hand side."""
+
+class Energies:
+    """Energies of an explicit run [N mm]."""
+
+    @property
+    def kinetic(self) -> float: ...
+
+    @property
+    def internal(self) -> float: ...
+
+    @property
+    def hourglass(self) -> float: ...
+
+    @property
+    def external(self) -> float: ...
+
+    @property
+    def damping(self) -> float: ...
+
+class TabulatedMises:
+    """
+    The explicit loop's von Mises update in plane stress; hardening from a table.
+    """
+
+    def __init__(self, law: SheetLaw) -> None: ...
+
+    @property
+    def table_error(self) -> float:
+        """Largest error of the table, of the flow stress."""
+
+    @property
+    def table_rows(self) -> int:
+        """Number of the table's intervals."""
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Advance points by strain increments (n, 3); returns stress (n, 3), equivalent plastic strain (n), thickness strain increment (n).
+        """
+
+class ShellLoop:
+    """Central differences for one-point shells; mm, s, t, N, MPa."""
+
+    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None: ...
+
+    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+        """Advance as many cycles of dt [s] as the scales have values."""
+
+    def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+        """Energies at the present time."""
+
+    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+        """
+        Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
+        """
+
+    @property
+    def internal_force(self) -> NDArray[numpy.float64]:
+        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
+
+    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], float, float]:
+        """
+        Position, velocity, element state, internal force, external work, damping.
+        """
+
+    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], state: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
+        """Take over what dump gave."""
+
+    def bound_frequencies(self) -> NDArray[numpy.float64]:
+        """Bound of the squared highest frequency of each element [1/s2]."""
+
+    @property
+    def position(self) -> NDArray[numpy.float64]:
+        """Positions (n_nodes, 3) [mm]."""
+
+    @position.setter
+    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def velocity(self) -> NDArray[numpy.float64]:
+        """
+        Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].
+        """
+
+    @velocity.setter
+    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def inverse_mass(self) -> NDArray[numpy.float64]:
+        """
+        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
+        """
+
+    @property
+    def force(self) -> NDArray[numpy.float64]:
+        """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
+
+    @force.setter
+    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
+
+    @property
+    def element_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element (n) [t]; setting it sets the nodes' masses."""
+
+    @element_mass.setter
+    def element_mass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def stress(self) -> NDArray[numpy.float64]:
+        """
+        Stress xx, yy, xy of the layers (n, points, 3) in the law's frame [MPa].
+        """
+
+    @property
+    def history(self) -> NDArray[numpy.float64]:
+        """What the law keeps at each layer (n, points, size); first eqps."""
+
+    @property
+    def thickness(self) -> NDArray[numpy.float64]:
+        """Thickness (n, 1) [mm]."""
+
+    @property
+    def transverse_shear(self) -> NDArray[numpy.float64]:
+        """Mean transverse shear stress xz, yz (n, 2) [MPa], factor 5/6 included."""
+
+    @property
+    def hourglass_force(self) -> NDArray[numpy.float64]:
+        """
+        Generalised hourglass forces (n, 5): membrane x, y, deflection, rotations x, y.
+        """
+
+    @property
+    def work(self) -> NDArray[numpy.float64]:
+        """Work of stresses and of hourglass control (n, 2) [N mm]."""
+
+    @property
+    def table_error(self) -> float | None:
+        """
+        Largest error of the tabulated hardening curve, of the flow stress; None with the general law.
+        """
