@@ -295,23 +295,7 @@ void bind_explicit(nb::module_& m) {
                    "What the law keeps at each layer (n, points, size); first eqps.")
       .def_prop_ro(
           "thickness", [](const ShellLoop& self) { return rows_of(self, shell4::thickness, 1); }, nb::rv_policy::move,
-          "Thickness (n, 1) [mm].")
-      .def_prop_ro(
-          "transverse_shear", [](const ShellLoop& self) { return rows_of(self, shell4::shear_xz, 2); },
-          nb::rv_policy::move, "Mean transverse shear stress xz, yz (n, 2) [MPa], factor 5/6 included.")
-      .def_prop_ro(
-          "hourglass_force", [](const ShellLoop& self) { return rows_of(self, shell4::hourglass, 5); },
-          nb::rv_policy::move, "Generalised hourglass forces (n, 5): membrane x, y, deflection, rotations x, y.")
-      .def_prop_ro(
-          "work", [](const ShellLoop& self) { return rows_of(self, shell4::work, 2); }, nb::rv_policy::move,
-          "Work of stresses and of hourglass control (n, 2) [N mm].")
-      .def_prop_ro(
-          "table_error",
-          [](const ShellLoop& self) -> std::optional<double> {
-            const auto* fast = std::get_if<FastMises>(&self.shells.section().law);
-            return fast ? std::optional(fast->hardening.error()) : std::nullopt;
-          },
-          "Largest error of the tabulated hardening curve, of the flow stress; None with the general law.");
+          "Thickness (n, 1) [mm].");
 }
 
 }  // namespace presswork::bindings

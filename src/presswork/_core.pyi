@@ -427,23 +427,3 @@ class ShellLoop:
     @property
     def thickness(self) -> NDArray[numpy.float64]:
         """Thickness (n, 1) [mm]."""
-
-    @property
-    def transverse_shear(self) -> NDArray[numpy.float64]:
-        """Mean transverse shear stress xz, yz (n, 2) [MPa], factor 5/6 included."""
-
-    @property
-    def hourglass_force(self) -> NDArray[numpy.float64]:
-        """
-        Generalised hourglass forces (n, 5): membrane x, y, deflection, rotations x, y.
-        """
-
-    @property
-    def work(self) -> NDArray[numpy.float64]:
-        """Work of stresses and of hourglass control (n, 2) [N mm]."""
-
-    @property
-    def table_error(self) -> float | None:
-        """
-        Largest error of the tabulated hardening curve, of the flow stress; None with the general law.
-        """
