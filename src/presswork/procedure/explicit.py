@@ -193,8 +193,6 @@ class ExplicitShells:
         self.dt = SAFETY * self.stable_step()
         self._mass = self._loop.element_mass
 
-    # --- arrays in the order given --------------------------------------------------------------------------------
-
     def _by_node(self, inside: Array) -> Array:
         out = np.empty_like(inside)
         out[self._nodes] = inside
@@ -267,8 +265,6 @@ class ExplicitShells:
         inverse = self._by_node(self._loop.inverse_mass)
         return np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0)
 
-    # --- what a run is told ---------------------------------------------------------------------------------------
-
     def fix(self, nodes: npt.ArrayLike, freedoms: str, velocity: npt.ArrayLike = 0.0) -> None:
         """Prescribe the velocity [mm/s or 1/s], one or one for each node, of freedoms: letters of "uvwpqr"."""
         unknown = set(freedoms) - set(FREEDOMS)
@@ -296,8 +292,6 @@ class ExplicitShells:
         self.dt = target_step
         self._reference = None
         return MassScaling(float(self._mass.sum()), float((now - self._mass).sum()), int((now > self._mass).sum()))
-
-    # --- running --------------------------------------------------------------------------------------------------
 
     def advance(
         self,
