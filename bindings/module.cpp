@@ -13,6 +13,7 @@ void bind_element(nb::module_& m);
 void bind_shell(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_assembly(nb::module_& m);
+void bind_explicit(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -28,4 +29,5 @@ NB_MODULE(_core, m) {
   bind_shell(m);
   bind_contact(m);
   bind_assembly(m);
+  bind_explicit(m);
 }

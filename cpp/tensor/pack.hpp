@@ -9,6 +9,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
 
 namespace presswork {
 
@@ -59,9 +62,13 @@ inline bool both(bool a, bool b) { return a && b; }
 
 inline Pack select(Pack::Mask m, Pack a, Pack b) { return Pack(m ? a.v : b.v); }
 inline bool any(Pack::Mask m) {
-  std::int64_t seen = 0;
-  for (int i = 0; i < pack_width; ++i) seen |= m[i];
-  return seen != 0;
+#if defined(__AVX512F__)
+  return _mm512_test_epi64_mask((__m512i)m, (__m512i)m) != 0;
+#elif defined(__AVX__)
+  return _mm256_movemask_pd((__m256d)m) != 0;
+#else
+  return (m[0] | m[1]) != 0;
+#endif
 }
 inline Pack::Mask both(Pack::Mask a, Pack::Mask b) { return a & b; }
 
@@ -81,7 +88,13 @@ inline double exponential(double a) { return std::exp(a); }
 inline double power(double a, double b) { return std::pow(a, b); }
 
 inline Pack square_root(Pack a) {
+#if defined(__AVX512F__)
+  return Pack((Pack::Vector)_mm512_maskz_sqrt_pd(0xff, (__m512d)a.v));
+#elif defined(__AVX__)
+  return Pack((Pack::Vector)_mm256_sqrt_pd((__m256d)a.v));
+#else
   return map_lanes(a, [](double x) { return std::sqrt(x); });
+#endif
 }
 // Horner's rule, the highest coefficient first.
 template <std::size_t n>

@@ -354,3 +354,125 @@ class ShellAssembler:
 
     def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
         """Prescribe the masked freedoms in the matrix and the right-hand side."""
+
+class Energies:
+    """Energies of an explicit run [N mm]."""
+
+    @property
+    def kinetic(self) -> float: ...
+
+    @property
+    def internal(self) -> float: ...
+
+    @property
+    def hourglass(self) -> float: ...
+
+    @property
+    def external(self) -> float: ...
+
+    @property
+    def damping(self) -> float: ...
+
+class TabulatedMises:
+    """
+    The explicit loop's von Mises update in plane stress; hardening from a table.
+    """
+
+    def __init__(self, law: SheetLaw) -> None: ...
+
+    @property
+    def table_error(self) -> float:
+        """Largest error of the table, of the flow stress."""
+
+    @property
+    def table_rows(self) -> int:
+        """Number of the table's intervals."""
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Advance points by strain increments (n, 3); returns stress (n, 3), equivalent plastic strain (n), thickness strain increment (n).
+        """
+
+class ShellLoop:
+    """Central differences for one-point shells; mm, s, t, N, MPa."""
+
+    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None: ...
+
+    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+        """Advance as many cycles of dt [s] as the scales have values."""
+
+    def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+        """Energies at the present time."""
+
+    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+        """
+        Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
+        """
+
+    @property
+    def internal_force(self) -> NDArray[numpy.float64]:
+        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
+
+    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], float, float]:
+        """
+        Position, velocity, element state, internal force, external work, damping.
+        """
+
+    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], state: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
+        """Take over what dump gave."""
+
+    def bound_frequencies(self) -> NDArray[numpy.float64]:
+        """Bound of the squared highest frequency of each element [1/s2]."""
+
+    @property
+    def position(self) -> NDArray[numpy.float64]:
+        """Positions (n_nodes, 3) [mm]."""
+
+    @position.setter
+    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def velocity(self) -> NDArray[numpy.float64]:
+        """
+        Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].
+        """
+
+    @velocity.setter
+    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def inverse_mass(self) -> NDArray[numpy.float64]:
+        """
+        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
+        """
+
+    @property
+    def force(self) -> NDArray[numpy.float64]:
+        """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
+
+    @force.setter
+    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
+
+    @property
+    def element_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element (n) [t]; setting it sets the nodes' masses."""
+
+    @element_mass.setter
+    def element_mass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def stress(self) -> NDArray[numpy.float64]:
+        """
+        Stress xx, yy, xy of the layers (n, points, 3) in the law's frame [MPa].
+        """
+
+    @property
+    def history(self) -> NDArray[numpy.float64]:
+        """What the law keeps at each layer (n, points, size); first eqps."""
+
+    @property
+    def thickness(self) -> NDArray[numpy.float64]:
+        """Thickness (n, 1) [mm]."""

@@ -17,6 +17,7 @@ CPP_ROOMS = {
     "element": {"tensor", "reference", "kinematics", "material"},
     "contact": {"tensor", "reference"},
     "assembly": {"tensor", "element", "contact"},
+    "explicit": {"tensor", "element", "material", "assembly"},
 }
 
 PYTHON_ROOMS = {

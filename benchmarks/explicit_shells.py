@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cost of a one-point shell in the explicit loop: microseconds per shell and cycle, the whole cycle counted.
+
+    python benchmarks/explicit_shells.py
+    python benchmarks/explicit_shells.py --threads 1 --sizes 100
+
+A flat sheet is stretched equally in both directions, five points through the thickness, Swift hardening, every point
+plastic in every cycle (checked), no contact, double precision. One thread: CPU time, which other processes on the
+machine disturb least; more threads: wall time. Each figure is the least of the repeats; the columns
+with one point, and with an elastic sheet, say what the layers and the plastic update cost.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+
+from presswork import _core
+from presswork.procedure.explicit import ExplicitShells, ShellOptions
+
+MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
+SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
+ELASTIC = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.linear, [1e9, 0.0])
+RATE = 200.0
+"""Stretching [1/s]; a step strains by 3e-5."""
+
+
+def stretched_sheet(n: int, law: _core.SheetLaw, options: ShellOptions) -> ExplicitShells:
+    """Return n x n shells of 1 mm, 0.8 mm thick, in uniform stretching, edges driven."""
+    x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0))
+    points = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    first = (np.arange(n)[None, :] + (n + 1) * np.arange(n)[:, None]).ravel()
+    cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1).astype(np.int32)
+    shells = ExplicitShells(points, cells, 0.8, law, 7.85e-9, options=options)
+    velocity = np.zeros((len(points), 6))
+    velocity[:, :2] = RATE * (points[:, :2] - n / 2)
+    shells.velocity = velocity
+    edge = np.flatnonzero((points[:, :2] == 0).any(axis=1) | (points[:, :2] == n).any(axis=1))
+    for i, letter in enumerate("uvwpqr"):
+        shells.fix(edge, letter, velocity[edge, i])
+    return shells
+
+
+def time_cycle(n: int, threads: int, law: _core.SheetLaw, options: ShellOptions, repeats: int) -> float:
+    """Return microseconds per shell and cycle, the least of the repeats."""
+    _core.set_threads(threads)
+    clock = time.process_time if threads == 1 else time.perf_counter
+    shells = stretched_sheet(n, law, options)
+    shells.advance(max(4, round(0.005 / RATE / shells.dt)))
+    before = shells.equivalent_plastic_strain
+    cycles = max(4, round(1.2e6 / n**2))
+    best = np.inf
+    for _ in range(repeats):
+        started = clock()
+        shells.advance(cycles)
+        best = min(best, clock() - started)
+    if law is SWIFT:
+        plastic = (shells.equivalent_plastic_strain > before).mean()
+        assert plastic == 1.0, f"{plastic:.1%} of the points are plastic"
+    return best / cycles / n**2 * 1e6
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sizes", type=int, nargs="+", default=[50, 100, 200, 400], help="shells along an edge")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--repeats", type=int, default=7)
+    given = parser.parse_args()
+    columns = {
+        "BT": (SWIFT, ShellOptions(warping=False)),
+        "BWC": (SWIFT, ShellOptions()),
+        "general law": (SWIFT, ShellOptions(tabulate=False)),
+        "elastic": (ELASTIC, ShellOptions()),
+        "one point": (SWIFT, ShellOptions(n_points=1)),
+    }
+    print(f"packs of {_core.pack_width}; microseconds per shell and cycle")
+    print(f"{'shells':>9} {'threads':>8} " + " ".join(f"{name:>12}" for name in columns))
+    for n in given.sizes:
+        for threads in given.threads:
+            figures = [time_cycle(n, threads, law, options, given.repeats) for law, options in columns.values()]
+            print(f"{n * n:9,} {threads:8} " + " ".join(f"{figure:12.4f}" for figure in figures), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Section of a shell: points through the thickness, and the two kinds of law that they can carry.
+//
+// In-plane tensors are kept as sum xx + yy, difference xx - yy and shear xy (of strain: engineering shear), in which
+// isotropic laws are diagonal. A law has
+//   rows()                                     values that a point keeps: sum, difference, shear of stress, then others
+//   advance(sum, difference, shear, dt, state) updates them by increments of strain; gives that of thickness strain
+//   young, poisson                             elasticity, for transverse shear, stable step and hourglass control
+#pragma once
+
+#include "material/anisotropic_law.hpp"
+#include "material/tabulated_mises.hpp"
+
+namespace presswork {
+
+// Any SheetLaw. x of its frame is the frame's first axis. A failed lane turns to NaN, which the loop finds.
+struct GeneralSheet {
+  SheetLaw law;
+  double young = law.young, poisson = law.poisson;
+
+  int rows() const { return 3 + law.history_size(); }
+
+  template <class T>
+  T advance(T sum, T difference, T shear, double dt, T* state) const {
+    const T strain[3] = {T(0.5) * (sum + difference), T(0.5) * (sum - difference), shear};
+    T stress[3] = {T(0.5) * (state[0] + state[1]), T(0.5) * (state[0] - state[1]), state[2]}, across;
+    auto failed = update_sheet(law, strain, dt, T(1.0), stress, state + 3, across, static_cast<T(*)[3]>(nullptr));
+    state[0] = select(failed, T(NAN), stress[0] + stress[1]);
+    state[1] = stress[0] - stress[1];
+    state[2] = stress[2];
+    return across;
+  }
+};
+
+struct FastMises : TabulatedMises {
+  static constexpr int rows() { return 4; }
+
+  template <class T>
+  T advance(T sum, T difference, T shear, double, T* state) const {
+    return TabulatedMises::advance(sum, difference, shear, state);
+  }
+};
+
+// Heights in half thicknesses, -1 to 1, and weights that add up to one.
+struct LayerRule {
+  std::vector<double> height, weight;
+};
+
+// Stress resultants of one shell [N/mm] and [N], sums and differences as above: of force, then of moment.
+template <class T>
+struct Resultants {
+  T force[3], moment[3];
+  T thickness_strain;  // increment, mean over the layers
+  T work;              // of the increment, by area [N/mm]
+};
+
+// Advance all layers by the increments of membrane strain and curvature [1/mm]; layers: (points, rows) in place.
+template <class T, class Law>
+[[gnu::always_inline]] inline void advance_section(const Law& law, const LayerRule& rule, const T membrane[3],
+                                                   const T curvature[3], T thickness, double dt, T* layers,
+                                                   Resultants<T>& out) {
+  T half = T(0.5) * thickness, bend[3], mean[3], turn[3], work(0.0), across(0.0);
+  for (int i = 0; i < 3; ++i) bend[i] = half * curvature[i], mean[i] = turn[i] = T(0.0);
+  const int points = static_cast<int>(rule.height.size()), rows = law.rows();
+  for (int k = 0; k < points; ++k, layers += rows) {
+    const T height(rule.height[k]), weight(rule.weight[k]);
+    T sum = membrane[0] + height * bend[0], difference = membrane[1] + height * bend[1];
+    T shear = membrane[2] + height * bend[2];
+    T before[3] = {layers[0], layers[1], layers[2]};
+    across += weight * law.advance(sum, difference, shear, dt, layers);
+    // stress : strain = (sums + differences)/2 + shear
+    work += weight * (T(0.5) * ((before[0] + layers[0]) * sum + (before[1] + layers[1]) * difference) +
+                      (before[2] + layers[2]) * shear);
+    for (int i = 0; i < 3; ++i) {
+      T part = weight * layers[i];
+      mean[i] += part;
+      turn[i] += height * part;
+    }
+  }
+  for (int i = 0; i < 3; ++i) out.force[i] = thickness * mean[i], out.moment[i] = thickness * half * turn[i];
+  out.thickness_strain = across;
+  out.work = T(0.5) * thickness * work;
+}
+
+}  // namespace presswork

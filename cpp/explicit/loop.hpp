@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Central differences for shells: n cycles a call, threaded, with the same bits for any number of threads.
+//
+// A cycle: nodes  a = (f_ext - f_int)/m, v += a dt, x += v dt
+//          shells f_int from x, v (each pack writes forces of its own)
+// Shells are taken in tiles, the forces of which stay in the cache: nodes inside a tile are summed up there and then,
+// and those on its rim leave a partial sum, which a second pass adds to those of the other tiles; all in a fixed order.
+// At the end of a call x and the forces belong to time t, v to t - dt/2.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "explicit/shell_block.hpp"
+
+namespace presswork::explicit_dynamics {
+
+struct Energies {
+  double kinetic = 0.0;    // v(-dt/2) m v(+dt/2)/2, which linear vibration conserves together with the internal energy
+  double internal = 0.0;   // work of the stresses
+  double hourglass = 0.0;  // work of the hourglass forces
+  double external = 0.0;   // work of nodal forces and of prescribed velocities
+  double damping = 0.0;    // taken away by mass damping
+};
+
+class ShellLoop {
+ public:
+  // points (n, 3) [mm]
+  ShellLoop(int n_nodes, const double* points, ShellSection section, std::vector<int> connectivity,
+            const double* thickness, const double* axis);
+
+  Nodes nodes;
+  ShellBlock shells;
+  std::vector<double> force;        // (n, 6): nodal forces [N] and moments [N mm] from outside
+  std::vector<std::uint8_t> fixed;  // (n, 6): velocity is prescribed
+  std::vector<double> prescribed;   // (n, 6): velocities of the fixed freedoms
+
+  // Masses of nodes from those of the elements; after a change of either.
+  void set_masses();
+  // Advance n cycles of dt. The scales (n) multiply force and prescribed velocities in each cycle; damping [1/s].
+  void advance(int n, double dt, double damping, const double* force_scale, const double* velocity_scale);
+  // Energies at the present time; scales are those of the next cycle.
+  Energies energies(double dt, double damping, double force_scale, double velocity_scale) const;
+  // Advance the shells alone, and with them the internal force.
+  void advance_shells(double dt);
+
+  std::vector<double> internal_force;  // (n, 6) [N, N mm]
+  double work[2] = {0.0, 0.0};         // done by force and prescription, by damping: up to half a step back
+
+ private:
+  struct Sums {
+    double external = 0.0, damping = 0.0;
+  };
+  struct Tile {
+    int first, last;              // packs
+    int nodes_first, nodes_last;  // in tile_node_
+  };
+  void make_tiles();
+  void advance_tile(const Tile& tile, double dt, double* scratch);
+  void close_rims(int first, int last);
+  Sums move_nodes(int first, int last, double dt, double damping, double force_scale, double velocity_scale);
+  // Velocity half a step on of one freedom, and its outer force at present.
+  void next_velocity(int node, double dt, double damping, double force_scale, double velocity_scale, double after[6],
+                     double outer[6]) const;
+
+  int packs_a_tile_;
+  std::vector<Tile> tiles_;
+  // Nodes of the tiles, one tile after the other: where the sum goes, a row of internal_force or, below zero, of
+  // partial_ (as -1 - row); and the entries to add up, offsets in the tile's forces.
+  std::vector<int> target_, entry_start_, entry_;
+  std::vector<double> partial_;                          // (rows, 6)
+  std::vector<int> rim_node_, rim_start_, rim_partial_;  // nodes on rims and their rows of partial_
+};
+
+}  // namespace presswork::explicit_dynamics

@@ -1,0 +1,396 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Explicit dynamics of one-point shells: central differences on arrays, `n` cycles a call in C++.
+
+    run = ExplicitShells(points, connectivity, thickness, law, density)
+    run.fix(nodes, "uvw")
+    run.velocity = ...
+    run.scale_mass(2e-7)
+    run.advance(1000)
+    run.energies().error_percent
+
+Units are mm, s, t, N, MPa. A node has six freedoms: displacements u, v, w and rotations p, q, r about x, y, z.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from presswork import _core
+
+Array = npt.NDArray[np.float64]
+FREEDOMS = "uvwpqr"
+SAFETY = 0.9
+"""Time step over the bound of the stable one."""
+HEAVIEST = 1e-6
+"""Density [t/mm3] beyond which a unit must be wrong: 50 times that of osmium."""
+
+
+class ExplicitError(ValueError):
+    """Input that no run can start from, or a run that cannot go on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShellOptions:
+    """How a one-point shell is computed.
+
+    n_points, rule: points through the thickness; "gauss" or, with points on both surfaces, "lobatto".
+    warping: Belytschko, Wong & Chiang's terms for warped elements; without them it is Belytschko & Tsay's shell.
+    hourglass: "stiffness" or "viscous" control, with its coefficients for membrane, deflection and rotations.
+    tabulate: von Mises with isotropic hardening alone takes the fast update with a tabulated curve.
+    """
+
+    n_points: int = 5
+    rule: Literal["gauss", "lobatto"] = "gauss"
+    warping: bool = True
+    hourglass: Literal["stiffness", "viscous"] = "stiffness"
+    coefficients: tuple[float, float, float] = (0.03, 0.03, 0.03)
+    tabulate: bool = True
+
+    def __post_init__(self) -> None:
+        least = 1 if self.rule == "gauss" else 2
+        if not least <= self.n_points <= 51:
+            raise ExplicitError(f"n_points = {self.n_points}: a {self.rule} rule has {least} to 51 points")
+        if any(not 0 <= c <= 0.2 for c in self.coefficients):
+            raise ExplicitError(f"coefficients = {self.coefficients}: hourglass coefficients lie between 0 and 0.2")
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Energies at one time [N mm]; those of work are counted from the start of the run.
+
+    error is what the balance of all of them has lost or won since the start, in per cent of the largest sum of energies
+    that has occurred.
+    """
+
+    kinetic: float
+    internal: float
+    hourglass: float
+    external: float
+    damping: float
+    error_percent: float
+
+    def warnings(self) -> list[str]:
+        """Say what is out of hand: kinetic or hourglass energy above 5 % of the internal, an error above 5 %."""
+        found = []
+        kinetic, hourglass = (100 * e / max(self.internal, 1e-300) for e in (self.kinetic, self.hourglass))
+        if kinetic > 5:
+            found.append(
+                f"kinetic energy is {kinetic:.3g} % of the internal: this is not quasi-static; drive the tools slower "
+                "or add less mass"
+            )
+        if hourglass > 5:
+            found.append(
+                f"hourglass energy is {hourglass:.3g} % of the internal: refine the mesh where it is bent sharply, or "
+                "spread point loads"
+            )
+        if abs(self.error_percent) > 5:
+            found.append(f"the energy balance is off by {self.error_percent:.3g} %: shorten the time step")
+        return found
+
+
+@dataclass(frozen=True)
+class MassScaling:
+    """State of mass scaling: true mass [t], mass added so far [t], number of shells heavier than they are."""
+
+    mass: float
+    added: float
+    n_shells: int
+
+    @property
+    def percent(self) -> float:
+        """Added mass in per cent of the true mass."""
+        return 100.0 * self.added / self.mass
+
+
+def layer_rule(n_points: int, rule: str) -> tuple[list[float], list[float]]:
+    """Give heights from -1 to 1 and weights that add up to one.
+
+    >>> layer_rule(3, "lobatto")[0]
+    [-1.0, 0.0, 1.0]
+    """
+    if rule == "gauss":
+        height, weight = np.polynomial.legendre.leggauss(n_points)
+    else:
+        last = np.polynomial.legendre.Legendre.basis(n_points - 1)
+        inner = np.real(last.deriv().roots()) if n_points > 2 else np.empty(0)
+        height = np.concatenate(([-1.0], np.sort(inner), [1.0]))
+        weight = 2.0 / (n_points * (n_points - 1) * last(height) ** 2)
+    height = 0.5 * (height - height[::-1])  # symmetric to the last bit
+    return height.tolist(), (0.25 * (weight + weight[::-1])).tolist()
+
+
+def order_along_curve(points: Array) -> npt.NDArray[np.intp]:
+    """Give the order of points (n, 3) along a Morton curve: neighbours in space come near each other in memory."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    cells = ((points - low) / max(float((high - low).max()), 1e-300) * 1023).astype(np.uint64)
+    code = np.zeros(len(points), dtype=np.uint64)
+    for bit in range(10):
+        for axis in range(3):
+            code |= ((cells[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
+    return np.argsort(code, kind="stable")
+
+
+class ExplicitShells:
+    """4-node shells in explicit dynamics.
+
+    points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell; thickness [mm], one or (n); law in
+    plane stress; density [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each
+    shell.
+    Elements and nodes are renumbered inside for the sake of the cache; every array here is in the order given.
+    """
+
+    def __init__(
+        self,
+        points: npt.ArrayLike,
+        connectivity: npt.ArrayLike,
+        thickness: npt.ArrayLike,
+        law: _core.SheetLaw,
+        density: float,
+        *,
+        axis: npt.ArrayLike = (1.0, 0.0, 0.0),
+        options: ShellOptions | None = None,
+    ) -> None:
+        options = options or ShellOptions()
+        x = np.array(points, dtype=float)
+        cells = np.array(connectivity, dtype=np.int32)
+        sheet = np.broadcast_to(np.asarray(thickness, dtype=float), len(cells)).copy()
+        check_shells(x, cells, sheet, density)
+        self._elements = order_along_curve(x[cells].mean(axis=1))
+        first = cells[self._elements].ravel()
+        _, at = np.unique(first, return_index=True)
+        used = first[np.sort(at)]
+        self._nodes = np.concatenate([used, np.setdiff1d(np.arange(len(x)), used)])
+        place = np.empty(len(x), dtype=np.int32)
+        place[self._nodes] = np.arange(len(x))
+        axes = np.broadcast_to(np.asarray(axis, dtype=float), (len(cells), 3))
+        height, weight = layer_rule(options.n_points, options.rule)
+        try:
+            self._loop = _core.ShellLoop(
+                x[self._nodes],
+                place[cells[self._elements]],
+                sheet[self._elements],
+                np.ascontiguousarray(axes[self._elements]),
+                law,
+                density,
+                height,
+                weight,
+                tabulate=options.tabulate,
+                warped=options.warping,
+                viscous=options.hourglass == "viscous",
+                hourglass=options.coefficients,
+            )
+        except ValueError as error:
+            raise ExplicitError(str(error)) from None
+        self._fixed = np.zeros((len(x), 6), dtype=np.uint8)
+        self._prescribed = np.zeros((len(x), 6))
+        self._reference: tuple[float, float] | None = None
+        self.cycle = 0
+        self.time = 0.0
+        self.dt = SAFETY * self.stable_step()
+        self._mass = self._loop.element_mass
+
+    def _by_node(self, inside: Array) -> Array:
+        out = np.empty_like(inside)
+        out[self._nodes] = inside
+        return out
+
+    def _by_element(self, inside: Array) -> Array:
+        out = np.empty_like(inside)
+        out[self._elements] = inside
+        return out
+
+    @property
+    def position(self) -> Array:
+        """Positions (n_nodes, 3) [mm]."""
+        return self._by_node(self._loop.position)
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities and angular velocities (n_nodes, 6) [mm/s, 1/s], half a step back."""
+        return self._by_node(self._loop.velocity)
+
+    @velocity.setter
+    def velocity(self, value: npt.ArrayLike) -> None:
+        self._loop.velocity = self._shaped(value, "velocity")[self._nodes]
+        self._reference = None
+
+    @property
+    def force(self) -> Array:
+        """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
+        return self._by_node(self._loop.force)
+
+    @force.setter
+    def force(self, value: npt.ArrayLike) -> None:
+        self._loop.force = self._shaped(value, "force")[self._nodes]
+
+    def _shaped(self, value: npt.ArrayLike, name: str) -> Array:
+        given = np.asarray(value, dtype=float)
+        if given.shape != self._fixed.shape:
+            raise ExplicitError(f"{name} has shape {given.shape}: it must be (n_nodes, 6) = {self._fixed.shape}")
+        if not np.isfinite(given).all():
+            raise ExplicitError(f"{name} of node {np.argwhere(~np.isfinite(given))[0, 0]} is not a finite number")
+        return given
+
+    @property
+    def internal_force(self) -> Array:
+        """Internal forces and moments (n_nodes, 6) [N, N mm]."""
+        return self._by_node(self._loop.internal_force)
+
+    def trial_force(self, increment: npt.ArrayLike) -> Array:
+        """Give the internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed."""
+        return self._by_node(self._loop.trial_force(self._shaped(increment, "increment")[self._nodes]))
+
+    @property
+    def stress(self) -> Array:
+        """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up."""
+        return self._by_element(self._loop.stress)
+
+    @property
+    def equivalent_plastic_strain(self) -> Array:
+        """Equivalent plastic strain (n, n_points)."""
+        return self._by_element(self._loop.history[:, :, 0])
+
+    @property
+    def thickness(self) -> Array:
+        """Thickness (n) [mm]."""
+        return self._by_element(self._loop.thickness[:, 0])
+
+    @property
+    def mass(self) -> Array:
+        """Mass and rotary inertia of each node (n_nodes, 2) [t, t mm2]; 0 at nodes without a shell."""
+        inverse = self._by_node(self._loop.inverse_mass)
+        return np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0)
+
+    def fix(self, nodes: npt.ArrayLike, freedoms: str, velocity: npt.ArrayLike = 0.0) -> None:
+        """Prescribe the velocity [mm/s or 1/s], one or one for each node, of freedoms: letters of "uvwpqr"."""
+        unknown = set(freedoms) - set(FREEDOMS)
+        if unknown or not freedoms:
+            raise ExplicitError(f"freedoms = {freedoms!r}: give letters of {FREEDOMS!r}")
+        for letter in freedoms:
+            self._fixed[np.asarray(nodes), FREEDOMS.index(letter)] = 1
+            self._prescribed[np.asarray(nodes), FREEDOMS.index(letter)] = velocity
+        self._loop.prescribe(self._fixed[self._nodes], self._prescribed[self._nodes])
+
+    def stable_step(self) -> float:
+        """Give the bound of the stable time step [s] of the shells as they are now."""
+        return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))
+
+    def scale_mass(self, target_step: float) -> MassScaling:
+        """Add mass to shells whose stable step is below the target [s], take the target as the step; report the mass.
+
+        The safety factor is kept: the shells' bound becomes target_step/0.9. Mass once added stays.
+        """
+        if not target_step > 0:
+            raise ExplicitError(f"target_step = {target_step}: it must be above zero")
+        factor = self._loop.bound_frequencies() * (0.5 * target_step / SAFETY) ** 2
+        now = self._loop.element_mass * np.maximum(factor, 1.0)
+        self._loop.element_mass = now
+        self.dt = target_step
+        self._reference = None
+        return MassScaling(float(self._mass.sum()), float((now - self._mass).sum()), int((now > self._mass).sum()))
+
+    def advance(
+        self,
+        n: int,
+        *,
+        force_scale: float | npt.ArrayLike = 1.0,
+        velocity_scale: float | npt.ArrayLike = 1.0,
+        damping: float = 0.0,
+    ) -> None:
+        """Advance n cycles of `dt`.
+
+        force_scale, velocity_scale: factors on force and on prescribed velocities, one or one for each cycle.
+        damping: mass damping [1/s]; a mode of angular frequency w loses the fraction damping/(2 w) of critical.
+        Raises ExplicitError when the motion is no longer finite.
+        """
+        if self._reference is None:
+            self._reference = (self._sum(self._energies(damping, force_scale, velocity_scale)), 0.0)
+        scales = (np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale))
+        self._loop.advance(self.dt, *scales, damping=damping)
+        self.cycle += n
+        self.time += n * self.dt
+        finite = np.isfinite(self.position).all(axis=1)
+        if not finite.all():
+            raise ExplicitError(
+                f"node {np.argmin(finite)} has left for infinity by cycle {self.cycle} (t = {self.time:g} s): "
+                f"the step {self.dt:g} s is too long (the shells allow {SAFETY * self.stable_step():g} s now) or its "
+                "shells have collapsed"
+            )
+
+    def _energies(self, damping: float, force_scale: object, velocity_scale: object) -> _core.Energies:
+        first = [float(np.ravel(np.asarray(s, dtype=float))[0]) for s in (force_scale, velocity_scale)]
+        return self._loop.energies(self.dt, damping=damping, force_scale=first[0], velocity_scale=first[1])
+
+    @staticmethod
+    def _sum(e: _core.Energies) -> float:
+        return e.kinetic + e.internal + e.hourglass + e.damping - e.external
+
+    def energies(self, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> EnergyBalance:
+        """Give the energies now; damping and the scales are those of the next cycle."""
+        e = self._energies(damping, force_scale, velocity_scale)
+        start, largest = self._reference or (self._sum(e), 0.0)
+        largest = max(largest, abs(e.kinetic) + abs(e.internal) + abs(e.hourglass), abs(e.external))
+        if self._reference:
+            self._reference = (start, largest)
+        error = 100.0 * (self._sum(e) - start) / largest if largest > 0 else 0.0
+        return EnergyBalance(e.kinetic, e.internal, e.hourglass, e.external, e.damping, error)
+
+    def dump(self) -> dict[str, Array]:
+        """Give everything that the next cycle depends on, beside what the constructor, fix and force were given."""
+        position, velocity, state, forces, external, damping = self._loop.dump()
+        reference = self._reference or (np.nan, np.nan)
+        scalars = np.array([self.cycle, self.time, self.dt, external, damping, *reference])
+        return {
+            "position": position,
+            "velocity": velocity,
+            "state": state,
+            "forces": forces,
+            "element_mass": self._loop.element_mass,
+            "scalars": scalars,
+        }
+
+    def restore(self, dump: dict[str, Array]) -> None:
+        """Take over what dump gave: the run goes on with the same bits as one never stopped."""
+        cycle, self.time, self.dt, external, damping, start, largest = (float(s) for s in dump["scalars"])
+        self.cycle = int(cycle)
+        self._reference = None if np.isnan(start) else (start, largest)
+        self._loop.element_mass = dump["element_mass"]
+        self._loop.restore(dump["position"], dump["velocity"], dump["state"], dump["forces"], external, damping)
+
+
+def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float) -> None:
+    """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ExplicitError(f"points has shape {points.shape}: it must be (n_nodes, 3)")
+    if not np.isfinite(points).all():
+        raise ExplicitError(f"node {np.argwhere(~np.isfinite(points))[0, 0]} has a coordinate that is not a number")
+    if cells.ndim != 2 or cells.shape[1] != 4 or len(cells) == 0:
+        raise ExplicitError(f"connectivity has shape {cells.shape}: it must be (n, 4) with at least one shell")
+    outside = (cells < 0) | (cells >= len(points))
+    if outside.any():
+        shell, corner = np.argwhere(outside)[0]
+        raise ExplicitError(
+            f"shell {shell} names node {cells[shell, corner]}: nodes are numbered from 0 to {len(points) - 1}"
+        )
+    if not (thickness > 0).all():
+        worst = int(np.argmin(thickness > 0))
+        raise ExplicitError(f"thickness of shell {worst} is {thickness[worst]:g} mm: it must be above zero")
+    if not density > 0:
+        raise ExplicitError(f"density = {density:g}: it must be above zero; steel has 7.85e-9 t/mm3")
+    if density > HEAVIEST:
+        raise ExplicitError(f"density = {density:g} t/mm3 is beyond any metal: steel has 7.85e-9 t/mm3, not 7850")
+    corners = points[cells]
+    before, after = np.roll(corners, 1, axis=1) - corners, np.roll(corners, -1, axis=1) - corners
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    turn = (np.cross(after, before) * normal[:, None, :]).sum(axis=2)
+    concave = turn <= 1e-6 * (normal**2).sum(axis=1)[:, None]
+    if concave.any():
+        shell, corner = np.argwhere(concave)[0]
+        raise ExplicitError(
+            f"shell {shell} (nodes {cells[shell].tolist()}) is folded or without area at node {cells[shell, corner]}: "
+            "give its nodes in turn round it, all corners below 180 degrees"
+        )

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The explicit loop: threads, restart, order of the input, laws and options."""
+
+import numpy as np
+import pytest
+
+from presswork import _core
+from presswork.procedure.explicit import EnergyBalance, ExplicitShells, ShellOptions, layer_rule
+
+MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
+SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
+N = 24
+
+
+def mesh() -> tuple[np.ndarray, np.ndarray]:
+    """24 x 24 shells of about 2 mm, wavy, inner nodes out of line."""
+    x, y = np.meshgrid(np.linspace(0, 48, N + 1), np.linspace(0, 48, N + 1))
+    points = np.stack([x.ravel(), y.ravel(), 0.5 * np.sin(x.ravel() / 5) * np.cos(y.ravel() / 7)], axis=1)
+    inner = (points[:, :2] > 0).all(axis=1) & (points[:, :2] < 48).all(axis=1)
+    points[inner] += np.random.default_rng(8).uniform(-0.3, 0.3, (inner.sum(), 3)) * [1, 1, 0.3]
+    first = (np.arange(N)[None, :] + (N + 1) * np.arange(N)[:, None]).ravel()
+    return points, np.stack([first, first + 1, first + N + 2, first + N + 1], axis=1).astype(np.int32)
+
+
+def make_run(law: _core.SheetLaw = SWIFT, **options: object) -> ExplicitShells:
+    """One edge held, the opposite one pulled at 5 m/s, and pressed out of the plane: plastic within 100 cycles."""
+    points, cells = mesh()
+    shells = ExplicitShells(points, cells, 0.8, law, 7.85e-9, options=ShellOptions(**options))  # type: ignore[arg-type]
+    shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
+    shells.fix(np.flatnonzero(points[:, 0] == 48), "u", 5000.0)
+    shells.force = np.tile([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (len(points), 1))
+    return shells
+
+
+def results(shells: ExplicitShells) -> list[np.ndarray]:
+    return [shells.position, shells.velocity, shells.stress, shells.equivalent_plastic_strain, shells.thickness]
+
+
+def test_threads_do_not_change_a_bit() -> None:
+    """State, and energies too, after 300 cycles of plastic flow."""
+    before = _core.max_threads()
+    runs = []
+    for threads in (1, 2, 3):
+        _core.set_threads(threads)
+        shells = make_run()
+        shells.advance(300)
+        runs.append([*results(shells), np.array(list(vars_of(shells.energies())))])
+    _core.set_threads(before)
+    assert (runs[0][3] > 0).any()
+    for other in runs[1:]:
+        for a, b in zip(runs[0], other, strict=True):
+            np.testing.assert_array_equal(a, b)
+
+
+def vars_of(energies: object) -> list[float]:
+    return [getattr(energies, name) for name in ("kinetic", "internal", "hourglass", "external", "error_percent")]
+
+
+def test_a_run_restarted_from_a_dump_gives_the_same_bits() -> None:
+    whole = make_run()
+    whole.scale_mass(1.2 * whole.dt)
+    whole.advance(150)
+    dump = whole.dump()
+    whole.advance(150)
+    again = make_run()
+    again.restore(dump)
+    again.advance(150)
+    for a, b in zip(results(whole), results(again), strict=True):
+        np.testing.assert_array_equal(a, b)
+    assert again.energies() == whole.energies()
+    assert (again.cycle, again.time) == (whole.cycle, whole.time)
+
+
+def test_calls_may_be_long_or_short() -> None:
+    one, many = make_run(), make_run()
+    ramp = np.linspace(0, 1, 60)
+    one.advance(60, velocity_scale=ramp)
+    for part in ramp.reshape(6, 10):
+        many.advance(10, velocity_scale=part)
+    np.testing.assert_array_equal(one.position, many.position)
+
+
+def test_numbering_does_not_matter() -> None:
+    """Nodes, elements and the first node of each element renumbered: the same motion."""
+    points, cells = mesh()
+    rng = np.random.default_rng(3)
+    new = rng.permutation(len(points))
+    shuffled = np.empty_like(points)
+    shuffled[new] = points
+    turned = np.stack([np.roll(new[c], rng.integers(4)) for c in cells])[rng.permutation(len(cells))]
+    runs = []
+    for x, c, place in ((points, cells, np.arange(len(points))), (shuffled, turned, new)):
+        shells = ExplicitShells(x, c, 0.8, SWIFT, 7.85e-9)
+        shells.fix(place[points[:, 0] == 0], "uvwpqr")
+        shells.fix(place[points[:, 0] == 48], "u", 5000.0)
+        shells.advance(200)
+        runs.append(shells.position[place])
+    np.testing.assert_allclose(runs[0], runs[1], atol=1e-9)
+
+
+def test_the_fast_law_and_the_general_one_give_the_same_run() -> None:
+    fast, general = make_run(), make_run(tabulate=False)
+    for shells in (fast, general):
+        shells.advance(300)
+    assert (fast.equivalent_plastic_strain > 1e-3).mean() > 0.1
+    np.testing.assert_allclose(fast.position, general.position, atol=1e-6)
+    np.testing.assert_allclose(fast.stress, general.stress, atol=1e-3)
+
+
+def test_the_rolling_direction_turns_with_the_sheet() -> None:
+    """Hill's sheet pulled along its rolling direction, whichever way it lies in space: the same force and thickness."""
+    yield_function = _core.YieldFunction.hill1948([0.3, 0.4, 0.6, 1.5, 1.5, 1.8])
+    law = _core.SheetLaw(207e3, 0.3, yield_function, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
+    found = []
+    for angle in (0.0, 0.6):
+        c, s = np.cos(angle), np.sin(angle)
+        turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        points, cells = mesh()
+        points[:, 2] = 0.0
+        shells = ExplicitShells(points @ turn.T, cells, 0.8, law, 7.85e-9, axis=turn[:, 0])
+        motion = np.zeros((len(points), 6))
+        motion[:, :3] = (points * [5000.0 / 48, -1500.0 / 48, 0.0]) @ turn.T
+        for i, letter in enumerate("uvw"):
+            shells.fix(np.arange(len(points)), letter, motion[:, i])
+        shells.advance(300)
+        found.append((shells.stress, shells.thickness))
+    assert found[0][0][:, :, 0].min() > 200.0
+    np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-6)
+    np.testing.assert_allclose(found[0][1], found[1][1], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"warping": False},
+        {"hourglass": "viscous"},
+        {"coefficients": (0.1, 0.03, 0.03)},
+        {"coefficients": (0.03, 0.1, 0.03)},
+        {"coefficients": (0.03, 0.03, 0.1)},
+        {"n_points": 7},
+        {"rule": "lobatto"},
+    ],
+)
+def test_every_option_changes_the_result(options: dict[str, object]) -> None:
+    plain, other = make_run(), make_run(**options)
+    for shells in (plain, other):
+        shells.advance(200)
+    assert 1e-9 < np.abs(plain.position - other.position).max() < 1.0
+    assert abs(other.energies().error_percent) < 1.0
+
+
+def test_damping_takes_energy_and_says_how_much() -> None:
+    shells = make_run()
+    shells.force = np.zeros((len(shells.position), 6))
+    shells.advance(200)
+    shells.fix(np.arange(len(shells.position))[shells.position[:, 0] > 47], "u", 0.0)
+    before = shells.energies()
+    shells.advance(2000, damping=5e4)
+    after = shells.energies(damping=5e4)
+    assert after.kinetic < 0.1 * before.kinetic
+    assert after.damping > 0.5 * before.kinetic
+    assert abs(after.error_percent) < 1.0
+
+
+def test_energies_out_of_hand_are_warned_of() -> None:
+    """A sheet hurled at its clamp is not quasi-static; one that vibrates in hourglass modes alone says so."""
+    shells = make_run()
+    shells.advance(20)
+    assert ["kinetic energy" in w for w in shells.energies().warnings()].count(True) == 1
+    points, cells = mesh()
+    points[:, 2] = 0.0
+    odd = np.zeros((len(points), 6))
+    odd[:, 0] = 1.0 - 2.0 * (np.add(*np.divmod(np.arange(len(points)), N + 1)) % 2)
+    shells = ExplicitShells(points, cells, 0.8, SWIFT, 7.85e-9)
+    shells.velocity = odd
+    shells.advance(5)
+    assert any("hourglass energy" in w for w in shells.energies().warnings())
+    assert EnergyBalance(1.0, 100.0, 1.0, 100.0, 0.0, 0.1).warnings() == []
+    assert "off by 7 %" in EnergyBalance(1.0, 100.0, 1.0, 100.0, 0.0, 7.0).warnings()[0]
+
+
+def test_mass_scaling_reaches_its_step_and_reports_the_mass() -> None:
+    shells = make_run()
+    plain, total = shells.dt, shells.mass[:, 0].sum()
+    none = shells.scale_mass(0.5 * plain)
+    assert none.added == 0.0
+    assert none.n_shells == 0
+    added = shells.scale_mass(1.3 * plain)
+    assert shells.dt == 1.3 * plain
+    assert shells.stable_step() == pytest.approx(1.3 * plain / 0.9, rel=1e-9)
+    assert 0 < added.n_shells < N * N
+    assert shells.mass[:, 0].sum() == pytest.approx(total + added.added, rel=1e-12)
+    assert added.percent == pytest.approx(100 * added.added / total, rel=1e-9)
+    shells.advance(300)
+    assert abs(shells.energies().error_percent) < 1.0
+
+
+@pytest.mark.parametrize(
+    ("n", "rule", "degree"), [(1, "gauss", 1), (5, "gauss", 9), (2, "lobatto", 1), (7, "lobatto", 11)]
+)
+def test_layer_rules_are_exact_to_their_degree(n: int, rule: str, degree: int) -> None:
+    height, weight = (np.array(v) for v in layer_rule(n, rule))
+    for power in range(degree + 1):
+        exact = 0.0 if power % 2 else 1.0 / (power + 1)
+        assert (weight * height**power).sum() == pytest.approx(exact, abs=1e-14)
