@@ -168,7 +168,15 @@ FAULTS = {
     ),
     "tool_moves_away": (
         ("direction = [0, -1]", "direction = [0, 1]"),
-        ["stages.0.tools.punch", "never reaches the workpiece", "turn the direction of its motion round"],
+        ["stages.0.tools.punch", "never reaches the workpiece", "turn it round"],
+    ),
+    "tool_stops_short": (
+        ("[[0, 15], [30, 15]]", "[[0, 40], [30, 40]]"),
+        [
+            "stages.0.tools.punch",
+            "never reaches the workpiece: it comes no nearer to a node than",
+            "lengthen the stroke",
+        ],
     ),
     "tool_beside_the_workpiece": (
         ("[[0, 15], [30, 15]]", "[[20, 30], [30, 30]]"),
