@@ -29,10 +29,11 @@ def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> l
     nodes = mesh.points[np.unique(mesh.boundary_edges)]
     tolerance = TOLERANCE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
     moving = [tool for tool in tools if any(_moves(stage.tool_motion.get(tool.name)) for stage in stages)]
-    leaving = [tool for tool in moving if _only_leaves(tool, stages, nodes, tolerance)]
+    approach = {tool.name: _approach(tool, stages, nodes) for tool in moving}
+    leaving = [tool for tool in moving if _leaves(*approach[tool.name], tolerance)]
     loaded = any(stage.prescribed or stage.forces or stage.pressures for stage in stages)
     loaded = loaded or any(tool.spring is not None for tool in tools)
-    nearest = {tool.name: _come_nearest(tool, stages, nodes) for tool in moving}
+    nearest = {name: min(gaps) for name, gaps in approach.items()}
     if moving and not loaded and all(tool in leaving or nearest[tool.name] > tolerance for tool in moving):
         first = min(moving, key=lambda tool: nearest[tool.name])
         stage = next(i for i, stage in enumerate(stages) if _moves(stage.tool_motion.get(first.name)))
@@ -55,38 +56,28 @@ def _moves(motion: ToolMotion | None) -> bool:
     return motion is not None and (any(motion.move) or motion.turn != 0.0 or motion.force is not None)
 
 
-def _only_leaves(tool: Tool, stages: Sequence[Stage], nodes: FloatArray, tolerance: float) -> bool:
-    """Say whether a tool never comes nearer to the nodes than it starts, and touches none once it has moved.
+def _leaves(first: float, later: float, tolerance: float) -> bool:
+    """Say whether a tool never comes nearer than it starts, and touches nothing once it has moved."""
+    return later >= first - tolerance and later > tolerance
 
-    Of a tool that turns, or that a force pushes, it is not known.
+
+def _approach(tool: Tool, stages: Sequence[Stage], nodes: FloatArray) -> tuple[float, float]:
+    """Return the least gap of a tool to the nodes at its start, and after it on its way [mm].
+
+    Of a tool that turns, or that a force pushes, the way is not known: 0.
     """
     motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
-    if any(motion.turn != 0.0 or motion.force is not None for motion in motions):
-        return False
     place = np.zeros(2)
     first = _distance(tool, nodes, place)
-    for motion in motions:
-        move = np.array(motion.move)
-        for fraction in np.linspace(0.0, 1.0, _SAMPLES + 1)[1:] if move.any() else ():
-            now = _distance(tool, nodes, place + fraction * move)
-            if now < first - tolerance or now <= tolerance:
-                return False
-        place = place + move
-    return True
-
-
-def _come_nearest(tool: Tool, stages: Sequence[Stage], nodes: FloatArray) -> float:
-    """Return the least gap of a tool to the nodes on its way [mm]; 0 for one that turns or that a force pushes."""
-    motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
     if any(motion.turn != 0.0 or motion.force is not None for motion in motions):
-        return 0.0
-    place, nearest = np.zeros(2), _distance(tool, nodes, np.zeros(2))
+        return first, 0.0
+    later = np.inf
     for motion in motions:
         move = np.array(motion.move)
         for fraction in np.linspace(0.0, 1.0, _SAMPLES + 1)[1:] if move.any() else ():
-            nearest = min(nearest, _distance(tool, nodes, place + fraction * move))
+            later = min(later, _distance(tool, nodes, place + fraction * move))
         place = place + move
-    return nearest
+    return first, later
 
 
 def _distance(tool: Tool, nodes: FloatArray, place: FloatArray) -> float:

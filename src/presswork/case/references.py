@@ -132,6 +132,11 @@ def check_sets(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
         uses += [(f"{key}.displacement.{row}.set", entry.set, False) for row, entry in enumerate(stage.displacement)]
         uses += [(f"{key}.force.{row}.set", load.set, False) for row, load in enumerate(stage.force)]
         uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
+    return check_set_names(uses, mesh)
+
+
+def check_set_names(uses: list[tuple[str, str, bool]], mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of set names: uses are key, name and whether an edge set is meant."""
     problems = []
     for key, name, is_edge_set in uses:
         what, known = ("edge sets", mesh.edge_sets) if is_edge_set else ("node sets", mesh.node_sets)

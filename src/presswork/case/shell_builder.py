@@ -11,6 +11,7 @@ from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.grid import grid_lines
 from presswork.case.hardening import build_hardening
+from presswork.case.references import check_set_names
 from presswork.case.settings import build_output, build_solver
 from presswork.case.shell import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.units import LENGTH, unit_factor
@@ -97,14 +98,7 @@ def _check_sets(case: ShellCase, mesh: model.Mesh) -> list[Problem]:
         for kind in ("displacement", "rotation", "force", "pressure"):
             uses += [(f"stages.{index}.{kind}.{row}.set", e.set, False) for row, e in enumerate(getattr(stage, kind))]
         uses += [(f"stages.{index}.edge_force.{row}.set", e.set, True) for row, e in enumerate(stage.edge_force)]
-    problems = []
-    for key, name, is_edge_set in uses:
-        what, known = ("edge sets", mesh.edge_sets) if is_edge_set else ("node sets", mesh.node_sets)
-        if name not in known:
-            problems.append(Problem(key, f"no such {what[:-1]}", suggest(name, known, what), name))
-        elif len(known[name]) == 0:
-            problems.append(Problem(key, f"the {what[:-1]} is empty", "choose another", name))
-    return problems
+    return check_set_names(uses, mesh)
 
 
 def _build_mesh(case: ShellCase) -> model.Mesh:

@@ -9,13 +9,13 @@ that start with # are left out; other columns are ignored.
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.table_file import read_table_lines
 from presswork.model import FloatArray
 
 _KINDS = {
@@ -47,7 +47,7 @@ class TensileTest:
 
 def read_tensile(path: Path) -> list[TensileTest]:
     """Read tensile tests by direction. Raises CaseError with every fault, by line."""
-    lines = _read_lines(path)
+    lines = read_table_lines(path, least=2)
     head = [name.strip() for name in lines[0][1]]
     problems: list[Problem] = []
     found = [pair for pair in _KINDS if set(pair) <= set(head)]
@@ -115,18 +115,3 @@ def _check(test: TensileTest, problems: list[Problem]) -> None:
     elif test.stress.max() < 10.0:
         text = f"the highest stress is {test.stress.max():g} MPa, that of no metal"
         problems.append(Problem(where, text, "give stresses in MPa"))
-
-
-def _read_lines(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the lines that say something, by their number and cut into cells."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise CaseError([Problem("", "no such file", "check the path")], path) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError([Problem("", f"cannot be read ({error})", "give a CSV file in UTF-8")], path) from None
-    numbered = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
-    if len(numbered) < 2:
-        raise CaseError([Problem("", "an empty file", "give a head line and one line for each point")], path)
-    separator = ";" if ";" in numbered[0][1] else ","
-    return [(i, next(csv.reader([line], delimiter=separator))) for i, line in numbered]

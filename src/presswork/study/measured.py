@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.table_file import read_table_lines
 from presswork.model import FloatArray
 
 REDUCTION = {"height_reduction": 1.0, "height_reduction_percent": 0.01}
@@ -34,7 +34,7 @@ def read_measured(path: Path | str, initial_bore: float) -> MeasuredRings:
     `bore_diameter_mm`, which is divided by initial_bore [mm]. Raises CaseError with every fault, by line.
     """
     path = Path(path)
-    lines = _read_lines(path)
+    lines = read_table_lines(path, least=1)
     head = [name.strip() for name in lines[0][1]]
     problems: list[Problem] = []
     reduction, bore = (_find_column(head, names, problems) for names in (tuple(REDUCTION), BORE))
@@ -59,21 +59,6 @@ def read_measured(path: Path | str, initial_bore: float) -> MeasuredRings:
     return MeasuredRings(
         table[:, 0] * REDUCTION[reduction], table[:, 1] / (initial_bore if bore == "bore_diameter_mm" else 1.0)
     )
-
-
-def _read_lines(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the lines that say something, by their number and cut into cells; at least the head."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise CaseError([Problem("", "no such file", "check the path")], path) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError([Problem("", f"cannot be read ({error})", "give a CSV file in UTF-8")], path) from None
-    numbered = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
-    if not numbered:
-        raise CaseError([Problem("", "an empty file", "give a head line and one line for each point")], path)
-    separator = ";" if ";" in numbered[0][1] else ","
-    return [(i, next(csv.reader([line], delimiter=separator))) for i, line in numbered]
 
 
 def _find_column(head: list[str], names: tuple[str, ...], problems: list[Problem]) -> str:
