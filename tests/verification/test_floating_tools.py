@@ -167,26 +167,45 @@ def test_a_block_that_turns_with_its_platens_keeps_its_stress() -> None:
     np.testing.assert_allclose(forces[-1][1], [-pressed[1], pressed[0]], rtol=2e-2, atol=1e-3 * abs(pressed[1]))
 
 
-def test_a_turning_roll_drags_a_held_block_with_mu_times_its_push() -> None:
-    """A roll pressed on a clamped block and turned: force mu N along the surface, torque mu N R."""
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_turning_roll_drags_a_held_block_with_mu_times_its_push(sense) -> None:
+    """A roll pressed on a clamped block and turned: force mu N along the surface, torque mu N R against its turning."""
     radius, mu = 20.0, 0.1
     roll = [{"to": [5, HEIGHT]}, {"to": [5, HEIGHT + 2 * radius], "centre": [5, HEIGHT + radius], "turn": "left"},
             {"to": [5, HEIGHT], "centre": [5, HEIGHT + radius], "turn": "left"}]  # fmt: skip
     tools = {"roll": {"profile": roll, "contact": "coulomb", "mu": mu, "free_side": "right", "mirrored": []}}
     stages = [
         {"name": "press", "tools": {"roll": {"stroke": 0.01, "direction": [0, -1]}}},
-        {"name": "turn", "tools": {"roll": {"turn": 5}}},
+        {"name": "turn", "tools": {"roll": {"turn": 5 * sense}}},
     ]
     case = block_case(
         tools=tools, stages=stages, boundary={"bottom": {"set": "bottom", "fix": ["x", "y"], "symmetry": False}}
     )
     procedure = run(case)
     q = quantities(procedure, 1)["roll"]
-    assert q.angle == pytest.approx(np.radians(5))
+    assert q.angle == pytest.approx(np.radians(5 * sense))
     push, drag = abs(q.vector[1]), abs(q.vector[0])
     assert drag == pytest.approx(mu * push, rel=0.02)  # the surface is curved within the contact
     assert q.torque == pytest.approx(mu * push * radius, rel=0.02)
-    assert q.vector[0] < 0, "turning to the left, the underside moves to the right: the block holds it back"
+    assert q.vector[0] * sense < 0, "turning to the left, the underside moves to the right: the block holds it back"
+
+
+def test_the_work_of_the_tools_is_their_force_over_their_stroke_friction_and_all() -> None:
+    """A rough punch flattens a block: what the surfaces lose in sliding is part of the work, and of the balance."""
+    tools = {"punch": {"profile": [[-5, HEIGHT], [25, HEIGHT]], "contact": "shear", "m": 0.4, "mirrored": []}}
+    stages = [{"name": "press", "tools": {"punch": {"stroke": 1.5, "direction": [0, -1]}}}]
+    case = block_case(tools=tools, stages=stages, solver={"max_increment": 0.01})
+    procedure = ImplicitProcedure(build_model(case), threads=1)
+    strokes, forces = [0.0], [0.0]
+    for _ in procedure.advance():
+        punch = quantities(procedure)["punch"]
+        strokes.append(punch.stroke)
+        forces.append(punch.force)
+    energy, force = procedure.energy_balance(), np.array(forces)
+    work = 0.5 * (force[1:] + force[:-1]) @ np.diff(strokes)
+    assert energy["external_work"] == pytest.approx(work, rel=1e-3)
+    assert energy["friction_work"] > 0.05 * energy["external_work"]
+    assert abs(energy["error_percent"]) < 0.5
 
 
 def test_a_pushed_tool_with_nothing_before_it_is_refused() -> None:
