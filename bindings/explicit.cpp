@@ -7,6 +7,7 @@
 
 #include "arrays.hpp"
 #include "explicit/loop.hpp"
+#include "explicit/shell4_block.hpp"
 
 namespace presswork::bindings {
 
@@ -32,26 +33,21 @@ struct FastLaw {
 };
 
 // Points (n, 3) by packs: stress, equivalent plastic strain, thickness strain increment.
-auto update_fast(const FastLaw& self, Doubles strain, Doubles stress, Doubles eqps) {
-  require(strain.ndim() == 2 && strain.shape(1) == 3, "strain must have shape (n, 3): xx, yy, xy");
-  const std::size_t n = strain.shape(0);
-  require(stress.ndim() == 2 && stress.shape(0) == n && stress.shape(1) == 3, "stress must have the shape of strain");
-  require(eqps.size() == n, "eqps must have shape (n)");
-  double *new_stress, *new_eqps, *thickness;
-  auto stresses = new_array({n, 3}, &new_stress);
-  auto plastic = new_array({n}, &new_eqps);
-  auto thicknesses = new_array({n}, &thickness);
-  for (std::size_t first = 0; first < n; first += pack_width) {
-    Pack e[3], state[4];
-    for (int lane = 0; lane < pack_width; ++lane) {
+template <class Real>
+void update_range(const FastMises& law, std::size_t n, const double* strain, const double* stress, const double* eqps,
+                  double* new_stress, double* new_eqps, double* thickness) {
+  using P = PackOf<Real>;
+  for (std::size_t first = 0; first < n; first += P::width) {
+    P e[3], state[4];
+    for (int lane = 0; lane < P::width; ++lane) {
       const std::size_t i = std::min(first + lane, n - 1);
-      const double *a = strain.data() + 3 * i, *b = stress.data() + 3 * i;
-      e[0].set(lane, a[0] + a[1]), e[1].set(lane, a[0] - a[1]), e[2].set(lane, a[2]);
-      state[0].set(lane, b[0] + b[1]), state[1].set(lane, b[0] - b[1]), state[2].set(lane, b[2]);
-      state[3].set(lane, eqps.data()[i]);
+      const double *a = strain + 3 * i, *b = stress + 3 * i;
+      const double sums[3] = {a[0] + a[1], a[0] - a[1], a[2]}, kept[4] = {b[0] + b[1], b[0] - b[1], b[2], eqps[i]};
+      for (int j = 0; j < 3; ++j) e[j].set(lane, static_cast<Real>(sums[j]));
+      for (int j = 0; j < 4; ++j) state[j].set(lane, static_cast<Real>(kept[j]));
     }
-    const Pack across = self.law.advance(e[0], e[1], e[2], 0.0, state);
-    for (std::size_t i = first; i < std::min(first + pack_width, n); ++i) {
+    const P across = law.advance(e[0], e[1], e[2], 0.0, state);
+    for (std::size_t i = first; i < std::min(first + P::width, n); ++i) {
       const int lane = static_cast<int>(i - first);
       new_stress[3 * i] = 0.5 * (state[0][lane] + state[1][lane]);
       new_stress[3 * i + 1] = 0.5 * (state[0][lane] - state[1][lane]);
@@ -60,6 +56,19 @@ auto update_fast(const FastLaw& self, Doubles strain, Doubles stress, Doubles eq
       thickness[i] = across[lane];
     }
   }
+}
+
+auto update_fast(const FastLaw& self, Doubles strain, Doubles stress, Doubles eqps, bool single) {
+  require(strain.ndim() == 2 && strain.shape(1) == 3, "strain must have shape (n, 3): xx, yy, xy");
+  const std::size_t n = strain.shape(0);
+  require(stress.ndim() == 2 && stress.shape(0) == n && stress.shape(1) == 3, "stress must have the shape of strain");
+  require(eqps.size() == n, "eqps must have shape (n)");
+  double *new_stress, *new_eqps, *thickness;
+  auto stresses = new_array({n, 3}, &new_stress);
+  auto plastic = new_array({n}, &new_eqps);
+  auto thicknesses = new_array({n}, &thickness);
+  auto update = single ? update_range<float> : update_range<double>;
+  update(self.law, n, strain.data(), stress.data(), eqps.data(), new_stress, new_eqps, thickness);
   return std::make_tuple(stresses, plastic, thicknesses);
 }
 
@@ -73,122 +82,246 @@ ShellSection make_section(const SheetLaw& law, double density, std::vector<doubl
   return section;
 }
 
-void make_loop(ShellLoop* self, Doubles points, Ints connectivity, Doubles thickness, Doubles axis, const SheetLaw& law,
-               double density, std::vector<double> height, std::vector<double> weight, bool tabulate, bool warped,
-               bool viscous, std::array<double, 3> hourglass) {
+template <class Real>
+void make_loop(ShellLoop<Real>* self, Doubles points) {
   require(points.ndim() == 2 && points.shape(1) == 3, "points must have shape (n_nodes, 3)");
+  new (self) ShellLoop<Real>(static_cast<int>(points.shape(0)), points.data());
+}
+
+template <class Real>
+void add_shells4(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, const SheetLaw& law,
+                 double density, std::vector<double> height, std::vector<double> weight, bool tabulate, bool warped,
+                 bool viscous, std::array<double, 3> hourglass) {
   require(connectivity.ndim() == 2 && connectivity.shape(1) == 4 && connectivity.shape(0) > 0,
           "connectivity must have shape (n, 4), n > 0");
-  const std::size_t n = connectivity.shape(0), n_nodes = points.shape(0);
+  const std::size_t n = connectivity.shape(0);
   require(thickness.size() == n, "thickness must have shape (n)");
   require(axis.ndim() == 2 && axis.shape(0) == n && axis.shape(1) == 3, "axis must have shape (n, 3)");
   std::vector<int> cells(connectivity.data(), connectivity.data() + 4 * n);
-  for (int node : cells)
-    require(node >= 0 && std::size_t(node) < n_nodes, "connectivity names a node that is not there");
-  new (self)
-      ShellLoop(static_cast<int>(n_nodes), points.data(),
-                make_section(law, density, std::move(height), std::move(weight), tabulate, warped, viscous, hourglass),
-                std::move(cells), thickness.data(), axis.data());
+  for (int node : cells) require(node >= 0 && node < self.nodes.n, "connectivity names a node that is not there");
+  self.add(std::make_unique<Shell4Block<Real>>(
+      self.nodes,
+      make_section(law, density, std::move(height), std::move(weight), tabulate, warped, viscous, hourglass),
+      std::move(cells), thickness.data(), axis.data()));
 }
 
-// Columns [first, first + width) of records of `stride` doubles as an array (n, width), and back.
-NewDoubles get_columns(const AlignedArray& from, int n, int stride, int first, int width) {
+// Columns [first, first + width) of records of `stride` numbers as an array (n, width), and back.
+template <class Real>
+NewDoubles get_columns(const Real* from, int n, int stride, int first, int width) {
   double* to;
   auto array = new_array({std::size_t(n), std::size_t(width)}, &to);
   for (int i = 0; i < n; ++i)
-    std::memcpy(to + std::size_t(i) * width, from.data() + std::size_t(i) * stride + first, width * sizeof(double));
+    for (int j = 0; j < width; ++j) *to++ = from[std::size_t(i) * stride + first + j];
   return array;
 }
-void set_columns(AlignedArray& to, int n, int stride, int first, int width, Doubles from, const char* message) {
+template <class Real>
+void set_columns(Real* to, int n, int stride, int width, Doubles from, const char* message) {
   require(from.ndim() == 2 && from.shape(0) == std::size_t(n) && from.shape(1) == std::size_t(width), message);
   for (int i = 0; i < n; ++i)
-    std::memcpy(to.data() + std::size_t(i) * stride + first, from.data() + std::size_t(i) * width,
-                width * sizeof(double));
+    for (int j = 0; j < width; ++j)
+      to[std::size_t(i) * stride + j] = static_cast<Real>(from.data()[std::size_t(i) * width + j]);
 }
 
-NewDoubles copy_vector(const std::vector<double>& from, const std::vector<std::size_t>& shape) {
+template <class Real>
+const ElementBlock<Real>& block_of(const ShellLoop<Real>& self, int block) {
+  require(block >= 0 && std::size_t(block) < self.blocks.size(), "there is no block of this number");
+  return *self.blocks[block];
+}
+
+// Rows of a block's state: all of them (n, rows), in the order of elements.
+template <class Real>
+NewDoubles state_of(const ShellLoop<Real>& self, int block) {
+  const auto& elements = block_of(self, block);
+  const int rows = elements.rows().count();
   double* to;
-  auto array = new_array(shape, &to);
-  std::memcpy(to, from.data(), from.size() * sizeof(double));
+  auto array = new_array({std::size_t(elements.n()), std::size_t(rows)}, &to);
+  for (int e = 0; e < elements.n(); ++e)
+    for (int r = 0; r < rows; ++r) *to++ = elements.value(e, r);
   return array;
 }
 
-NewDoubles rows_of(const ShellLoop& self, int first, int count) {
+template <class Real>
+NewDoubles thickness_of(const ShellLoop<Real>& self, int block) {
+  const auto& elements = block_of(self, block);
   double* to;
-  auto array = new_array({std::size_t(self.shells.n()), std::size_t(count)}, &to);
-  for (int e = 0; e < self.shells.n(); ++e)
-    for (int r = 0; r < count; ++r) *to++ = self.shells.value(e, first + r);
+  auto array = new_array({std::size_t(elements.n())}, &to);
+  for (int e = 0; e < elements.n(); ++e) *to++ = elements.value(e, elements.rows().thickness);
   return array;
 }
 
 // Stress (n, points, 3) as xx, yy, xy.
-NewDoubles stress_of(const ShellLoop& self) {
+template <class Real>
+NewDoubles stress_of(const ShellLoop<Real>& self, int block) {
+  const auto& elements = block_of(self, block);
+  const auto& rows = elements.rows();
   double* to;
-  const auto& shells = self.shells;
-  auto array = new_array({std::size_t(shells.n()), std::size_t(shells.points()), 3}, &to);
-  for (int e = 0; e < shells.n(); ++e)
-    for (int k = 0; k < shells.points(); ++k, to += 3) {
-      const int row = shell4::head_rows + k * shells.law_rows();
-      const double sum = shells.value(e, row), difference = shells.value(e, row + 1);
-      to[0] = 0.5 * (sum + difference), to[1] = 0.5 * (sum - difference), to[2] = shells.value(e, row + 2);
+  auto array = new_array({std::size_t(elements.n()), std::size_t(rows.points), 3}, &to);
+  for (int e = 0; e < elements.n(); ++e)
+    for (int k = 0; k < rows.points; ++k, to += 3) {
+      const int row = rows.layers + k * rows.law;
+      const double sum = elements.value(e, row), difference = elements.value(e, row + 1);
+      to[0] = 0.5 * (sum + difference), to[1] = 0.5 * (sum - difference), to[2] = elements.value(e, row + 2);
     }
   return array;
 }
 
-NewDoubles history_of(const ShellLoop& self) {
+template <class Real>
+NewDoubles history_of(const ShellLoop<Real>& self, int block) {
+  const auto& elements = block_of(self, block);
+  const auto& rows = elements.rows();
+  const int size = rows.law - 3;
   double* to;
-  const auto& shells = self.shells;
-  const int size = shells.law_rows() - 3;
-  auto array = new_array({std::size_t(shells.n()), std::size_t(shells.points()), std::size_t(size)}, &to);
-  for (int e = 0; e < shells.n(); ++e)
-    for (int k = 0; k < shells.points(); ++k)
-      for (int r = 0; r < size; ++r) *to++ = shells.value(e, shell4::head_rows + k * shells.law_rows() + 3 + r);
+  auto array = new_array({std::size_t(elements.n()), std::size_t(rows.points), std::size_t(size)}, &to);
+  for (int e = 0; e < elements.n(); ++e)
+    for (int k = 0; k < rows.points; ++k)
+      for (int r = 0; r < size; ++r) *to++ = elements.value(e, rows.layers + k * rows.law + 3 + r);
   return array;
 }
 
-// What the internal force would be after an increment of displacement and rotation, positions and state unchanged.
-NewDoubles trial_force(ShellLoop& self, Doubles increment) {
-  const auto n = std::size_t(self.nodes.n);
-  const std::vector<double> state(self.shells.state().data(), self.shells.state().data() + self.shells.state().size());
-  const std::vector<double> motion(self.nodes.motion.data(), self.nodes.motion.data() + 8 * n);
-  const std::vector<double> position(self.nodes.position.data(), self.nodes.position.data() + 4 * n);
-  const std::vector<double> forces = self.internal_force;
-  set_columns(self.nodes.motion, self.nodes.n, 8, 0, 6, increment, "increment must have shape (n_nodes, 6)");
+template <class Real>
+auto dump(const ShellLoop<Real>& self) {
+  std::vector<NewDoubles> states;
+  for (std::size_t block = 0; block < self.blocks.size(); ++block) states.push_back(state_of(self, block));
+  return std::make_tuple(get_columns(self.nodes.position.data(), self.nodes.n, 4, 0, 3),
+                         get_columns(self.nodes.motion.data(), self.nodes.n, 8, 0, 6), states,
+                         get_columns(self.internal_force.data(), self.nodes.n, 6, 0, 6), self.work[0], self.work[1]);
+}
+
+template <class Real>
+void restore(ShellLoop<Real>& self, Doubles position, Doubles velocity, std::vector<Doubles> states, Doubles forces,
+             double external, double damping) {
+  require(states.size() == self.blocks.size(), "states must have one array for each block");
+  for (std::size_t block = 0; block < states.size(); ++block) {
+    auto& elements = *self.blocks[block];
+    const int rows = elements.rows().count();
+    require(states[block].ndim() == 2 && states[block].shape(0) == std::size_t(elements.n()) &&
+                states[block].shape(1) == std::size_t(rows),
+            "state does not belong to these shells: other shells, points through the thickness or law");
+    for (int e = 0; e < elements.n(); ++e)
+      for (int r = 0; r < rows; ++r) elements.set_value(e, r, states[block].data()[std::size_t(e) * rows + r]);
+  }
+  set_columns(self.nodes.position.data(), self.nodes.n, 4, 3, position, "position must have shape (n_nodes, 3)");
+  set_columns(self.nodes.motion.data(), self.nodes.n, 8, 6, velocity, "velocity must have shape (n_nodes, 6)");
+  set_columns(self.internal_force.data(), self.nodes.n, 6, 6, forces, "forces must have shape (n_nodes, 6)");
+  self.work[0] = external, self.work[1] = damping;
+}
+
+// What the internal force would be after an increment of displacement and rotation; all is put back as it was.
+template <class Real>
+NewDoubles trial_force(ShellLoop<Real>& self, Doubles increment) {
+  const auto n = static_cast<std::size_t>(self.nodes.n);
+  require(increment.ndim() == 2 && increment.shape(0) == n && increment.shape(1) == 6,
+          "increment must have shape (n_nodes, 6)");
+  const auto [position, velocity, states, forces, external, damping] = dump(self);
+  set_columns(self.nodes.motion.data(), self.nodes.n, 8, 6, increment, "");
   for (std::size_t i = 0; i < n; ++i)
     for (int j = 0; j < 3; ++j) self.nodes.position.data()[4 * i + j] += increment.data()[6 * i + j];
-  self.advance_shells(1.0);
-  auto array = copy_vector(self.internal_force, {n, 6});
-  std::memcpy(self.shells.state().data(), state.data(), state.size() * sizeof(double));
-  std::memcpy(self.nodes.motion.data(), motion.data(), motion.size() * sizeof(double));
-  std::memcpy(self.nodes.position.data(), position.data(), position.size() * sizeof(double));
-  self.internal_force = forces;
+  self.advance_elements(1.0);
+  auto array = get_columns(self.internal_force.data(), self.nodes.n, 6, 0, 6);
+  restore(self, Doubles(position), Doubles(velocity), {states.begin(), states.end()}, Doubles(forces), external,
+          damping);
   return array;
 }
 
-void advance(ShellLoop& self, double dt, Doubles force_scale, Doubles velocity_scale, double damping) {
+template <class Real>
+void advance(ShellLoop<Real>& self, double dt, Doubles force_scale, Doubles velocity_scale, double damping) {
   require(force_scale.size() == velocity_scale.size(), "force_scale and velocity_scale must have the same length");
   nb::gil_scoped_release release;
   self.advance(static_cast<int>(force_scale.size()), dt, damping, force_scale.data(), velocity_scale.data());
 }
 
-auto dump(const ShellLoop& self) {
-  const auto& state = self.shells.state();
-  auto states = copy_vector(std::vector<double>(state.data(), state.data() + state.size()), {state.size()});
-  auto forces = copy_vector(self.internal_force, {std::size_t(self.nodes.n), 6});
-  return std::make_tuple(get_columns(self.nodes.position, self.nodes.n, 4, 0, 3),
-                         get_columns(self.nodes.motion, self.nodes.n, 8, 0, 6), states, forces, self.work[0],
-                         self.work[1]);
+template <class Real>
+NewDoubles masses_of(const ShellLoop<Real>& self) {
+  double* to;
+  auto array = new_array({std::size_t(self.n_elements())}, &to);
+  for (const auto& block : self.blocks) to = std::copy(block->mass().begin(), block->mass().end(), to);
+  return array;
 }
 
-void restore(ShellLoop& self, Doubles position, Doubles velocity, Doubles state, Doubles forces, double external,
-             double damping) {
-  require(state.size() == self.shells.state().size() && forces.size() == self.internal_force.size(),
-          "state does not belong to these shells, or was dumped on a machine with another SIMD width");
-  set_columns(self.nodes.position, self.nodes.n, 4, 0, 3, position, "position must have shape (n_nodes, 3)");
-  set_columns(self.nodes.motion, self.nodes.n, 8, 0, 6, velocity, "velocity must have shape (n_nodes, 6)");
-  std::memcpy(self.shells.state().data(), state.data(), state.size() * sizeof(double));
-  std::memcpy(self.internal_force.data(), forces.data(), forces.size() * sizeof(double));
-  self.work[0] = external, self.work[1] = damping;
+template <class Real>
+void set_element_masses(ShellLoop<Real>& self, Doubles mass) {
+  require(mass.size() == std::size_t(self.n_elements()), "element_mass must have shape (n)");
+  const double* from = mass.data();
+  for (auto& block : self.blocks) {
+    std::copy_n(from, block->n(), block->mass().begin());
+    from += block->n();
+  }
+  self.set_masses();
+}
+
+template <class Real>
+NewDoubles bound_frequencies(const ShellLoop<Real>& self) {
+  double* squared;
+  auto array = new_array({std::size_t(self.n_elements())}, &squared);
+  for (const auto& block : self.blocks) {
+    block->bound_frequencies(self.nodes, squared);
+    squared += block->n();
+  }
+  return array;
+}
+
+template <class Real>
+void bind_loop(nb::module_& m, const char* name, const char* text) {
+  using Loop = ShellLoop<Real>;
+  nb::class_<Loop>(m, name, text)
+      .def("__init__", &make_loop<Real>, nb::arg("points"))
+      .def("add_shells4", &add_shells4<Real>, nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),
+           nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),
+           nb::arg("tabulate") = true, nb::arg("warped") = false, nb::arg("viscous") = false,
+           nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
+           "Add a block of one-point 4-node shells; blocks and their elements are numbered as they come.")
+      .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
+           nb::arg("damping") = 0.0, "Advance as many cycles of dt [s] as the scales have values.")
+      .def("energies", &Loop::energies, nb::arg("dt"), nb::kw_only(), nb::arg("damping") = 0.0,
+           nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0, "Energies at the present time.")
+      .def("trial_force", &trial_force<Real>, nb::arg("increment"),
+           "Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.")
+      .def("dump", &dump<Real>,
+           "Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.")
+      .def("restore", &restore<Real>, nb::arg("position"), nb::arg("velocity"), nb::arg("states"), nb::arg("forces"),
+           nb::arg("external"), nb::arg("damping"), "Take over what dump gave.")
+      .def("bound_frequencies", &bound_frequencies<Real>,
+           "Bound of the squared highest frequency of each element [1/s2].")
+      .def_prop_ro(
+          "internal_force",
+          [](const Loop& self) { return get_columns(self.internal_force.data(), self.nodes.n, 6, 0, 6); },
+          nb::rv_policy::move, "Internal force [N] and moment [N mm] (n_nodes, 6).")
+      .def_prop_rw(
+          "position", [](const Loop& self) { return get_columns(self.nodes.position.data(), self.nodes.n, 4, 0, 3); },
+          [](Loop& self, Doubles x) {
+            set_columns(self.nodes.position.data(), self.nodes.n, 4, 3, x, "position must have shape (n_nodes, 3)");
+          },
+          nb::rv_policy::move, "Positions (n_nodes, 3) [mm].")
+      .def_prop_rw(
+          "velocity", [](const Loop& self) { return get_columns(self.nodes.motion.data(), self.nodes.n, 8, 0, 6); },
+          [](Loop& self, Doubles v) {
+            set_columns(self.nodes.motion.data(), self.nodes.n, 8, 6, v, "velocity must have shape (n_nodes, 6)");
+          },
+          nb::rv_policy::move, "Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].")
+      .def_prop_ro(
+          "inverse_mass", [](const Loop& self) { return get_columns(self.nodes.motion.data(), self.nodes.n, 8, 6, 2); },
+          nb::rv_policy::move, "Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.")
+      .def_prop_rw(
+          "force", [](const Loop& self) { return get_columns(self.force.data(), self.nodes.n, 6, 0, 6); },
+          [](Loop& self, Doubles f) {
+            set_columns(self.force.data(), self.nodes.n, 6, 6, f, "force must have shape (n_nodes, 6)");
+          },
+          nb::rv_policy::move, "Nodal forces and moments from outside (n_nodes, 6) [N, N mm].")
+      .def(
+          "prescribe",
+          [](Loop& self, Bytes fixed, Doubles velocity) {
+            require(fixed.size() == self.fixed.size(), "fixed must have shape (n_nodes, 6)");
+            set_columns(self.prescribed.data(), self.nodes.n, 6, 6, velocity, "velocity must have shape (n_nodes, 6)");
+            std::copy_n(fixed.data(), fixed.size(), self.fixed.begin());
+          },
+          nb::arg("fixed"), nb::arg("velocity"), "Prescribe velocities of the freedoms marked in fixed (n_nodes, 6).")
+      .def_prop_rw("element_mass", &masses_of<Real>, &set_element_masses<Real>, nb::rv_policy::move,
+                   "Mass of each element (n) [t]; setting it sets the nodes' masses.")
+      .def("stress", &stress_of<Real>, nb::arg("block"),
+           "Stress xx, yy, xy of the layers (n, points, 3) of a block in the law's frame [MPa].")
+      .def("history", &history_of<Real>, nb::arg("block"),
+           "What the law of a block keeps at each layer (n, points, size); first eqps.")
+      .def("thickness", &thickness_of<Real>, nb::arg("block"), "Thickness (n) [mm] of a block.");
 }
 
 }  // namespace
@@ -218,84 +351,13 @@ void bind_explicit(nb::module_& m) {
           "table_rows", [](const FastLaw& self) { return self.law.hardening.rows(); },
           "Number of the table's intervals.")
       .def(
-          "update", &update_fast, nb::arg("strain"), nb::arg("stress"), nb::arg("eqps"),
+          "update", &update_fast, nb::arg("strain"), nb::arg("stress"), nb::arg("eqps"), nb::kw_only(),
+          nb::arg("single") = false,
           "Advance points by strain increments (n, 3); returns stress (n, 3), equivalent plastic strain (n), thickness "
           "strain increment (n).");
 
-  nb::class_<ShellLoop>(m, "ShellLoop", "Central differences for one-point shells; mm, s, t, N, MPa.")
-      .def("__init__", &make_loop, nb::arg("points"), nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),
-           nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),
-           nb::arg("tabulate") = true, nb::arg("warped") = false, nb::arg("viscous") = false,
-           nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03})
-      .def("advance", &advance, nb::arg("dt"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
-           nb::arg("damping") = 0.0, "Advance as many cycles of dt [s] as the scales have values.")
-      .def("energies", &ShellLoop::energies, nb::arg("dt"), nb::kw_only(), nb::arg("damping") = 0.0,
-           nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0, "Energies at the present time.")
-      .def("trial_force", &trial_force, nb::arg("increment"),
-           "Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.")
-      .def_prop_ro(
-          "internal_force",
-          [](const ShellLoop& self) { return copy_vector(self.internal_force, {std::size_t(self.nodes.n), 6}); },
-          nb::rv_policy::move, "Internal force [N] and moment [N mm] (n_nodes, 6).")
-      .def("dump", &dump, "Position, velocity, element state, internal force, external work, damping.")
-      .def("restore", &restore, nb::arg("position"), nb::arg("velocity"), nb::arg("state"), nb::arg("forces"),
-           nb::arg("external"), nb::arg("damping"), "Take over what dump gave.")
-      .def(
-          "bound_frequencies",
-          [](const ShellLoop& self) {
-            double* squared;
-            auto array = new_array({std::size_t(self.shells.n())}, &squared);
-            self.shells.bound_frequencies(self.nodes, squared);
-            return array;
-          },
-          "Bound of the squared highest frequency of each element [1/s2].")
-      .def_prop_rw(
-          "position", [](const ShellLoop& self) { return get_columns(self.nodes.position, self.nodes.n, 4, 0, 3); },
-          [](ShellLoop& self, Doubles x) {
-            set_columns(self.nodes.position, self.nodes.n, 4, 0, 3, x, "position must have shape (n_nodes, 3)");
-          },
-          nb::rv_policy::move, "Positions (n_nodes, 3) [mm].")
-      .def_prop_rw(
-          "velocity", [](const ShellLoop& self) { return get_columns(self.nodes.motion, self.nodes.n, 8, 0, 6); },
-          [](ShellLoop& self, Doubles v) {
-            set_columns(self.nodes.motion, self.nodes.n, 8, 0, 6, v, "velocity must have shape (n_nodes, 6)");
-          },
-          nb::rv_policy::move, "Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].")
-      .def_prop_ro(
-          "inverse_mass", [](const ShellLoop& self) { return get_columns(self.nodes.motion, self.nodes.n, 8, 6, 2); },
-          nb::rv_policy::move, "Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.")
-      .def_prop_rw(
-          "force", [](const ShellLoop& self) { return copy_vector(self.force, {std::size_t(self.nodes.n), 6}); },
-          [](ShellLoop& self, Doubles f) {
-            require(f.size() == self.force.size(), "force must have shape (n_nodes, 6)");
-            std::memcpy(self.force.data(), f.data(), f.size() * sizeof(double));
-          },
-          nb::rv_policy::move, "Nodal forces and moments from outside (n_nodes, 6) [N, N mm].")
-      .def(
-          "prescribe",
-          [](ShellLoop& self, Bytes fixed, Doubles velocity) {
-            require(fixed.size() == self.fixed.size() && velocity.size() == self.prescribed.size(),
-                    "fixed and velocity must have shape (n_nodes, 6)");
-            std::memcpy(self.fixed.data(), fixed.data(), fixed.size());
-            std::memcpy(self.prescribed.data(), velocity.data(), velocity.size() * sizeof(double));
-          },
-          nb::arg("fixed"), nb::arg("velocity"), "Prescribe velocities of the freedoms marked in fixed (n_nodes, 6).")
-      .def_prop_rw(
-          "element_mass",
-          [](ShellLoop& self) { return copy_vector(self.shells.mass(), {std::size_t(self.shells.n())}); },
-          [](ShellLoop& self, Doubles mass) {
-            require(mass.size() == self.shells.mass().size(), "element_mass must have shape (n)");
-            std::memcpy(self.shells.mass().data(), mass.data(), mass.size() * sizeof(double));
-            self.set_masses();
-          },
-          nb::rv_policy::move, "Mass of each element (n) [t]; setting it sets the nodes' masses.")
-      .def_prop_ro("stress", &stress_of, nb::rv_policy::move,
-                   "Stress xx, yy, xy of the layers (n, points, 3) in the law's frame [MPa].")
-      .def_prop_ro("history", &history_of, nb::rv_policy::move,
-                   "What the law keeps at each layer (n, points, size); first eqps.")
-      .def_prop_ro(
-          "thickness", [](const ShellLoop& self) { return rows_of(self, shell4::thickness, 1); }, nb::rv_policy::move,
-          "Thickness (n, 1) [mm].");
+  bind_loop<double>(m, "ShellLoop", "Central differences for shells; mm, s, t, N, MPa.");
+  bind_loop<float>(m, "ShellLoopSingle", "ShellLoop in single precision, positions and work excepted.");
 }
 
 }  // namespace presswork::bindings

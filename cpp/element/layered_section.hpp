@@ -13,7 +13,8 @@
 
 namespace presswork {
 
-// Any SheetLaw. x of its frame is the frame's first axis. A failed lane turns to NaN, which the loop finds.
+// Any SheetLaw, always in double precision. x of its frame is the frame's first axis. A failed lane turns to NaN, which
+// the loop finds.
 struct GeneralSheet {
   SheetLaw law;
   double young = law.young, poisson = law.poisson;
@@ -28,6 +29,18 @@ struct GeneralSheet {
     state[0] = select(failed, T(NAN), stress[0] + stress[1]);
     state[1] = stress[0] - stress[1];
     state[2] = stress[2];
+    return across;
+  }
+
+  FloatPack advance(FloatPack sum, FloatPack difference, FloatPack shear, double dt, FloatPack* state) const {
+    thread_local std::vector<Pack> wide;
+    wide.resize(rows());
+    FloatPack across;
+    for (int half = 0; half < 2; ++half) {
+      for (int i = 0; i < rows(); ++i) wide[i] = widen(state[i], half);
+      narrow(advance(widen(sum, half), widen(difference, half), widen(shear, half), dt, wide.data()), half, across);
+      for (int i = 0; i < rows(); ++i) narrow(wide[i], half, state[i]);
+    }
     return across;
   }
 };

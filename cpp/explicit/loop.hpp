@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Central differences for shells: n cycles a call, threaded, with the same bits for any number of threads.
 //
-// A cycle: nodes  a = (f_ext - f_int)/m, v += a dt, x += v dt
-//          shells f_int from x, v (each pack writes forces of its own)
-// Shells are taken in tiles, the forces of which stay in the cache: nodes inside a tile are summed up there and then,
+// A cycle: nodes    a = (f_ext - f_int)/m, v += a dt, x += v dt
+//          elements f_int from x, v (each pack writes forces of its own)
+// Elements are taken in tiles, the forces of which stay in the cache: nodes inside a tile are summed up there and then,
 // and those on its rim leave a partial sum, which a second pass adds to those of the other tiles; all in a fixed order.
 // At the end of a call x and the forces belong to time t, v to t - dt/2.
+//
+// Real is that of velocities, forces and elements; positions, work and all that is done with a node in a step are
+// double.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "explicit/shell_block.hpp"
+#include "explicit/element_block.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -23,17 +27,21 @@ struct Energies {
   double damping = 0.0;    // taken away by mass damping
 };
 
+template <class Real>
 class ShellLoop {
  public:
   // points (n, 3) [mm]
-  ShellLoop(int n_nodes, const double* points, ShellSection section, std::vector<int> connectivity,
-            const double* thickness, const double* axis);
+  ShellLoop(int n_nodes, const double* points);
 
-  Nodes nodes;
-  ShellBlock shells;
-  std::vector<double> force;        // (n, 6): nodal forces [N] and moments [N mm] from outside
+  // Take in a block of elements; they are numbered in the order of the blocks.
+  void add(std::unique_ptr<ElementBlock<Real>> block);
+  int n_elements() const;
+
+  Nodes<Real> nodes;
+  std::vector<std::unique_ptr<ElementBlock<Real>>> blocks;
+  std::vector<Real> force;          // (n, 6): nodal forces [N] and moments [N mm] from outside
   std::vector<std::uint8_t> fixed;  // (n, 6): velocity is prescribed
-  std::vector<double> prescribed;   // (n, 6): velocities of the fixed freedoms
+  std::vector<Real> prescribed;     // (n, 6): velocities of the fixed freedoms
 
   // Masses of nodes from those of the elements; after a change of either.
   void set_masses();
@@ -41,34 +49,36 @@ class ShellLoop {
   void advance(int n, double dt, double damping, const double* force_scale, const double* velocity_scale);
   // Energies at the present time; scales are those of the next cycle.
   Energies energies(double dt, double damping, double force_scale, double velocity_scale) const;
-  // Advance the shells alone, and with them the internal force.
-  void advance_shells(double dt);
+  // Advance the elements alone, and with them the internal force.
+  void advance_elements(double dt);
 
-  std::vector<double> internal_force;  // (n, 6) [N, N mm]
-  double work[2] = {0.0, 0.0};         // done by force and prescription, by damping: up to half a step back
+  std::vector<Real> internal_force;  // (n, 6) [N, N mm]
+  double work[2] = {0.0, 0.0};       // done by force and prescription, by damping: up to half a step back
 
  private:
   struct Sums {
     double external = 0.0, damping = 0.0;
   };
   struct Tile {
+    ElementBlock<Real>* block;
     int first, last;              // packs
-    int nodes_first, nodes_last;  // in tile_node_
+    int nodes_first, nodes_last;  // in target_
   };
+  void cut_blocks();
   void make_tiles();
-  void advance_tile(const Tile& tile, double dt, double* scratch);
+  void advance_tile(const Tile& tile, double dt, Real* scratch);
   void close_rims(int first, int last);
   Sums move_nodes(int first, int last, double dt, double damping, double force_scale, double velocity_scale);
-  // Velocity half a step on of one freedom, and its outer force at present.
+  // Velocity half a step on of one node, and its outer force at present.
   void next_velocity(int node, double dt, double damping, double force_scale, double velocity_scale, double after[6],
                      double outer[6]) const;
 
-  int packs_a_tile_;
   std::vector<Tile> tiles_;
+  std::size_t scratch_size_ = 0;  // of the largest tile
   // Nodes of the tiles, one tile after the other: where the sum goes, a row of internal_force or, below zero, of
   // partial_ (as -1 - row); and the entries to add up, offsets in the tile's forces.
   std::vector<int> target_, entry_start_, entry_;
-  std::vector<double> partial_;                          // (rows, 6)
+  std::vector<Real> partial_;                            // (rows, 6)
   std::vector<int> rim_node_, rim_start_, rim_partial_;  // nodes on rims and their rows of partial_
 };
 

@@ -9,7 +9,8 @@
 //   A = s^2/4,  B = 3 d^2/4 + 3 c^2    of the trial stress,
 //
 // and the stress is s H/u, d H/v, c H/v. Halley's step on G^(-1/2) from y = 0 converges with order three: two steps for
-// the increments of an explicit run; iteration goes on until |G - 1| < tolerance in every lane, whatever the increment.
+// the increments of an explicit run; iteration goes on until |G - 1| is within tolerance in every lane, whatever the
+// increment.
 //
 // The hardening curve is kept as cubics (Hermite) on intervals whose width grows with p: the interval's number is read
 // from the exponent and the first bits of the mantissa of p + shift. The table is refined until it follows the law
@@ -31,9 +32,8 @@ class TabulatedHardening {
 
   TabulatedHardening() = default;
   explicit TabulatedHardening(const Hardening& law) {
-    for (int octaves = 4; octaves <= 20; octaves += 4)
-      for (int bits = 3; bits <= 6; ++bits)
-        if (fill(law, octaves, bits) <= table_tolerance) return;
+    refine(law);
+    float_rows_.assign(rows_.begin(), rows_.end());
   }
   double error() const { return error_; }  // largest deviation from the law, of the flow stress
   std::size_t rows() const { return rows_.size() / 4; }
@@ -58,15 +58,20 @@ class TabulatedHardening {
     piece.left = left_of(row);
     piece.width = left_of(row + 1) - piece.left;
   }
-  void find(Pack x, Piece<Pack>& piece) const {
-    Pack::Mask row = (std::bit_cast<Pack::Mask>(x.v) >> (52 - bits_)) - first_;
-    const Pack::Mask last = Pack::Mask{} + last_;
+  template <class Real>
+  void find(PackOf<Real> x, Piece<PackOf<Real>>& piece) const {
+    using P = PackOf<Real>;
+    using Integer = typename P::Integer;
+    const int shift = (sizeof(Real) == 8 ? 52 : 23) - bits_;
+    const auto first = static_cast<Integer>(std::bit_cast<Integer>(static_cast<Real>(shift_)) >> shift);
+    typename P::Mask row = (std::bit_cast<typename P::Mask>(x.v) >> shift) - first;
+    const typename P::Mask last = typename P::Mask{} + static_cast<Integer>(last_);
     row = row < last ? row : last;
-    const double* from[pack_width];
-    for (int lane = 0; lane < pack_width; ++lane) from[lane] = rows_.data() + 4 * row[lane];
+    const Real* from[P::width];
+    for (int lane = 0; lane < P::width; ++lane) from[lane] = cubics<Real>().data() + 4 * row[lane];
     load_records<4>(from, piece.c);
-    piece.left = Pack(std::bit_cast<Pack::Vector>((row + first_) << (52 - bits_)));
-    piece.width = Pack(std::bit_cast<Pack::Vector>((row + first_ + 1) << (52 - bits_))) - piece.left;
+    piece.left = P(std::bit_cast<typename P::Vector>((row + first) << shift));
+    piece.width = P(std::bit_cast<typename P::Vector>((row + first + 1) << shift)) - piece.left;
   }
 
  private:
@@ -76,6 +81,19 @@ class TabulatedHardening {
   }
   double left_of(std::int64_t row) const { return std::bit_cast<double>((row + first_) << (52 - bits_)); }
 
+  template <class Real>
+  const std::vector<Real>& cubics() const {
+    if constexpr (std::is_same_v<Real, float>)
+      return float_rows_;
+    else
+      return rows_;
+  }
+
+  void refine(const Hardening& law) {
+    for (int octaves = 4; octaves <= 20; octaves += 4)
+      for (int bits = 3; bits <= 6; ++bits)
+        if (fill(law, octaves, bits) <= table_tolerance) return;
+  }
   double fill(const Hardening& law, int octaves, int bits) {
     bits_ = bits;
     shift_ = std::ldexp(1.0, -octaves);
@@ -112,10 +130,13 @@ class TabulatedHardening {
   std::int64_t first_ = 0, last_ = 0;
   double shift_ = 1.0, error_ = 0.0;
   std::vector<double> rows_;
+  std::vector<float> float_rows_;
 };
 
 struct TabulatedMises {
-  static constexpr double tolerance = 1e-9;  // of G: half of it of the flow stress
+  // of G: half of it of the flow stress; in single precision a few units in the last place
+  template <class T>
+  static constexpr double tolerance = std::is_same_v<T, FloatPack> ? 2e-6 : 1e-9;
   static constexpr int max_iterations = 60;
 
   double young = 0.0;  // [MPa]
@@ -160,7 +181,7 @@ struct TabulatedMises {
       T u = H + alpha * y, v = H + beta * y, both_over = T(1.0) / (u * v);
       over_u = v * both_over, over_v = u * both_over;
       T a = A * over_u * over_u, b = B * over_v * over_v, G = a + b, excess = G - T(1.0);
-      open = both(open, either(excess > T(tolerance), excess < T(-tolerance)));
+      open = both(open, either(excess > T(tolerance<T>), excess < T(-tolerance<T>)));
       if (!any(open) || iteration == max_iterations) return;
       T fall = a * over_u * (slope + alpha) + b * over_v * (slope + beta);
       T step = T(2.0) * G * excess / ((T(3.0) + G) * fall);

@@ -23,13 +23,6 @@
 
 namespace presswork {
 
-template <class T>
-using Mask = decltype(T(0.0) < T(0.0));
-inline bool invert(bool m) { return !m; }
-inline bool either(bool a, bool b) { return a || b; }
-inline Pack::Mask invert(Pack::Mask m) { return ~m; }
-inline Pack::Mask either(Pack::Mask a, Pack::Mask b) { return a | b; }
-
 template <int N, class T>
 struct YieldTerms {
   T value;

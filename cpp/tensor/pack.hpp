@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thin SIMD pack of doubles, and the few scalar functions that kernels call on double and pack alike.
+// A thin SIMD pack of doubles or floats, and the few scalar functions that kernels call on double and pack alike.
 //
-// A kernel is a template on its scalar T: double (one lane), Pack (the CPU's vector width) or Dual (dual.hpp).
+// A kernel is a template on its scalar T: double (one lane), Pack (the CPU's vector width), FloatPack or Dual
+// (dual.hpp).
 // Comparisons give Mask<T>; a branch is written select(mask, a, b) and any(mask).
 #pragma once
 
@@ -9,68 +10,114 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
 
 namespace presswork {
 
+// Bytes of a vector: those of the CPU compiled for, or fewer if asked for (8: one lane of double).
+#if !defined(PRESSWORK_VECTOR_BYTES)
 #if defined(__AVX512F__)
-inline constexpr int pack_width = 8;
+#define PRESSWORK_VECTOR_BYTES 64
 #elif defined(__AVX__)
-inline constexpr int pack_width = 4;
+#define PRESSWORK_VECTOR_BYTES 32
 #else
-inline constexpr int pack_width = 2;
+#define PRESSWORK_VECTOR_BYTES 16
 #endif
+#endif
+inline constexpr int vector_bytes = PRESSWORK_VECTOR_BYTES;
 
-struct Pack {
-  typedef double Vector __attribute__((vector_size(pack_width * 8)));
-  typedef std::int64_t Mask __attribute__((vector_size(pack_width * 8)));
+template <class Real>
+struct VectorOf;
+template <>
+struct VectorOf<double> {
+  using Integer = std::int64_t;
+  typedef double Vector __attribute__((vector_size(vector_bytes)));
+  typedef Integer Mask __attribute__((vector_size(vector_bytes)));
+};
+template <>
+struct VectorOf<float> {
+  using Integer = std::int32_t;
+  typedef float Vector __attribute__((vector_size(vector_bytes)));
+  typedef Integer Mask __attribute__((vector_size(vector_bytes)));
+};
+
+template <class Real>
+struct PackOf {
+  static constexpr int width = vector_bytes / sizeof(Real);
+  using Integer = typename VectorOf<Real>::Integer;
+  using Vector = typename VectorOf<Real>::Vector;
+  using Mask = typename VectorOf<Real>::Mask;
   Vector v;
 
-  Pack() = default;
-  Pack(double s) : v(Vector{} + s) {}
-  Pack(Vector x) : v(x) {}
-  double operator[](int lane) const { return v[lane]; }
-  void set(int lane, double x) { v[lane] = x; }
+  PackOf() = default;
+  PackOf(Real s) : v(Vector{} + s) {}
+  PackOf(Vector x) : v(x) {}
+  Real operator[](int lane) const { return v[lane]; }
+  void set(int lane, Real x) { v[lane] = x; }
 
-  friend Pack operator+(Pack a, Pack b) { return a.v + b.v; }
-  friend Pack operator-(Pack a, Pack b) { return a.v - b.v; }
-  friend Pack operator*(Pack a, Pack b) { return a.v * b.v; }
-  friend Pack operator/(Pack a, Pack b) { return a.v / b.v; }
-  Pack operator-() const { return -v; }
-  Pack& operator+=(Pack b) {
+  friend PackOf operator+(PackOf a, PackOf b) { return a.v + b.v; }
+  friend PackOf operator-(PackOf a, PackOf b) { return a.v - b.v; }
+  friend PackOf operator*(PackOf a, PackOf b) { return a.v * b.v; }
+  friend PackOf operator/(PackOf a, PackOf b) { return a.v / b.v; }
+  PackOf operator-() const { return -v; }
+  PackOf& operator+=(PackOf b) {
     v += b.v;
     return *this;
   }
-  Pack& operator-=(Pack b) {
+  PackOf& operator-=(PackOf b) {
     v -= b.v;
     return *this;
   }
-  Pack& operator*=(Pack b) {
+  PackOf& operator*=(PackOf b) {
     v *= b.v;
     return *this;
   }
-  friend Mask operator<(Pack a, Pack b) { return a.v < b.v; }
-  friend Mask operator>(Pack a, Pack b) { return a.v > b.v; }
+  friend Mask operator<(PackOf a, PackOf b) { return a.v < b.v; }
+  friend Mask operator>(PackOf a, PackOf b) { return a.v > b.v; }
+  friend PackOf select(Mask m, PackOf a, PackOf b) { return PackOf(m ? a.v : b.v); }
 };
 
+using Pack = PackOf<double>;
+using FloatPack = PackOf<float>;  // twice the lanes
+inline constexpr int pack_width = Pack::width;
+
 // --- masks ---------------------------------------------------------------------------------------------------------
+template <class T>
+using Mask = decltype(T(0.0) < T(0.0));
+
 inline double select(bool m, double a, double b) { return m ? a : b; }
 inline bool any(bool m) { return m; }
 inline bool both(bool a, bool b) { return a && b; }
+inline bool either(bool a, bool b) { return a || b; }
+inline bool invert(bool m) { return !m; }
 
-inline Pack select(Pack::Mask m, Pack a, Pack b) { return Pack(m ? a.v : b.v); }
 inline bool any(Pack::Mask m) {
-#if defined(__AVX512F__)
+#if PRESSWORK_VECTOR_BYTES == 64
   return _mm512_test_epi64_mask((__m512i)m, (__m512i)m) != 0;
-#elif defined(__AVX__)
+#elif PRESSWORK_VECTOR_BYTES == 32
   return _mm256_movemask_pd((__m256d)m) != 0;
 #else
-  return (m[0] | m[1]) != 0;
+  std::int64_t found = 0;
+  for (int i = 0; i < Pack::width; ++i) found |= m[i];
+  return found != 0;
+#endif
+}
+inline bool any(FloatPack::Mask m) {
+#if PRESSWORK_VECTOR_BYTES == 32
+  return _mm256_movemask_ps((__m256)m) != 0;
+#else
+  return any(std::bit_cast<Pack::Mask>(m));
 #endif
 }
 inline Pack::Mask both(Pack::Mask a, Pack::Mask b) { return a & b; }
+inline Pack::Mask either(Pack::Mask a, Pack::Mask b) { return a | b; }
+inline Pack::Mask invert(Pack::Mask m) { return ~m; }
+inline FloatPack::Mask both(FloatPack::Mask a, FloatPack::Mask b) { return a & b; }
+inline FloatPack::Mask either(FloatPack::Mask a, FloatPack::Mask b) { return a | b; }
+inline FloatPack::Mask invert(FloatPack::Mask m) { return ~m; }
 
 // --- functions -----------------------------------------------------------------------------------------------------
 // Applies a scalar function lane by lane; the compiler turns sqrt into one vector instruction.
@@ -88,14 +135,25 @@ inline double exponential(double a) { return std::exp(a); }
 inline double power(double a, double b) { return std::pow(a, b); }
 
 inline Pack square_root(Pack a) {
-#if defined(__AVX512F__)
+#if PRESSWORK_VECTOR_BYTES == 64
   return Pack((Pack::Vector)_mm512_maskz_sqrt_pd(0xff, (__m512d)a.v));
-#elif defined(__AVX__)
+#elif PRESSWORK_VECTOR_BYTES == 32
   return Pack((Pack::Vector)_mm256_sqrt_pd((__m256d)a.v));
 #else
   return map_lanes(a, [](double x) { return std::sqrt(x); });
 #endif
 }
+inline FloatPack square_root(FloatPack a) {
+#if PRESSWORK_VECTOR_BYTES == 64
+  return FloatPack((FloatPack::Vector)_mm512_maskz_sqrt_ps(0xffff, (__m512)a.v));
+#elif PRESSWORK_VECTOR_BYTES == 32
+  return FloatPack((FloatPack::Vector)_mm256_sqrt_ps((__m256)a.v));
+#else
+  for (int i = 0; i < FloatPack::width; ++i) a.v[i] = std::sqrt(a.v[i]);
+  return a;
+#endif
+}
+
 // Horner's rule, the highest coefficient first.
 template <std::size_t n>
 Pack polynomial(Pack x, const double (&c)[n]) {
@@ -140,6 +198,16 @@ inline Pack exponential(Pack a) {
 
 // a^b of positive numbers
 inline Pack power(Pack a, double b) { return exponential(Pack(b) * logarithm(a)); }
+
+// The lower (half 0) or upper lanes of floats as doubles, and back.
+inline Pack widen(FloatPack a, int half) {
+  Pack r;
+  for (int i = 0; i < pack_width; ++i) r.v[i] = a.v[half * pack_width + i];
+  return r;
+}
+inline void narrow(Pack a, int half, FloatPack& to) {
+  for (int i = 0; i < pack_width; ++i) to.v[half * pack_width + i] = static_cast<float>(a.v[i]);
+}
 
 template <class T>
 T smaller(T a, T b) {

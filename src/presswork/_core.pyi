@@ -388,15 +388,20 @@ class TabulatedMises:
     def table_rows(self) -> int:
         """Number of the table's intervals."""
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, single: bool = False) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Advance points by strain increments (n, 3); returns stress (n, 3), equivalent plastic strain (n), thickness strain increment (n).
         """
 
 class ShellLoop:
-    """Central differences for one-point shells; mm, s, t, N, MPa."""
+    """Central differences for shells; mm, s, t, N, MPa."""
 
-    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None: ...
+    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
+
+    def add_shells4(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
+        """
+        Add a block of one-point 4-node shells; blocks and their elements are numbered as they come.
+        """
 
     def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
         """Advance as many cycles of dt [s] as the scales have values."""
@@ -409,20 +414,20 @@ class ShellLoop:
         Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
         """
 
-    @property
-    def internal_force(self) -> NDArray[numpy.float64]:
-        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
-
-    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], float, float]:
+    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], list[NDArray[numpy.float64]], NDArray[numpy.float64], float, float]:
         """
-        Position, velocity, element state, internal force, external work, damping.
+        Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.
         """
 
-    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], state: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
+    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], states: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
         """Take over what dump gave."""
 
     def bound_frequencies(self) -> NDArray[numpy.float64]:
         """Bound of the squared highest frequency of each element [1/s2]."""
+
+    @property
+    def internal_force(self) -> NDArray[numpy.float64]:
+        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
 
     @property
     def position(self) -> NDArray[numpy.float64]:
@@ -463,16 +468,103 @@ class ShellLoop:
     @element_mass.setter
     def element_mass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
-    @property
-    def stress(self) -> NDArray[numpy.float64]:
+    def stress(self, block: int) -> NDArray[numpy.float64]:
         """
-        Stress xx, yy, xy of the layers (n, points, 3) in the law's frame [MPa].
+        Stress xx, yy, xy of the layers (n, points, 3) of a block in the law's frame [MPa].
+        """
+
+    def history(self, block: int) -> NDArray[numpy.float64]:
+        """
+        What the law of a block keeps at each layer (n, points, size); first eqps.
+        """
+
+    def thickness(self, block: int) -> NDArray[numpy.float64]:
+        """Thickness (n) [mm] of a block."""
+
+class ShellLoopSingle:
+    """ShellLoop in single precision, positions and work excepted."""
+
+    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
+
+    def add_shells4(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
+        """
+        Add a block of one-point 4-node shells; blocks and their elements are numbered as they come.
+        """
+
+    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+        """Advance as many cycles of dt [s] as the scales have values."""
+
+    def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+        """Energies at the present time."""
+
+    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+        """
+        Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
+        """
+
+    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], list[NDArray[numpy.float64]], NDArray[numpy.float64], float, float]:
+        """
+        Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.
+        """
+
+    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], states: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
+        """Take over what dump gave."""
+
+    def bound_frequencies(self) -> NDArray[numpy.float64]:
+        """Bound of the squared highest frequency of each element [1/s2]."""
+
+    @property
+    def internal_force(self) -> NDArray[numpy.float64]:
+        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
+
+    @property
+    def position(self) -> NDArray[numpy.float64]:
+        """Positions (n_nodes, 3) [mm]."""
+
+    @position.setter
+    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def velocity(self) -> NDArray[numpy.float64]:
+        """
+        Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].
+        """
+
+    @velocity.setter
+    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def inverse_mass(self) -> NDArray[numpy.float64]:
+        """
+        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
         """
 
     @property
-    def history(self) -> NDArray[numpy.float64]:
-        """What the law keeps at each layer (n, points, size); first eqps."""
+    def force(self) -> NDArray[numpy.float64]:
+        """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
+
+    @force.setter
+    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
 
     @property
-    def thickness(self) -> NDArray[numpy.float64]:
-        """Thickness (n, 1) [mm]."""
+    def element_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element (n) [t]; setting it sets the nodes' masses."""
+
+    @element_mass.setter
+    def element_mass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    def stress(self, block: int) -> NDArray[numpy.float64]:
+        """
+        Stress xx, yy, xy of the layers (n, points, 3) of a block in the law's frame [MPa].
+        """
+
+    def history(self, block: int) -> NDArray[numpy.float64]:
+        """
+        What the law of a block keeps at each layer (n, points, size); first eqps.
+        """
+
+    def thickness(self, block: int) -> NDArray[numpy.float64]:
+        """Thickness (n) [mm] of a block."""

@@ -25,6 +25,10 @@ Array = npt.NDArray[np.float64]
 FREEDOMS = "uvwpqr"
 SAFETY = 0.9
 """Time step over the bound of the stable one."""
+LOOPS: dict[str, type[_core.ShellLoop] | type[_core.ShellLoopSingle]] = {
+    "double": _core.ShellLoop,
+    "single": _core.ShellLoopSingle,
+}
 HEAVIEST = 1e-6
 """Density [t/mm3] beyond which a unit must be wrong: 50 times that of osmium."""
 
@@ -140,6 +144,8 @@ class ExplicitShells:
     points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell; thickness [mm], one or (n); law in
     plane stress; density [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each
     shell.
+    precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
+    the time and memory; docs/theory/explicit.md says where it is good enough.
     Elements and nodes are renumbered inside for the sake of the cache; every array here is in the order given.
     """
 
@@ -153,8 +159,11 @@ class ExplicitShells:
         *,
         axis: npt.ArrayLike = (1.0, 0.0, 0.0),
         options: ShellOptions | None = None,
+        precision: Literal["double", "single"] = "double",
     ) -> None:
         options = options or ShellOptions()
+        if precision not in LOOPS:
+            raise ExplicitError(f"precision = {precision!r}: give 'double' or 'single'")
         x = np.array(points, dtype=float)
         cells = np.array(connectivity, dtype=np.int32)
         sheet = np.broadcast_to(np.asarray(thickness, dtype=float), len(cells)).copy()
@@ -168,9 +177,9 @@ class ExplicitShells:
         place[self._nodes] = np.arange(len(x))
         axes = np.broadcast_to(np.asarray(axis, dtype=float), (len(cells), 3))
         height, weight = layer_rule(options.n_points, options.rule)
+        self._loop = LOOPS[precision](x[self._nodes])
         try:
-            self._loop = _core.ShellLoop(
-                x[self._nodes],
+            self._loop.add_shells4(
                 place[cells[self._elements]],
                 sheet[self._elements],
                 np.ascontiguousarray(axes[self._elements]),
@@ -247,17 +256,17 @@ class ExplicitShells:
     @property
     def stress(self) -> Array:
         """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up."""
-        return self._by_element(self._loop.stress)
+        return self._by_element(self._loop.stress(0))
 
     @property
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (n, n_points)."""
-        return self._by_element(self._loop.history[:, :, 0])
+        return self._by_element(self._loop.history(0)[:, :, 0])
 
     @property
     def thickness(self) -> Array:
         """Thickness (n) [mm]."""
-        return self._by_element(self._loop.thickness[:, 0])
+        return self._by_element(self._loop.thickness(0))
 
     @property
     def mass(self) -> Array:
@@ -341,13 +350,13 @@ class ExplicitShells:
 
     def dump(self) -> dict[str, Array]:
         """Give everything that the next cycle depends on, beside what the constructor, fix and force were given."""
-        position, velocity, state, forces, external, damping = self._loop.dump()
+        position, velocity, states, forces, external, damping = self._loop.dump()
         reference = self._reference or (np.nan, np.nan)
         scalars = np.array([self.cycle, self.time, self.dt, external, damping, *reference])
         return {
             "position": position,
             "velocity": velocity,
-            "state": state,
+            "state": states[0],
             "forces": forces,
             "element_mass": self._loop.element_mass,
             "scalars": scalars,
@@ -359,7 +368,7 @@ class ExplicitShells:
         self.cycle = int(cycle)
         self._reference = None if np.isnan(start) else (start, largest)
         self._loop.element_mass = dump["element_mass"]
-        self._loop.restore(dump["position"], dump["velocity"], dump["state"], dump["forces"], external, damping)
+        self._loop.restore(dump["position"], dump["velocity"], [dump["state"]], dump["forces"], external, damping)
 
 
 def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float) -> None:

@@ -21,7 +21,7 @@ STEEL = 7.85e-9
 
 def build(**changes: object) -> ExplicitShells:
     given = {"points": POINTS, "connectivity": CELLS, "thickness": 0.8, "density": STEEL} | changes
-    keyword = {name: given.pop(name) for name in ("axis", "options") if name in given}
+    keyword = {name: given.pop(name) for name in ("axis", "options", "precision") if name in given}
     return ExplicitShells(
         given["points"], given["connectivity"], given["thickness"], LAW, given["density"], **keyword  # type: ignore[arg-type]
     )  # fmt: skip
@@ -40,6 +40,7 @@ def build(**changes: object) -> ExplicitShells:
         ({"connectivity": [[0, 1, 4]]}, "connectivity has shape"),
         ({"connectivity": [[0, 1, 4, 3], [1, 2, 4, 5]]}, r"shell 1 \(nodes \[1, 2, 4, 5\]\) is folded"),
         ({"connectivity": [[0, 1, 4, 3], [1, 2, 2, 4]]}, "shell 1 .* is folded or without area"),
+        ({"precision": "half"}, "precision = 'half': give 'double' or 'single'"),
         ({"axis": (0.0, 0.0, 1.0)}, "axis of its material is normal to it"),
     ],
 )

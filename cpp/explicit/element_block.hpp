@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Elements of one kind, section and law, in packs of SIMD width: what the explicit loop knows of them.
+//
+// The loop holds any number of blocks, of triangles and of quadrilaterals, and calls them tile by tile. A new kind of
+// element derives from ElementBlock, fills in the arrays below, and says how a range of packs is advanced.
+#pragma once
+
+#include <vector>
+
+#include "explicit/nodes.hpp"
+#include "tensor/pack.hpp"
+
+namespace presswork::explicit_dynamics {
+
+// Where the loop finds what it reports in an element's state; layers start at `layers`, `law` rows each.
+struct StateRows {
+  int thickness, work, hourglass_work;  // work [N mm]: of the stresses, of the hourglass forces
+  int layers, points, law;              // a layer's rows: sum, difference, shear of stress, then the law's history
+  int count() const { return layers + points * law; }
+};
+
+// State is kept as [pack][row][lane]. The last pack is filled up with copies of the last element that take part in no
+// assembly.
+template <class Real>
+class ElementBlock {
+ public:
+  static constexpr int lanes = PackOf<Real>::width;
+  static constexpr int freedoms = 6;  // of a node
+
+  virtual ~ElementBlock() = default;
+
+  // Advance packs [first, last) by dt to the nodes' present positions, at their velocities; force: (packs, lanes,
+  // nodes, 6), from the first pack on.
+  virtual void advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) = 0;
+  // Bound of each element's squared frequency [1/s2] (n).
+  virtual void bound_frequencies(const Nodes<Real>& nodes, double* squared) const = 0;
+
+  int n() const { return n_; }
+  int n_packs() const { return (n_ + lanes - 1) / lanes; }
+  int nodes_each() const { return nodes_each_; }
+  const StateRows& rows() const { return rows_; }
+  const std::vector<int>& connectivity() const { return connectivity_; }
+
+  // Mass [t] and rotary inertia over mass [mm2]; the loop shares them out to the nodes, to each the same.
+  std::vector<double>& mass() { return mass_; }
+  const std::vector<double>& mass() const { return mass_; }
+  const std::vector<double>& inertia_ratio() const { return inertia_ratio_; }
+
+  double value(int element, int row) const { return state_.data()[index(element, row)]; }
+  // Sets the copies in the last pack as well.
+  void set_value(int element, int row, double x) {
+    state_.data()[index(element, row)] = static_cast<Real>(x);
+    if (element == n_ - 1)
+      for (int copy = n_; copy < n_packs() * lanes; ++copy) state_.data()[index(copy, row)] = static_cast<Real>(x);
+  }
+
+ protected:
+  ElementBlock(int nodes_each, std::vector<int> connectivity, StateRows rows)
+      : n_(static_cast<int>(connectivity.size()) / nodes_each),
+        nodes_each_(nodes_each),
+        rows_(rows),
+        connectivity_(std::move(connectivity)),
+        packed_(std::size_t(n_packs()) * nodes_each * lanes),
+        mass_(n_),
+        inertia_ratio_(n_),
+        state_(std::size_t(n_packs()) * rows.count() * lanes) {
+    for (int slot = 0; slot < n_packs() * lanes; ++slot)
+      for (int a = 0; a < nodes_each; ++a)
+        packed_[(std::size_t(slot / lanes) * nodes_each + a) * lanes + slot % lanes] =
+            connectivity_[std::size_t(nodes_each) * (slot < n_ ? slot : n_ - 1) + a];
+  }
+  PackOf<Real>* pack_state(int pack) {
+    return reinterpret_cast<PackOf<Real>*>(state_.data() + std::size_t(pack) * rows_.count() * lanes);
+  }
+  const PackOf<Real>* pack_state(int pack) const { return const_cast<ElementBlock*>(this)->pack_state(pack); }
+  // The nodes of a pack's elements, [node][lane].
+  const int* pack_nodes(int pack) const { return &packed_[std::size_t(pack) * nodes_each_ * lanes]; }
+
+  int n_, nodes_each_;
+  StateRows rows_;
+  std::vector<int> connectivity_;  // (n, nodes)
+  std::vector<int> packed_;        // [pack][node][lane]
+  std::vector<double> mass_, inertia_ratio_;
+  AlignedArray<Real> state_;
+
+ private:
+  std::size_t index(int element, int row) const {
+    return (std::size_t(element / lanes) * rows_.count() + row) * lanes + element % lanes;
+  }
+};
+
+}  // namespace presswork::explicit_dynamics
