@@ -9,6 +9,8 @@ namespace presswork::contact {
 
 SweptSurface::SweptSurface(const Plan& plan, int n, const double* segments, double depth) : depth_(depth), plan_(plan) {
   check_plan();
+  const double narrow = std::min(plan.half_width[0], plan.half_width[1]);
+  if (std::isinf(std::max(plan.half_width[0], plan.half_width[1]))) plan_.corner_radius = narrow;  // a strip has none
   if (n < 1) throw std::invalid_argument("a profile needs a segment");
   double size = 0.0;
   for (int i = 0; i < n; ++i)
@@ -19,7 +21,7 @@ SweptSurface::SweptSurface(const Plan& plan, int n, const double* segments, doub
   const bool closed = std::hypot(last[2] - segments[0], last[3] - segments[1]) < 1e-9 * size;
   n_ends_ = closed ? 0 : 2;
   for (int k = 0; k < 2; ++k) {
-    core_[k] = plan.half_width[k] - plan.corner_radius;
+    core_[k] = plan.half_width[k] - plan_.corner_radius;
     ends_[0][k] = segments[k], ends_[1][k] = last[2 + k];
     low_[k] = std::numeric_limits<double>::infinity(), high_[k] = -low_[k];
   }
@@ -34,7 +36,7 @@ SweptSurface::SweptSurface(const Plan& plan, int n, const double* segments, doub
 
 void SweptSurface::check_plan() const {
   const auto [a, b] = plan_.half_width;
-  if (!(a > 0.0 && b > 0.0)) throw std::invalid_argument("half widths of a plan must be positive");
+  if (!(a >= 0.0 && b >= 0.0)) throw std::invalid_argument("half widths of a plan must not be negative");
   if (std::isinf(a) && std::isinf(b)) throw std::invalid_argument("only one half width of a plan may be infinite");
   if (!(plan_.corner_radius >= 0.0 && plan_.corner_radius <= std::min(a, b)))
     throw std::invalid_argument("the corner radius of a plan must lie between 0 and its smaller half width");

@@ -20,7 +20,7 @@ namespace presswork::contact {
 
 struct Plan {
   double half_width[2];  // along x and y [mm]; one of them may be infinite
-  double corner_radius;  // [mm]
+  double corner_radius;  // [mm]; a strip has no corners
 };
 
 class SweptSurface {

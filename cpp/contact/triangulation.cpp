@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/triangulation.hpp"
 
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -24,6 +29,24 @@ struct HalfEdge {
   int low, high, triangle, k;
   bool along;  // from low to high
 };
+
+template <class V>
+V larger(V a, V b) {
+  return a > b ? a : b;
+}
+
+// Bits of the lanes that are no larger than the bound.
+template <class V>
+unsigned lanes_within(V values, float bound) {
+  const auto mask = values <= bound;
+#if defined(__AVX__)
+  return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < 8; ++i) bits |= (mask[i] != 0 ? 1u : 0u) << i;
+  return bits;
+#endif
+}
 
 }  // namespace
 
@@ -58,7 +81,7 @@ Triangulation::Triangulation(int n_points, const double* points, int n, const in
     }
   std::vector<std::int32_t> order(n);
   std::iota(order.begin(), order.end(), 0);
-  build(order, 0, n, boxes);
+  root_ = build(order.data(), n, boxes);
 }
 
 void Triangulation::set_triangles() {
@@ -136,15 +159,14 @@ void Triangulation::set_pseudonormals() {
     }
 }
 
-// A node over order[first, last), its children filled to the brim from the left; parts are split across their longest
-// side.
-std::int32_t Triangulation::build(std::vector<std::int32_t>& order, int first, int last,
-                                  const std::vector<float>& boxes) {
-  int capacity = 1;  // of a child
-  while (capacity * width < last - first) capacity *= width;
+// A node or leaf over n triangles of `order`; children are filled to the brim, parts split across their longest side.
+std::int32_t Triangulation::build(std::int32_t* order, int n, const std::vector<float>& boxes) {
+  if (n <= width) return -1 - make_leaf(order, n);
+  int capacity = width;  // of a child
+  while (capacity * width < n) capacity *= width;
   const auto index = static_cast<std::int32_t>(nodes_.size());
   nodes_.emplace_back();
-  std::vector<std::pair<int, int>> parts{{first, last}};
+  std::vector<std::pair<int, int>> parts{{0, n}};
   for (std::size_t i = 0; i < parts.size();) {
     const auto [from, to] = parts[i];
     if (to - from <= capacity) {
@@ -163,7 +185,7 @@ std::int32_t Triangulation::build(std::vector<std::int32_t>& order, int first, i
     for (int other = 1; other < 3; ++other)
       if (high[other] - low[other] > high[k] - low[k]) k = other;
     const int children = (to - from + capacity - 1) / capacity, cut = from + (children / 2) * capacity;
-    std::nth_element(order.begin() + from, order.begin() + cut, order.begin() + to, [&](int a, int b) {
+    std::nth_element(order + from, order + cut, order + to, [&](int a, int b) {
       const float at_a = boxes[6 * a + k] + boxes[6 * a + 3 + k], at_b = boxes[6 * b + k] + boxes[6 * b + 3 + k];
       return at_a != at_b ? at_a < at_b : a < b;
     });
@@ -173,18 +195,45 @@ std::int32_t Triangulation::build(std::vector<std::int32_t>& order, int first, i
   for (int c = 0; c < width; ++c) {
     constexpr float far = std::numeric_limits<float>::infinity();
     for (int k = 0; k < 3; ++k) nodes_[index].low[k][c] = far, nodes_[index].high[k][c] = -far;
-    nodes_[index].child[c] = -1;
     if (c >= static_cast<int>(parts.size())) continue;
     const auto [from, to] = parts[c];
     for (int j = from; j < to; ++j)
       for (int k = 0; k < 3; ++k) {
-        float &l = nodes_[index].low[k][c], &h = nodes_[index].high[k][c];
-        l = std::min(l, boxes[6 * order[j] + k]), h = std::max(h, boxes[6 * order[j] + 3 + k]);
+        nodes_[index].low[k][c] = std::min<float>(nodes_[index].low[k][c], boxes[6 * order[j] + k]);
+        nodes_[index].high[k][c] = std::max<float>(nodes_[index].high[k][c], boxes[6 * order[j] + 3 + k]);
       }
-    const std::int32_t child = to - from == 1 ? -1 - order[from] : build(order, from, to, boxes);
+    const std::int32_t child = build(order + from, to - from, boxes);
     nodes_[index].child[c] = child;
   }
   return index;
+}
+
+std::int32_t Triangulation::make_leaf(const std::int32_t* triangles, int n) {
+  Leaf leaf{};
+  for (int c = 0; c < width; ++c) {
+    leaf.triangle[c] = c < n ? triangles[c] : -1;
+    if (c >= n) {  // infinitely far
+      leaf.plane[0][3][c] = std::numeric_limits<float>::infinity();
+      continue;
+    }
+    const Triangle& t = triangles_[triangles[c]];
+    double planes[4][3], on[4][3], side[3];
+    for (int k = 0; k < 3; ++k) {
+      planes[0][k] = t.normal[k], side[k] = t.edge[1][k] - t.edge[0][k];
+      on[0][k] = on[1][k] = on[3][k] = t.at[k] - origin_[k];
+      on[2][k] = on[0][k] + t.edge[0][k];
+    }
+    cross(t.edge[0], t.normal, planes[1]);
+    cross(side, t.normal, planes[2]);
+    cross(t.normal, t.edge[1], planes[3]);
+    for (int p = 0; p < 4; ++p) {
+      const double length = std::sqrt(dot(planes[p], planes[p]));
+      for (int k = 0; k < 3; ++k) leaf.plane[p][k][c] = static_cast<float>(planes[p][k] / length);
+      leaf.plane[p][3][c] = static_cast<float>(-dot(planes[p], on[p]) / length);
+    }
+  }
+  leaves_.push_back(leaf);
+  return static_cast<std::int32_t>(leaves_.size()) - 1;
 }
 
 // Take the triangle if it is nearer than what is known, or as near with a lower number.
@@ -222,39 +271,49 @@ void Triangulation::measure(int t, const double x[3], Near& near) const {
   for (int k = 0; k < 3; ++k) near.point[k] = tri.at[k] + point[k];
 }
 
-void Triangulation::descend(const double x[3], Near& near) const {
-  const float at[3] = {static_cast<float>(x[0] - origin_[0]), static_cast<float>(x[1] - origin_[1]),
-                       static_cast<float>(x[2] - origin_[2])};
-  std::int32_t stack[128];
-  float closest[128];
+void Triangulation::descend(const double x[3], int hint, Near& near) const {
+  float at[3];
+  for (int k = 0; k < 3; ++k) at[k] = static_cast<float>(x[k] - origin_[k]);
+  // single precision takes less than p, the padding, from a distance d: (d + p)^2 < (1 + e) d^2 + (1 + 1/e) p^2
+  const float least = 1001.0f * padding_ * padding_;
+  auto widen = [&](double distance2) { return static_cast<float>(distance2) * 1.001f + least; };
+  struct Entry {
+    std::int32_t node;
+    float distance2;
+  } stack[128];
   int count = 0;
-  std::int32_t node = 0;
-  for (;;) {
-    const Node& box = nodes_[node];
-    float distance2[width];
-    for (int c = 0; c < width; ++c) {
-      const float dx = std::max(std::max(box.low[0][c] - at[0], at[0] - box.high[0][c]), 0.0f);
-      const float dy = std::max(std::max(box.low[1][c] - at[1], at[1] - box.high[1][c]), 0.0f);
-      const float dz = std::max(std::max(box.low[2][c] - at[2], at[2] - box.high[2][c]), 0.0f);
-      distance2[c] = dx * dx + dy * dy + dz * dz;
+  stack[count++] = {root_, 0.0f};
+  float bound = widen(near.distance2);
+  while (count > 0) {
+    const Entry entry = stack[--count];
+    if (entry.distance2 > bound) continue;
+    if (entry.node < 0) {
+      const Leaf& leaf = leaves_[-1 - entry.node];
+      Floats off[4];
+      for (int p = 0; p < 4; ++p)
+        off[p] = leaf.plane[p][0] * at[0] + leaf.plane[p][1] * at[1] + leaf.plane[p][2] * at[2] + leaf.plane[p][3];
+      const Floats beyond = larger(larger(off[1], off[2]), larger(off[3], Floats{}));
+      const Floats distance2 = off[0] * off[0] + beyond * beyond;
+      for (unsigned within = lanes_within(distance2, bound); within != 0; within &= within - 1)
+        if (const int t = leaf.triangle[std::countr_zero(within)]; t != hint) measure(t, x, near);
+      bound = widen(near.distance2);
+      continue;
     }
-    const float bound = static_cast<float>(near.distance2) * 1.00001f;
+    const Node& node = nodes_[entry.node];
+    Floats distance2{};
+    for (int k = 0; k < 3; ++k) {
+      const Floats off = larger(larger(node.low[k] - at[k], at[k] - node.high[k]), Floats{});
+      distance2 += off * off;
+    }
+    // the nearest child goes on top of the stack
     const int from = count;
-    for (int c = 0; c < width; ++c) {
-      if (!(distance2[c] <= bound)) continue;
-      // kept in order: the farthest first, so that the nearest is taken next
+    for (unsigned within = lanes_within(distance2, bound); within != 0; within &= within - 1) {
+      const int c = std::countr_zero(within);
+      const float d2 = distance2[c];
       int i = count++;
-      for (; i > from && closest[i - 1] < distance2[c]; --i) stack[i] = stack[i - 1], closest[i] = closest[i - 1];
-      stack[i] = box.child[c], closest[i] = distance2[c];
+      for (; i > from && stack[i - 1].distance2 < d2; --i) stack[i] = stack[i - 1];
+      stack[i] = {node.child[c], d2};
     }
-    for (;;) {
-      if (count == 0) return;
-      --count;
-      if (closest[count] > static_cast<float>(near.distance2) * 1.00001f) continue;
-      if (stack[count] >= 0) break;
-      measure(-1 - stack[count], x, near);
-    }
-    node = stack[count];
   }
 }
 
@@ -262,7 +321,7 @@ bool Triangulation::nearest(const double x[3], double reach, int& hint, Touch& t
   const double bound = std::max(reach, depth_);
   Near near{bound * bound, std::numeric_limits<int>::max(), 0, {}};
   if (hint >= 0 && hint < static_cast<int>(triangles_.size())) measure(hint, x, near);
-  descend(x, near);
+  descend(x, hint, near);
   touch.gap = std::sqrt(near.distance2);
   if (near.triangle == std::numeric_limits<int>::max()) return false;
   hint = near.triangle;

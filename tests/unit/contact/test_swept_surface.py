@@ -162,7 +162,7 @@ def test_distance_bound_never_exceeds_the_distance() -> None:
 @pytest.mark.parametrize(
     ("half", "corner", "segments", "fault"),
     [
-        ((0.0, 5.0), 0.0, [line((0, 0), (1, 0))], "half widths"),
+        ((-1.0, 5.0), 0.0, [line((0, 0), (1, 0))], "half widths"),
         ((INF, INF), 0.0, [line((0, 0), (1, 0))], "only one half width"),
         ((5.0, 5.0), 6.0, [line((0, 0), (1, 0))], "corner radius"),
         ((20.0, 20.0), 3.0, [clockwise((0, 4), (-4, 0), (-4, 4))], "more than its corner radius"),
