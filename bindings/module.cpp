@@ -12,6 +12,7 @@ void bind_anisotropic(nb::module_& m);
 void bind_element(nb::module_& m);
 void bind_shell(nb::module_& m);
 void bind_contact(nb::module_& m);
+void bind_tool_surface(nb::module_& m);
 void bind_assembly(nb::module_& m);
 void bind_explicit(nb::module_& m);
 }  // namespace presswork::bindings
@@ -28,6 +29,7 @@ NB_MODULE(_core, m) {
   bind_element(m);
   bind_shell(m);
   bind_contact(m);
+  bind_tool_surface(m);
   bind_assembly(m);
   bind_explicit(m);
 }

@@ -305,6 +305,40 @@ def find_edge_pairs(slave: Annotated[NDArray[numpy.int32], dict(order='C', devic
     Pairs of half-edges (n, 2) that may touch within the margin [mm], slave and master.
     """
 
+class ToolSurface:
+    """Surface of a rigid tool in its own frame; see tool_surface.hpp."""
+
+    @staticmethod
+    def triangles(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, depth: float = float('inf')) -> ToolSurface:
+        """
+        Surface of triangles (n, 3) over points (n_points, 3) [mm], counter-clockwise as seen from free space. Penetrations deeper than depth [mm] are not found. Raises ValueError where a triangle has no area, an edge has more than two triangles, or neighbours are wound against each other.
+        """
+
+    @staticmethod
+    def swept(half_widths: Sequence[float], corner_radius: float, segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, depth: float = float('inf')) -> ToolSurface:
+        """
+        A profile carried round a rectangle of half widths along x and y (one may be infinite) with rounded corners [mm]. segments (n, 7) as in model.Tool, in (s, z): s the signed distance from the plan curve, positive outside. Penetrations deeper than depth [mm] are not found. Raises ValueError.
+        """
+
+    def nearest(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf'), hints: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32]]:
+        """
+        Nearest places to points (n, 3) that are closer than reach [mm]: gap (n,), positive off the tool and infinite where there is none, normal (n, 3) out of the tool, place (n, 3), and hints (n,) for the next call.
+        """
+
+    def distance_bound(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> NDArray[numpy.float64]:
+        """
+        The gap, or where nothing is closer than reach how far each point is from the surface at least (n,) [mm].
+        """
+
+    def normal_slope(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> NDArray[numpy.float64]:
+        """
+        Derivative of the normal to the point (n, 3, 3) [1/mm]; zero on triangles and where nothing is near.
+        """
+
+    @property
+    def depth(self) -> float:
+        """Penetrations deeper than this [mm] are not found."""
+
 class Assembler:
     """Sparsity pattern and scatter of element arrays, two freedoms a node."""
 

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the search for the nearest place of a rigid tool's surface finds.
+#pragma once
+
+namespace presswork::contact {
+
+struct Touch {
+  double gap;        // signed distance [mm], positive off the tool; without a touch a bound, see ToolSurface
+  double normal[3];  // unit vector out of the tool's metal
+  double point[3];   // of the surface [mm]
+};
+
+}  // namespace presswork::contact
