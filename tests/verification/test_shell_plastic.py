@@ -12,7 +12,6 @@ from problems import linear_hardening
 from shell_problems import RX, RY, RZ, X, Y, Z, fixing, patch, run, shell_model
 
 from presswork import case
-from presswork.case.shell_builder import build_yield_function
 from presswork.model import EdgeForce, Material, Mesh, PrescribedDisplacement, Stage
 from presswork.procedure.implicit import ImplicitProcedure
 
@@ -203,7 +202,7 @@ def r_value(along: int, law: str) -> float:
     material = case.ShellMaterial.model_validate(
         {"young": YOUNG, "poisson": 0.3, "yield_function": given,
          "hardening": {"law": "linear", "yield_stress": YIELD, "modulus": MODULUS}})  # fmt: skip
-    sheet = replace(steel(0.3), yield_function=build_yield_function(material.yield_function))
+    sheet = replace(steel(0.3), yield_function=material.yield_function.to_model())
     mesh = square()
     move = PrescribedDisplacement(("right", "top")[along], (X, Y)[along], 0.8)
     held = [FLAT, ("left", fixing(X)), ("bottom", fixing(Y))]

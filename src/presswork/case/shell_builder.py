@@ -10,13 +10,12 @@ from pathlib import Path
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.grid import grid_lines
-from presswork.case.hardening import build_hardening
+from presswork.case.library import list_keys
 from presswork.case.references import check_set_names
 from presswork.case.settings import build_output, build_solver
 from presswork.case.shell import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile
-from presswork.case.yield_function import Barlat1989, Hill1948, VonMisesYield, YieldFunction
 from presswork.mesh import MeshError
 from presswork.mesh.shells import mesh_shell_rectangle, read_shell_mesh
 
@@ -34,16 +33,7 @@ def build_shell_model(case: ShellCase) -> model.Model:
         analysis="shell",
         depth=1.0,
         mesh=mesh,
-        materials=tuple(
-            model.Material(
-                name,
-                material.young,
-                material.poisson,
-                build_hardening(material.hardening),
-                build_yield_function(material.yield_function),
-            )
-            for name, material in case.materials.items()
-        ),
+        materials=tuple(material.to_model(name) for name, material in case.materials.items()),
         tools=(),
         supports=tuple(entry.build() for entry in case.boundary.values()),
         stages=tuple(_build_stage(stage) for stage in case.stages),
@@ -63,7 +53,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
     problems = []
     piece = case.workpiece
     if piece.material not in case.materials:
-        remedy = suggest(piece.material, case.materials, "materials")
+        remedy = suggest(piece.material, [*case.materials, *list_keys()], "materials, of the case and of the library")
         problems.append(Problem("workpiece.material", "no such material", remedy, piece.material))
     if isinstance(piece.mesh, MeshFile):
         try:
@@ -76,6 +66,11 @@ def _check_names(case: ShellCase) -> list[Problem]:
             if stage.displacement or stage.rotation:
                 fault, remedy = "arc length follows loads, not prescribed displacements", 'take control = "load"'
                 problems.append(Problem("solver.control", f"{fault} (stages.{index})", remedy, "arc_length"))
+        for name, material in case.materials.items():
+            if material.rate is not None:
+                fault = f"along a path that arc length follows no time passes, which materials.{name}.rate needs"
+                remedy = 'take control = "load", or the material without rate'
+                problems.append(Problem("solver.control", fault, remedy, "arc_length"))
     names = [stage.name for stage in case.stages]
     loaded = False
     for index, stage in enumerate(case.stages):
@@ -127,17 +122,6 @@ def _build_mesh(case: ShellCase) -> model.Mesh:
     for note in notes:
         logger.warning("workpiece.mesh.path = %s: %s", piece.mesh.path, note)
     return mesh
-
-
-def build_yield_function(chosen: YieldFunction) -> model.YieldFunction | None:
-    """Return the Model's yield function; None for von Mises."""
-    if isinstance(chosen, VonMisesYield):
-        return None
-    if isinstance(chosen, Hill1948):
-        return model.YieldFunction("hill1948", chosen.hill_parameters())
-    if isinstance(chosen, Barlat1989):
-        return model.YieldFunction("barlat1989", chosen.coefficients(), chosen.exponent)
-    return model.YieldFunction("yld2000", tuple(chosen.alpha), chosen.exponent)
 
 
 def _build_stage(stage: ShellStage) -> model.Stage:

@@ -10,7 +10,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.mesh.directors import Directors, find_directors
-from presswork.model import FloatArray, MaskArray, Material, Model, YieldFunction
+from presswork.model import FloatArray, MaskArray, Model
 from presswork.procedure.loads import AppliedLoads
 from presswork.procedure.shell_loads import ShellLoads
 from presswork.procedure.supports import Supports
@@ -23,6 +23,7 @@ from presswork.results.shell_fields import (
     shell_cell_fields,
     shell_point_fields,
 )
+from presswork.sheet_law import make_sheet_law
 from presswork.state import ShellArrays, State
 
 UPRIGHT = 0.99
@@ -46,29 +47,6 @@ class ShellFailed:
 
     def __str__(self) -> str:
         return f"cell {self.cell} of block {self.block} {REASONS[self.fault]}"
-
-
-def make_yield_function(chosen: YieldFunction | None) -> _core.YieldFunction:
-    """Return the compiled yield function: von Mises if none is chosen."""
-    if chosen is None:
-        return _core.YieldFunction.hill1948((0.5, 0.5, 0.5, 1.5, 1.5, 1.5))
-    if chosen.law == "hill1948":
-        return _core.YieldFunction.hill1948(chosen.parameters)
-    if chosen.law == "barlat1989":
-        a, c, h, p = chosen.parameters
-        return _core.YieldFunction.barlat1989(a, c, h, p, chosen.exponent)
-    return _core.YieldFunction.yld2000(chosen.parameters, chosen.exponent)
-
-
-def make_sheet_law(material: Material) -> _core.SheetLaw:
-    """Return the compiled law of a sheet in plane stress."""
-    return _core.SheetLaw(
-        material.young,
-        material.poisson,
-        make_yield_function(material.yield_function),
-        _core.HardeningLaw[material.hardening.law],
-        [float(p) for p in material.hardening.parameters],
-    )
 
 
 def find_model_directors(model: Model) -> Directors:
