@@ -12,6 +12,7 @@ from presswork import _core
 from presswork.mesh.directors import Directors, find_directors
 from presswork.model import FloatArray, MaskArray, Model
 from presswork.procedure.loads import AppliedLoads
+from presswork.procedure.shell_energy import elastic_energy, plastic_work
 from presswork.procedure.shell_loads import ShellLoads
 from presswork.procedure.supports import Supports
 from presswork.procedure.thickness_rule import thickness_rule
@@ -136,10 +137,11 @@ class ShellMechanics:
         return np.stack([(first * axis).sum(axis=2), (first * np.cross(normal, axis)).sum(axis=2)], axis=2)
 
     def evaluate(
-        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 1.0
+        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 0.0
     ) -> FloatArray | ShellFailed:
         """Return the internal nodal force (n_points, 6) [N, N mm] after `increment` (n_points, 6) from state_n.
 
+        dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically.
         Fills the trial state's stress, history, thickness and volumes and, if asked, the element stiffnesses. Does not
         touch state_n.
         """
@@ -263,22 +265,11 @@ class ShellMechanics:
 
     def elastic_energy(self, state: State) -> float:
         """Return the energy stored elastically [N mm], transverse shear included."""
-        total = 0.0
-        points = self._model.mesh.points + state.displacement[:, :3]
-        for i, block in enumerate(self._model.mesh.blocks):
-            material = self._model.materials[block.material]
-            sxx, syy, sxy = np.moveaxis(state.stress[i], -1, 0)
-            density = (sxx**2 + syy**2 - 2 * material.poisson * sxx * syy) / (2 * material.young)
-            density += (1 + material.poisson) * sxy**2 / material.young
-            total += float((density * state.volume[i]).sum())
-            _, slopes, weights, _ = _core.shell_shape(block.element)
-            base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
-            metric = np.einsum("cqji,cqki->cqjk", base, base)
-            area = np.sqrt(np.linalg.det(metric))
-            shear = state.shells.shear[i]
-            stiffness = 5 / 6 * material.young / (2 * (1 + material.poisson)) * state.shells.thickness[i] * area
-            total += float((np.einsum("cqj,cqjk,cqk->cq", shear, metric, shear) * weights / (2 * stiffness)).sum())
-        return total
+        return elastic_energy(self._model, state)
+
+    def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
+        """Return the plastic work of one increment over dt [s] [N mm]."""
+        return plastic_work(self._model, self._laws, state_n, trial, dt)
 
 
 def _arrays_of(state: State, block: int) -> list[FloatArray]:

@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
 
 from presswork.case import CaseError, ShellCase, build_model, describe, read_case
+from presswork.case.library import FOLDER
+from presswork.model import Kinematic, Rate
 from presswork.procedure.implicit import ImplicitProcedure
 from presswork.procedure.supports import NotHeldError
 
@@ -66,6 +70,58 @@ def test_a_material_has_its_yield_function() -> None:
     assert build_model(ShellCase.model_validate(case())).materials[0].yield_function is None
 
 
+KINEMATIC: dict[str, Any] = {
+    "rate": {"law": "cowper_symonds", "D": 40, "q": 5},
+    "kinematic": {"law": "chaboche", "C": [2000, 500], "gamma": [20, 0]},
+    "young_decrease": {"saturated": "160 GPa", "rate": 60},
+}
+YOSHIDA = {"law": "yoshida_uemori", "B": 300, "C": 200, "m": 12, "b": 40, "Rsat": 190, "h": 0.4}
+
+
+def test_a_material_has_back_stresses_rate_and_falling_modulus() -> None:
+    data = case()
+    data["materials"]["steel"] |= KINEMATIC
+    model = build_model(ShellCase.model_validate(data))
+    steel = model.materials[0]
+    assert steel.kinematic == Kinematic("chaboche", (2000, 500, 20, 0))
+    assert steel.rate == Rate("cowper_symonds", (40, 5))
+    assert steel.young_decrease == (160e3, 60)
+    words = describe(model)
+    for fragment in ("C = 2000 MPa, gamma = 20", "cowper_symonds rate: D = 40, q = 5", "falling to 160000 MPa"):
+        assert fragment in words
+    data["materials"]["steel"]["hardening"].pop("modulus")
+    data["materials"]["steel"]["kinematic"] = YOSHIDA
+    assert "Yoshida-Uemori B = 300, C = 200" in describe(build_model(ShellCase.model_validate(data)))
+
+
+def test_a_material_of_the_library_goes_by_its_name() -> None:
+    data = case(materials={})
+    data["workpiece"]["material"] = "numisheet93_mild_steel"
+    by_name = build_model(ShellCase.model_validate(data)).materials[0]
+    assert (by_name.name, by_name.young) == ("numisheet93_mild_steel", 206e3)
+    assert by_name.yield_function is not None
+    named = case(materials={"steel": {"library": "numisheet93_mild_steel"}})
+    assert repr(build_model(ShellCase.model_validate(named)).materials[0]) == repr(replace(by_name, name="steel"))
+
+
+def test_keys_beside_a_library_material_replace_its_own() -> None:
+    table = {"library": "numisheet93_mild_steel", "young": "190 GPa", "kinematic": KINEMATIC["kinematic"]}
+    model = build_model(ShellCase.model_validate(case(materials={"steel": table})))
+    steel = model.materials[0]
+    assert (steel.young, steel.hardening.law) == (190e3, "swift")
+    assert steel.kinematic is not None
+
+
+def test_a_users_material_file_lies_beside_the_case(tmp_path: Path) -> None:
+    text = (FOLDER / "numisheet93_mild_steel.toml").read_text("utf-8").replace("206 GPa", "201 GPa")
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    path = tmp_path / "strip.toml"
+    path.write_text(tomli_w.dumps(case(materials={"steel": {"library": "mine.toml"}})), encoding="utf-8")
+    read = read_case(path)
+    assert build_model(read).materials[0].young == 201e3
+    assert str(tmp_path / "mine.toml") in read.text, "the case that is kept with the results runs from anywhere"
+
+
 def test_a_rolled_rectangle_lies_on_its_cylinder() -> None:
     data = case()
     data["workpiece"]["mesh"] = {"size": [10, 6], "cells": [4, 6], "roll_radius": 5}
@@ -90,7 +146,17 @@ def changed(path: str, value: object) -> dict[str, Any]:
     ("workpiece.section.points", 1, ["workpiece.section.points", "2"]),
     ("workpiece.section", {"thickness": 1, "points": 4, "rule": "simpson"}, ["section.points", "odd", "take 5"]),
     ("workpiece.element", "quad4", ["workpiece.element", "shell4_mitc"]),
-    ("workpiece.material", "stel", ["workpiece.material", "did you mean", "steel"]),
+    ("workpiece.material", "stel", ["workpiece.material", "did you mean `steel`", "aa6016_t4"]),
+    ("workpiece.material", "aa6016", ["workpiece.material", "did you mean `aa6016_t4`"]),
+    ("materials", {"steel": {"library": "aa6016"}}, ["materials.steel.library", "did you mean `aa6016_t4`", ".toml"]),
+    ("materials", {"steel": {"library": "no.toml"}}, ["materials.steel.library", "no such", "check the path"]),
+    ("materials", {"steel": {"library": "aa6016_t4", "yung": 3}}, ["materials.steel.yung", "did you mean `young`"]),
+    ("materials", {"steel": {}}, ["materials.steel.young: missing key", "materials.steel.hardening: missing key"]),
+    ("materials.steel.kinematic", {"law": "chaboche", "C": [1] * 11, "gamma": [0] * 11},
+     ["materials.steel.kinematic.C", "at most 10"]),
+    ("materials.steel.kinematic", {"law": "chaboche", "C": [1], "gamma": [0, 1]},
+     ["materials.steel.kinematic.gamma", "as many as C"]),
+    ("materials.steel.kinematic", YOSHIDA, ["materials.steel.hardening", "without a modulus"]),
     ("boundary.end.set", "lft", ["boundary.end.set", "left"]),
     ("boundary.end.hold", "clampd", ["boundary.end.hold", "clamped"]),
     ("boundary.end.fix", ["z"], ["boundary.end.hold", "either hold or fix"]),
@@ -106,6 +172,15 @@ def test_bad_input_is_named(path, value, fragments) -> None:
         build_model(ShellCase.model_validate(changed(path, value)))
     for fragment in fragments:
         assert fragment in str(error.value)
+
+
+def test_arc_length_refuses_a_law_with_a_rate() -> None:
+    data = case(solver={"control": "arc_length"})
+    data["materials"]["steel"] |= {"rate": KINEMATIC["rate"]}
+    with pytest.raises(
+        CaseError, match=r"solver.control = \"arc_length\": .*no time passes, which materials.steel.rate"
+    ):
+        build_model(ShellCase.model_validate(data))
 
 
 @pytest.mark.parametrize(("held", "free"), [
