@@ -165,12 +165,29 @@ def changed(path: str, value: object) -> dict[str, Any]:
     ("stages.0.edge_force", [{"set": "all", "value": [0, 0, 1]}], ["stages.0.edge_force.0.set", "no such edge set"]),
     ("stages.0.rotation", [{"set": "right", "axis": "w", "angle": 3}], ["stages.0.rotation.0.axis", "x"]),
     ("stages.0.force", [], ["stages.0", "changes nothing"]),
+    ("workpiece.section", {"points": 5}, ["workpiece.section.thickness: missing key", "[mm]"]),
+    ("workpiece", {k: v for k, v in case()["workpiece"].items() if k != "section"},
+     ["workpiece.section: missing key", "thickness"]),
+    ("workpiece", {k: v for k, v in case()["workpiece"].items() if k != "material"},
+     ["workpiece.material: missing key", "[materials]"]),
+    ("stages.0.displacement", [{"set": "right", "component": "rx", "value": 1}],
+     ["stages.0.displacement.0.component = \"rx\"", "choices: x, y, z"]),
+    ("stages.0.force", [{"set": "right", "value": [0, 0, 1, 0, 0, 2]}], ["stages.0.force.0.value", "three values"]),
+    ("stages.0.force", [{"set": "right", "moment": [0, 0, "5 N*mm"]}],
+     ["stages.0.force.0.moment = [0.0, 0.0, 5.0]", "about the normal of the sheet", "in its plane"]),
+    ("stages.0.rotation", [{"set": "right", "axis": "z", "angle": 3}],
+     ["stages.0.rotation.0.axis = \"z\"", "about the normal of the sheet"]),
+    ("stages.0.pressure", [{"set": "left", "value": 1}],
+     ["stages.0.pressure.0.set = \"left\"", "no cell has all its nodes", "all"]),
+    ("boundary.end", {"set": "left", "fix": ["w"]}, ["boundary.end.fix.0 = \"w\"", "choices: rx, ry, rz, x, y, z"]),
     ("tools", {"punch": {}}, ["tools", "cannot touch a shell yet"]),
 ])  # fmt: skip
-def test_bad_input_is_named(path, value, fragments) -> None:
+def test_bad_input_is_named(tmp_path, path, value, fragments) -> None:
+    """Through the case file, whose name is in the message too."""
+    (tmp_path / "strip.toml").write_text(tomli_w.dumps(changed(path, value)), encoding="utf-8")
     with pytest.raises(CaseError) as error:
-        build_model(ShellCase.model_validate(changed(path, value)))
-    for fragment in fragments:
+        build_model(read_case(tmp_path / "strip.toml"))
+    for fragment in ["strip.toml", *fragments]:
         assert fragment in str(error.value)
 
 
@@ -210,6 +227,25 @@ def test_a_mesh_file_gives_a_folded_sheet(tmp_path: Path) -> None:
     model = with_mesh(tmp_path, points, [[0, 1, 4, 3], [1, 2, 5, 4]])
     assert model.mesh.points.shape == (6, 3)
     assert set(model.mesh.node_sets) >= {"left", "right", "all"}
+
+
+def test_sheets_that_meet_at_an_edge_have_a_director_each(tmp_path: Path) -> None:
+    """A T: flange and web meet along x = 1; a moment along the flange's normal then bends the web."""
+    points = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0], [1, 0, 1], [1, 1, 1]]
+    model = with_mesh(tmp_path, points, [[0, 1, 4, 3], [1, 2, 5, 4], [1, 6, 7, 4]])
+    procedure = ImplicitProcedure(model, threads=1)
+    assert len(procedure.mechanics.directors.vectors) == 8 + 2
+    for _ in procedure.advance():
+        pass
+    assert np.abs(procedure.state.displacement[6:, :3]).max() > 0.0
+
+
+def test_a_spike_is_refused_by_its_place(tmp_path: Path) -> None:
+    angle = np.arange(24) * np.pi / 12
+    radius = np.where(np.arange(24) % 2, 1.4, 1.0)
+    points = [[0, 0, 0], *np.column_stack([radius * np.cos(angle), radius * np.sin(angle), -5 * radius]).tolist()]
+    with pytest.raises(CaseError, match=r"workpiece.mesh.path.*no director can be defined at 1 nodes.*cut the tip off"):
+        with_mesh(tmp_path, points, [[0, 2 * i + 1, 2 * i + 2, (2 * i + 2) % 24 + 1] for i in range(12)])
 
 
 @pytest.mark.parametrize(("points", "fault"), [
