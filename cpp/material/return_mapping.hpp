@@ -248,7 +248,8 @@ struct Solver {
 
 }  // namespace return_mapping
 
-// Advance one point by a strain increment (shear engineering) over the time dt [s] (used by rate laws alone). softening
+// Advance one point by a strain increment (shear engineering) over the time dt [s] (used by rate laws alone; 0: they
+// answer elastically). softening
 // multiplies the flow stress (temperature; 1 without). eqps is the equivalent plastic strain, work-conjugate to the
 // yield function; history belongs to the kinematic law. tangent (N x N) may be null. Gives the lanes that failed; they
 // keep stress, eqps and history of the start.
@@ -260,7 +261,7 @@ Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Fl
   return_mapping::Solver<Yield, Kinematic, T> s{yield,   kinematic, flow_law,  {young, poisson},
                                                 history, eqps,      softening, dt};
   // 1. elastic predictor
-  T shifted[N], flow_n, slope_n, size(0.0);
+  T shifted[N], flow_n(0.0), slope_n, size(0.0);
   s.elastic.stiffness(strain, s.trial);
   if constexpr (Kinematic::active)
     kinematic.template total<N>(history, shifted);
@@ -271,12 +272,13 @@ Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Fl
     shifted[i] = s.trial[i] - shifted[i];
     size += shifted[i] * shifted[i];
   }
-  // 2. admissible?
+  // 2. admissible? In no time at all a law with a strain rate does not flow
+  const bool frozen = flow_law.rate.law != RateLaw::none && dt == 0.0;
   T f_trial = yield.value(shifted);
-  flow_law.evaluate(eqps, T(0.0), dt, softening, flow_n, slope_n);
+  if (!frozen) flow_law.evaluate(eqps, T(0.0), dt, softening, flow_n, slope_n);
   auto finite = size < T(1e200);
   auto plastic = both(f_trial > flow_n * T(1.0 + 1e-14), finite);
-  if (!any(plastic)) {
+  if (frozen || !any(plastic)) {
     for (int i = 0; i < N; ++i) stress[i] = select(finite, s.trial[i], stress[i]);
     if (tangent) s.elastic.matrix(tangent);
     return invert(finite);

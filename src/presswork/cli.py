@@ -198,9 +198,16 @@ def examples(
 
 
 @app.command()
-def schema() -> None:
+def schema(
+    kind: Annotated[
+        str | None, typer.Argument(help="solid or shell; none: all kinds of case.", show_default=False)
+    ] = None,
+) -> None:
     """Print the JSON schema of case files, for editors that complete them."""
-    typer.echo(json.dumps(json_schema(), indent=2))
+    try:
+        typer.echo(json.dumps(json_schema(kind), indent=2))
+    except CaseError as error:
+        raise _refuse(str(error)) from error
 
 
 add_commands(app)

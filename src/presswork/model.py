@@ -108,8 +108,26 @@ class YieldFunction:
 
 
 @dataclass(frozen=True)
+class Kinematic:
+    """Back stresses of a sheet; see docs/theory/sheet_material.md for the laws."""
+
+    law: Literal["chaboche", "yoshida_uemori"]
+    parameters: tuple[float, ...]
+    """chaboche: every C [MPa], then every gamma; yoshida_uemori: B, C, m, b, Rsat, h (stresses in MPa)."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Factor on the flow stress of a sheet by plastic strain rate."""
+
+    law: Literal["cowper_symonds", "johnson_cook", "logarithmic"]
+    parameters: tuple[float, float]
+    """cowper_symonds: D [1/s], q; johnson_cook, logarithmic: C, reference rate [1/s]."""
+
+
+@dataclass(frozen=True)
 class Material:
-    """Isotropic elasticity with von Mises plasticity, or, in a shell, with a yield function of its own."""
+    """Isotropic elasticity with von Mises plasticity, or, in a shell, with a sheet's laws beside."""
 
     name: str
     young: float
@@ -118,6 +136,10 @@ class Material:
     hardening: Hardening
     yield_function: YieldFunction | None = None
     """Of a shell, x along the rolling direction; None is von Mises."""
+    kinematic: Kinematic | None = None
+    rate: Rate | None = None
+    young_decrease: tuple[float, float] | None = None
+    """Young's modulus after large plastic strain [MPa], and the rate at which it gets there."""
 
 
 @dataclass(frozen=True)

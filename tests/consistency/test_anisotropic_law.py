@@ -233,3 +233,14 @@ def test_exchanging_r00_and_r90_turns_the_sheet_by_90_degrees(law) -> None:
     scale = other.evaluate(np.array([[0.0, 1.0, 0.0]]))[0]  # the flow stress belongs to the rolling direction
     stress = np.random.default_rng(7).standard_normal((50, 3))
     np.testing.assert_allclose(one.evaluate(turn(stress, np.pi / 2))[0] * scale, other.evaluate(stress)[0], rtol=1e-9)
+
+
+def test_in_no_time_a_law_with_a_rate_answers_elastically() -> None:
+    """So that a converged state can be evaluated again, without the relaxation that time would bring."""
+    strain = np.array([[0.05, 0.01, 0.02]])
+    stress, history = np.zeros((1, 3)), np.zeros((1, 1))
+    law = make_law(rate="cowper_symonds")
+    answer, kept, *_, failed = law.update(strain, stress, history, dt=0.0)
+    np.testing.assert_allclose(elastic_strain(answer), strain, rtol=1e-12)
+    assert not kept.any()
+    assert not failed.any()

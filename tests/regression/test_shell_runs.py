@@ -11,6 +11,7 @@ import pytest
 from presswork import Result
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
+from presswork.results.checkpoint import load_checkpoint
 from presswork.run import run_model
 from presswork.view.all_plots import plot_all
 
@@ -68,3 +69,65 @@ def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(tmp_path: Pat
     for name in whole.field_names:
         for other in ("two", "part"):
             np.testing.assert_array_equal(Result(tmp_path / other).field(name), whole.field(name))
+
+
+STRIP = """
+title = "a strip bent, flattened and let go"
+analysis = "shell"
+[workpiece]
+material = "sheet"
+element = "shell4_mitc"
+section = { thickness = 1.0, points = 7, rule = "lobatto" }
+mesh = { size = [20, 4], cells = [6, 2] }
+[materials.sheet]
+library = "%s"
+%s
+[boundary.grip]
+set = "left"
+hold = "clamped"
+[[stages]]
+name = "bend"
+duration = 0.1
+rotation = [{ set = "right", axis = "y", angle = 40 }]
+[[stages]]
+name = "flatten"
+duration = 0.1
+rotation = [{ set = "right", axis = "y", angle = -40 }]
+[[stages]]
+name = "release"
+[solver]
+initial_increment = 0.25
+max_increment = 0.25
+[output]
+steps = 1
+checkpoint_every = 1
+"""
+CHABOCHE = """
+kinematic = { law = "chaboche", C = [4000, 500], gamma = [20, 0] }
+rate = { law = "cowper_symonds", D = 40, q = 5 }
+young_decrease = { saturated = "160 GPa", rate = 60 }
+"""
+YOSHIDA_UEMORI = """
+hardening = { law = "linear", yield_stress = 150 }
+kinematic = { law = "yoshida_uemori", B = 300, C = 200, m = 12, b = 40, Rsat = 190, h = 0.4 }
+"""
+
+
+@pytest.mark.parametrize(("sheet", "laws"), [("numisheet93_mild_steel", CHABOCHE), ("aa6016_t4", YOSHIDA_UEMORI)])
+def test_back_stresses_and_rates_resume_to_the_same_bits(tmp_path: Path, sheet: str, laws: str) -> None:
+    """Stopped in the second stage, whose answer hangs on the back stresses of the first."""
+    (tmp_path / "strip.toml").write_text(STRIP % (sheet, laws), encoding="utf-8")
+    model = build_model(read_case(tmp_path / "strip.toml"))
+    assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
+
+    def stop(progress) -> None:
+        if progress.report.stage == "flatten":
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
+    assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
+    states = [load_checkpoint(tmp_path / name / "checkpoint.h5")[0] for name in ("whole", "part")]
+    back = states[0]["shells.history.0"][..., 1:4]
+    assert np.abs(back).max() > 5.0
+    for name, values in states[0].items():
+        np.testing.assert_array_equal(states[1][name], values, err_msg=name)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The case: schema, units, reading of case files, and the way from a case to the Model."""
 
-from presswork.case.builder import build_model
 from presswork.case.contact import Contact
 from presswork.case.describe import describe
 from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import HockettSherby, Linear, Ludwik, MonotoneTable, Swift, SwiftVoce, Table, Voce
+from presswork.case.kinds import build_model, json_schema, read_case
 from presswork.case.schema import (
     Boundary,
     Case,
@@ -17,7 +17,6 @@ from presswork.case.schema import (
     Stage,
     Tool,
     ToolMotion,
-    json_schema,
 )
 from presswork.case.settings import Output, Solver, Terms
 from presswork.case.shell import (
@@ -28,14 +27,13 @@ from presswork.case.shell import (
     ShellCase,
     ShellDisplacement,
     ShellForce,
-    ShellMaterial,
     ShellPressure,
     ShellRectangle,
     ShellRotation,
     ShellStage,
     ShellWorkpiece,
-    read_case,
 )
+from presswork.case.shell_material import ShellMaterial
 from presswork.case.workpiece import MeshFile, Rectangle, Workpiece, Zone
 
 __all__ = [

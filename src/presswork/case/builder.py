@@ -19,21 +19,13 @@ from presswork.case.hardening import build_hardening
 from presswork.case.reach import check_reach
 from presswork.case.references import check_references, check_sets
 from presswork.case.settings import build_output, build_solver
-from presswork.case.shell import ShellCase
-from presswork.case.shell_builder import build_shell_model
 from presswork.case.tools import build_tool, check_motions
 
 _AXES = ("x", "y")
 
 
-def build_model(case: schema.Case | ShellCase) -> model.Model:
-    """Build the Model of a case; raises CaseError with every problem of the first kind that is found.
-
-    The kinds are, in this order: names that do not exist and values that do not go together; the mesh; sets, supports
-    and tools that do not fit the workpiece.
-    """
-    if isinstance(case, ShellCase):
-        return build_shell_model(case)
+def build_solid_model(case: schema.Case) -> model.Model:
+    """Build the Model of a solid's case, as kinds.build_model says."""
     _stop_at(check_references(case), case)
     mesh, bodies = build_bodies(case)
     problems = check_sets(case, mesh)

@@ -74,11 +74,28 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
 
 
 def _describe_material(material: model.Material) -> str:
-    return (
-        f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}, "
-        f"{material.yield_function.law if material.yield_function else 'von Mises'}, "
-        f"{_describe_hardening(material.hardening)}"
-    )
+    parts = [f"E = {material.young:g} MPa", f"Poisson's ratio {material.poisson:g}"]
+    if material.young_decrease:
+        saturated, rate = material.young_decrease
+        parts[0] += f" falling to {saturated:g} MPa as exp(-{rate:g} e)"
+    parts += [material.yield_function.law if material.yield_function else "von Mises"]
+    parts += [_describe_hardening(material.hardening)]
+    if material.kinematic:
+        parts += [_describe_kinematic(material.kinematic)]
+    if material.rate:
+        a, b = material.rate.parameters
+        names = ("D", "q") if material.rate.law == "cowper_symonds" else ("C", "reference rate")
+        parts += [f"{material.rate.law} rate: {names[0]} = {a:g}, {names[1]} = {b:g}"]
+    return ", ".join(parts)
+
+
+def _describe_kinematic(kinematic: model.Kinematic) -> str:
+    p = kinematic.parameters
+    if kinematic.law == "chaboche":
+        pairs = zip(p[: len(p) // 2], p[len(p) // 2 :], strict=True)
+        return "back stresses " + " and ".join(f"C = {C:g} MPa, gamma = {gamma:g}" for C, gamma in pairs)
+    names = ("B", "C", "m", "b", "Rsat", "h")
+    return "Yoshida-Uemori " + ", ".join(f"{name} = {value:g}" for name, value in zip(names, p, strict=True))
 
 
 def _describe_hardening(hardening: model.Hardening) -> str:

@@ -7,9 +7,14 @@ import difflib
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 
-_NO_VALUE = object()
+
+class _Missing(Enum):
+    """What stands for no value: a member of an Enum is itself again after pickling."""
+
+    VALUE = "no value"
 
 
 @dataclass(frozen=True)
@@ -22,12 +27,12 @@ class Problem:
     """What the key wants, or what is wrong, in one clause."""
     remedy: str = ""
     """What to do about it."""
-    value: object = _NO_VALUE
+    value: object = _Missing.VALUE
     """The value given; left out when there is none."""
 
     def __str__(self) -> str:
         head = self.key
-        if self.value is not _NO_VALUE:
+        if self.value is not _Missing.VALUE:
             head = f"{head} = {format_value(self.value)}" if head else format_value(self.value)
         text = f"{head}: {self.expected}" if head else self.expected
         return f"{text}; {self.remedy}" if self.remedy else text
@@ -40,6 +45,10 @@ class CaseError(Exception):
         self.problems = tuple(problems)
         self.source = None if source is None else str(source)
         super().__init__(self._text())
+
+    def __reduce__(self) -> tuple[type[CaseError], tuple[tuple[Problem, ...], str | None]]:
+        """Pickle by problems and source, so that it passes from one process to another."""
+        return CaseError, (self.problems, self.source)
 
     def _text(self) -> str:
         where = self.source or "case"

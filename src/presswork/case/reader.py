@@ -140,6 +140,8 @@ def _expectation(kind: str, context: Mapping[str, Any], message: str) -> str:
     if kind == "too_short":
         least = context["min_length"]
         return f"expected at least {least} {'entry' if least == 1 else 'entries'}"
+    if kind == "too_long":
+        return f"expected at most {context['max_length']} entries"
     return f"expected otherwise: {message}"
 
 

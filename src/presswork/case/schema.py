@@ -336,7 +336,7 @@ class Case(Part):
         try:
             return handler(data)
         except ValidationError as error:
-            raise CaseError(list_problems(error, data, json_schema()), source) from None
+            raise CaseError(list_problems(error, data, _json_schema()), source) from None
 
     @classmethod
     def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
@@ -351,8 +351,7 @@ class Case(Part):
         apply_overrides(data, overrides, path)
         case = cls.model_validate(data, context={"source": path})
         case._source = path
-        files = [table for table, key in _tables_with_paths(data) if key in table]
-        case._text = write_as_run(data, path.parent) if overrides or files else text
+        case._text = write_as_run(data, path.parent) if overrides or names_files(data) else text
         return case
 
     @property
@@ -367,26 +366,27 @@ class Case(Part):
 
 
 def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
-    """Return the tables of a case that may name a file, each with the key that does."""
+    """Return the tables of a case that name a file, each with the key that does."""
     bodies = [data["workpiece"], *data.get("bodies", {}).values()]
-    tools = data.get("tools", {}).values()
-    return [*((body["mesh"], "path") for body in bodies), *((tool, "profile_file") for tool in tools)]
+    tables = [(body["mesh"], "path") for body in bodies]
+    tables += [(tool, "profile_file") for tool in data.get("tools", {}).values()]
+    tables += [(m, "library") for m in data.get("materials", {}).values() if m.get("library", "").endswith(".toml")]
+    return [(table, key) for table, key in tables if key in table]
+
+
+def names_files(data: dict[str, Any]) -> bool:
+    """Say whether a case names files, whose paths are relative to it."""
+    return bool(_tables_with_paths(data))
 
 
 def write_as_run(data: dict[str, Any], folder: Path) -> str:
     """Write a case so that it can be run from anywhere: overrides in it, files by their full paths."""
     data = copy.deepcopy(data)
     for table, key in _tables_with_paths(data):
-        if key in table:
-            table[key] = str((folder / table[key]).resolve())
+        table[key] = str((folder / table[key]).resolve())
     return tomli_w.dumps(data)
 
 
 @functools.cache
 def _json_schema() -> dict[str, Any]:
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Case.model_json_schema()}
-
-
-def json_schema() -> dict[str, Any]:
-    """Return the JSON schema of a case file, by which editors complete and check it."""
-    return dict(_json_schema())
+    return Case.model_json_schema()

@@ -9,21 +9,22 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from presswork import _core
+from presswork import _core, model
 from presswork.case.errors import CaseError, Problem
-from presswork.case.hardening import Hardening, Linear
+from presswork.case.hardening import Hardening, Linear, build_hardening
 from presswork.case.part import Part
 from presswork.case.reader import list_problems
-from presswork.case.sheet_laws import Chaboche, FormingLimit, Kinematic, RateLaw, YoshidaUemori, YoungDecrease
+from presswork.case.sheet_laws import FormingLimit, Kinematic, RateLaw, YoshidaUemori, YoungDecrease
 from presswork.case.units import Number, Stress, fault
-from presswork.case.yield_function import Hill1948, VonMisesYield, YieldFunction
+from presswork.case.yield_function import VonMisesYield, YieldFunction
+from presswork.sheet_law import make_sheet_law, make_solid_law
 
 _EARLY_STRAIN = 0.002
 """Plastic strain at which the flow stress must look like a metal's beside Young's modulus."""
 
 
-class SheetMaterial(Part):
-    """An elastic-plastic sheet in plane stress; x is the rolling direction."""
+class SheetLaws(Part):
+    """The laws of an elastic-plastic sheet in plane stress; x is the rolling direction."""
 
     young: Stress = Field(gt=0, description="Young's modulus [MPa]")
     poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, e.g. 0.3 for steel")
@@ -37,26 +38,7 @@ class SheetMaterial(Part):
     forming_limit: FormingLimit | None = Field(default=None, description="forming limit curve")
 
     @model_validator(mode="after")
-    def _check_sizes(self) -> Self:
-        """Refuse what only a mistaken unit makes: a modulus or a flow stress of no metal."""
-        if not 1e3 < self.young < 2e6:
-            raise fault(
-                f"Young's modulus is {self.young:g} MPa, that of no metal",
-                'plain numbers are MPa; with a unit: "206 GPa"',
-                key="young",
-            )
-        self._check_laws()
-        early = float(self.build_law().flow_stress(np.array([_EARLY_STRAIN]))[0][0])
-        if not 1e-4 < early / self.young < 0.1:
-            raise fault(
-                f"the flow stress at a plastic strain of {_EARLY_STRAIN:g} is {early:g} MPa, {early / self.young:.1e} "
-                "of Young's modulus",
-                "metals have 0.0005 to 0.02; plain numbers are MPa",
-                key="hardening",
-            )
-        return self
-
-    def _check_laws(self) -> None:
+    def _check_laws(self) -> Self:
         """Refuse laws that do not go together."""
         if isinstance(self.kinematic, YoshidaUemori):
             if not isinstance(self.hardening, Linear) or self.hardening.modulus != 0.0:
@@ -73,37 +55,55 @@ class SheetMaterial(Part):
                 )
         if self.young_decrease is not None and self.young_decrease.saturated > self.young:
             raise fault("the saturated modulus is above Young's modulus", "it falls", key="young_decrease")
+        return self
+
+    def to_model(self, name: str) -> model.Material:
+        """Return the Model's material."""
+        return model.Material(
+            name,
+            self.young,
+            self.poisson,
+            build_hardening(self.hardening),
+            yield_function=self.yield_function.to_model(),
+            kinematic=self.kinematic.to_model() if self.kinematic else None,
+            rate=self.rate.to_model() if self.rate else None,
+            young_decrease=(self.young_decrease.saturated, self.young_decrease.rate) if self.young_decrease else None,
+        )
 
     def build_law(self) -> _core.SheetLaw:
         """Return the compiled law of plane stress."""
-        return _core.SheetLaw(
-            self.young, self.poisson, self.yield_function.build(), *self._laws()[0], **self._laws()[1]
-        )
+        return make_sheet_law(self.to_model("sheet"))
 
     def build_solid_law(self) -> _core.SolidLaw:
         """Return the compiled law of three dimensions. Raises CaseError for a yield function of plane stress alone."""
-        if not isinstance(self.yield_function, VonMisesYield | Hill1948):
-            text = f"{self.yield_function.law} is a yield function of plane stress alone"
-            raise CaseError([Problem("yield_function.law", text, "take von_mises or hill1948")], "material")
-        parameters = self.yield_function.hill_parameters()
-        return _core.SolidLaw(self.young, self.poisson, parameters, *self._laws()[0], **self._laws()[1])
+        try:
+            return make_solid_law(self.to_model("sheet"))
+        except ValueError as error:
+            problem = Problem("yield_function.law", str(error), "take von_mises or hill1948")
+            raise CaseError([problem], "material") from None
 
-    def _laws(self) -> tuple[tuple[_core.HardeningLaw, list[float]], dict[str, Any]]:
-        """Return hardening, and the other laws by the names of the compiled law's arguments."""
-        chaboche = yoshida_uemori = None
-        if isinstance(self.kinematic, Chaboche):
-            chaboche = self.kinematic.build()
-        elif isinstance(self.kinematic, YoshidaUemori):
-            yoshida_uemori = self.kinematic.build(self.hardening.parameters()[0])
-        options = {
-            "rate": _core.RateLaw[self.rate.law] if self.rate else _core.RateLaw.none,
-            "rate_parameters": self.rate.parameters() if self.rate else (0.0, 1.0),
-            "chaboche": chaboche,
-            "yoshida_uemori": yoshida_uemori,
-            "young_saturated": self.young_decrease.saturated if self.young_decrease else 0.0,
-            "young_rate": self.young_decrease.rate if self.young_decrease else 0.0,
-        }
-        return (_core.HardeningLaw[self.hardening.law], self.hardening.parameters()), options
+
+class SheetMaterial(SheetLaws):
+    """The laws of a named sheet, whose numbers must look like a metal's."""
+
+    @model_validator(mode="after")
+    def _check_sizes(self) -> Self:
+        """Refuse what only a mistaken unit makes: a modulus or a flow stress of no metal."""
+        if not 1e3 < self.young < 2e6:
+            raise fault(
+                f"Young's modulus is {self.young:g} MPa, that of no metal",
+                'plain numbers are MPa; with a unit: "206 GPa"',
+                key="young",
+            )
+        early = float(self.build_law().flow_stress(np.array([_EARLY_STRAIN]))[0][0])
+        if not 1e-4 < early / self.young < 0.1:
+            raise fault(
+                f"the flow stress at a plastic strain of {_EARLY_STRAIN:g} is {early:g} MPa, {early / self.young:.1e} "
+                "of Young's modulus",
+                "metals have 0.0005 to 0.02; plain numbers are MPa",
+                key="hardening",
+            )
+        return self
 
 
 @functools.cache

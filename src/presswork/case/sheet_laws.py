@@ -10,16 +10,21 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from presswork import _core
+from presswork import model
 from presswork.case.part import Part
 from presswork.case.units import Length, Number, Stress, fault
+
+MOST_BACK_STRESSES = 10
+"""For which a layer of a shell has room."""
 
 
 class Chaboche(Part):
     """Back stresses that each grow by C and fade by gamma; gamma 0 is the linear law of Prager and Ziegler."""
 
     law: Literal["chaboche"] = "chaboche"
-    C: tuple[Stress, ...] = Field(min_length=1, description="growth of each back stress [MPa]")
+    C: tuple[Stress, ...] = Field(
+        min_length=1, max_length=MOST_BACK_STRESSES, description="growth of each back stress [MPa]"
+    )
     gamma: tuple[Number, ...] = Field(min_length=1, description="fading of each; C/gamma is what it saturates at")
 
     @model_validator(mode="after")
@@ -33,9 +38,9 @@ class Chaboche(Part):
                 raise fault("expected values >= 0", "a back stress that shrinks by itself has no meaning", key=name)
         return self
 
-    def build(self) -> _core.Chaboche:
-        """Return the compiled law."""
-        return _core.Chaboche(self.C, self.gamma)
+    def to_model(self) -> model.Kinematic:
+        """Return the Model's back stresses."""
+        return model.Kinematic(self.law, (*self.C, *self.gamma))
 
 
 class YoshidaUemori(Part):
@@ -49,9 +54,9 @@ class YoshidaUemori(Part):
     Rsat: Stress = Field(ge=0, description="saturation of the bounding surface's growth [MPa]")
     h: Number = Field(ge=0, le=1, description="how fast the stagnation surface grows")
 
-    def build(self, yield_stress: float) -> _core.YoshidaUemori:
-        """Return the compiled law."""
-        return _core.YoshidaUemori(Y=yield_stress, B=self.B, C=self.C, m=self.m, b=self.b, Rsat=self.Rsat, h=self.h)
+    def to_model(self) -> model.Kinematic:
+        """Return the Model's back stresses."""
+        return model.Kinematic(self.law, (self.B, self.C, self.m, self.b, self.Rsat, self.h))
 
 
 class CowperSymonds(Part):
@@ -61,9 +66,9 @@ class CowperSymonds(Part):
     D: Number = Field(gt=0, description="plastic strain rate at which the flow stress doubles [1/s]")
     q: Number = Field(ge=1, description="exponent")
 
-    def parameters(self) -> tuple[float, float]:
-        """Return the two parameters of the compiled law."""
-        return self.D, self.q
+    def to_model(self) -> model.Rate:
+        """Return the Model's rate law."""
+        return model.Rate(self.law, (self.D, self.q))
 
 
 class JohnsonCookRate(Part):
@@ -73,9 +78,9 @@ class JohnsonCookRate(Part):
     C: Number = Field(ge=0, description="sensitivity")
     reference_rate: Number = Field(gt=0, description="plastic strain rate of the hardening law [1/s]")
 
-    def parameters(self) -> tuple[float, float]:
-        """Return the two parameters of the compiled law."""
-        return self.C, self.reference_rate
+    def to_model(self) -> model.Rate:
+        """Return the Model's rate law."""
+        return model.Rate(self.law, (self.C, self.reference_rate))
 
 
 class LogarithmicRate(Part):
@@ -85,9 +90,9 @@ class LogarithmicRate(Part):
     C: Number = Field(ge=0, description="sensitivity")
     reference_rate: Number = Field(gt=0, description="plastic strain rate from which it is felt [1/s]")
 
-    def parameters(self) -> tuple[float, float]:
-        """Return the two parameters of the compiled law."""
-        return self.C, self.reference_rate
+    def to_model(self) -> model.Rate:
+        """Return the Model's rate law."""
+        return model.Rate(self.law, (self.C, self.reference_rate))
 
 
 class YoungDecrease(Part):

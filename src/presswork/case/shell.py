@@ -8,7 +8,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
 
 from presswork import model
 from presswork.case import schema
@@ -16,6 +24,7 @@ from presswork.case.errors import CaseError
 from presswork.case.part import Part
 from presswork.case.reader import apply_overrides, list_problems, read_toml
 from presswork.case.settings import Output, Solver
+from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.units import (
     Angle,
     BodyForceVector,
@@ -28,7 +37,6 @@ from presswork.case.units import (
     fault,
 )
 from presswork.case.workpiece import MeshFile, Rectangle
-from presswork.case.yield_function import VonMisesYield, YieldFunction
 
 Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
 FREEDOMS: tuple[Freedom, ...] = ("x", "y", "z", "rx", "ry", "rz")
@@ -79,18 +87,12 @@ def _assume_rectangle(mesh: object) -> object:
 class ShellWorkpiece(Part):
     """The sheet that is formed."""
 
-    material: str = Field(description="name of one of the [materials]")
+    material: str = Field(description="name of one of the [materials], or of the library")
     element: model.ShellElement = Field(description="element formulation")
     section: Section = Field(description="thickness and the points through it")
     mesh: Annotated[ShellRectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
         description="the mesh of the mid-surface"
     )
-
-
-class ShellMaterial(schema.Material):
-    """Isotropic elasticity with plasticity of a sheet; x, laid into the sheet, is the rolling direction."""
-
-    yield_function: YieldFunction = Field(default=VonMisesYield(), description="yield function; without it: von Mises")
 
 
 class ShellBoundary(Part):
@@ -180,7 +182,7 @@ class ShellCase(Part):
     title: str = Field(description="what the case shows, in one line")
     analysis: Literal["shell"] = Field(description="shell")
     workpiece: ShellWorkpiece = Field(description="the sheet that is formed")
-    materials: dict[str, ShellMaterial] = Field(min_length=1, description="materials by name")
+    materials: dict[str, ShellMaterial] = Field(default={}, description="materials by name")
     boundary: dict[str, ShellBoundary] = Field(default={}, description="supports and symmetry planes by name")
     stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
@@ -191,18 +193,21 @@ class ShellCase(Part):
 
     @model_validator(mode="before")
     @classmethod
-    def _refuse_tools(cls, data: Any) -> Any:
-        if isinstance(data, dict) and "tools" in data:
+    def _prepare(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        if "tools" in data:
             raise fault("tools cannot touch a shell yet", "move its edges, or load it", key="tools")
-        return data
+        return add_library_materials(data)
 
     @model_validator(mode="wrap")
     @classmethod
-    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        source = info.context.get("source") if isinstance(info.context, dict) else None
         try:
             return handler(data)
         except ValidationError as error:
-            raise CaseError(list_problems(error, data, shell_json_schema()), None) from None
+            raise CaseError(list_problems(error, data, _json_schema()), source) from None
 
     @classmethod
     def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
@@ -210,14 +215,9 @@ class ShellCase(Part):
         path = Path(path)
         data, text = read_toml(path)
         apply_overrides(data, overrides, path)
-        try:
-            case = cls.model_validate(data)
-        except CaseError as error:
-            raise CaseError(error.problems, path) from None
+        case = cls.model_validate(data, context={"source": path})
         case._source = path
-        case._text = (
-            schema.write_as_run(data, path.parent) if overrides or "path" in data["workpiece"]["mesh"] else text
-        )
+        case._text = schema.write_as_run(data, path.parent) if overrides or schema.names_files(data) else text
         return case
 
     @property
@@ -232,15 +232,5 @@ class ShellCase(Part):
 
 
 @functools.cache
-def shell_json_schema() -> dict[str, Any]:
-    """Return the JSON schema of a shell's case file."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **ShellCase.model_json_schema()}
-
-
-def read_case(path: str | Path, overrides: Sequence[str] = ()) -> schema.Case | ShellCase:
-    """Read and validate a case file of either kind, by its `analysis`. Raises CaseError with every problem found."""
-    path = Path(path)
-    data, _ = read_toml(path)
-    apply_overrides(data, overrides, path)
-    kind = ShellCase if data.get("analysis") == "shell" else schema.Case
-    return kind.from_toml(path, overrides)
+def _json_schema() -> dict[str, Any]:
+    return ShellCase.model_json_schema()

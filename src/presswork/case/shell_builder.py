@@ -7,20 +7,25 @@ import logging
 from math import radians
 from pathlib import Path
 
-from presswork import model
+import numpy as np
+
+from presswork import _core, model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.grid import grid_lines
-from presswork.case.hardening import build_hardening
+from presswork.case.library import list_keys
 from presswork.case.references import check_set_names
 from presswork.case.settings import build_output, build_solver
 from presswork.case.shell import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile
-from presswork.case.yield_function import Barlat1989, Hill1948, VonMisesYield, YieldFunction
 from presswork.mesh import MeshError
+from presswork.mesh.directors import find_directors
 from presswork.mesh.shells import mesh_shell_rectangle, read_shell_mesh
 
 logger = logging.getLogger(__name__)
+
+_ALONG = 1e-6
+"""Part of a moment, or sine of an axis, across the directors below which it does nothing."""
 
 
 def build_shell_model(case: ShellCase) -> model.Model:
@@ -28,22 +33,14 @@ def build_shell_model(case: ShellCase) -> model.Model:
     _stop_at(_check_names(case), case)
     mesh = _build_mesh(case)
     _stop_at(_check_sets(case, mesh), case)
+    _stop_at(_check_freedoms(case, mesh), case)
     solver = build_solver(case.solver, with_coulomb=False, is_shell=True)
     return model.Model(
         title=case.title,
         analysis="shell",
         depth=1.0,
         mesh=mesh,
-        materials=tuple(
-            model.Material(
-                name,
-                material.young,
-                material.poisson,
-                build_hardening(material.hardening),
-                build_yield_function(material.yield_function),
-            )
-            for name, material in case.materials.items()
-        ),
+        materials=tuple(material.to_model(name) for name, material in case.materials.items()),
         tools=(),
         supports=tuple(entry.build() for entry in case.boundary.values()),
         stages=tuple(_build_stage(stage) for stage in case.stages),
@@ -63,7 +60,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
     problems = []
     piece = case.workpiece
     if piece.material not in case.materials:
-        remedy = suggest(piece.material, case.materials, "materials")
+        remedy = suggest(piece.material, [*case.materials, *list_keys()], "materials, of the case and of the library")
         problems.append(Problem("workpiece.material", "no such material", remedy, piece.material))
     if isinstance(piece.mesh, MeshFile):
         try:
@@ -76,6 +73,11 @@ def _check_names(case: ShellCase) -> list[Problem]:
             if stage.displacement or stage.rotation:
                 fault, remedy = "arc length follows loads, not prescribed displacements", 'take control = "load"'
                 problems.append(Problem("solver.control", f"{fault} (stages.{index})", remedy, "arc_length"))
+        for name, material in case.materials.items():
+            if material.rate is not None:
+                fault = f"along a path that arc length follows no time passes, which materials.{name}.rate needs"
+                remedy = 'take control = "load", or the material without rate'
+                problems.append(Problem("solver.control", fault, remedy, "arc_length"))
     names = [stage.name for stage in case.stages]
     loaded = False
     for index, stage in enumerate(case.stages):
@@ -99,6 +101,42 @@ def _check_sets(case: ShellCase, mesh: model.Mesh) -> list[Problem]:
             uses += [(f"stages.{index}.{kind}.{row}.set", e.set, False) for row, e in enumerate(getattr(stage, kind))]
         uses += [(f"stages.{index}.edge_force.{row}.set", e.set, True) for row, e in enumerate(stage.edge_force)]
     return check_set_names(uses, mesh)
+
+
+def _check_freedoms(case: ShellCase, mesh: model.Mesh) -> list[Problem]:
+    """Return the loads that find nothing to act on: pressure where no cell is, turning about the sheet's normal.
+
+    The normal is that of the undeformed sheet, so turning is judged in the first stage alone.
+    """
+    problems = []
+    for index, stage in enumerate(case.stages):
+        for row, pressure in enumerate(stage.pressure):
+            inside = np.zeros(len(mesh.points), dtype=bool)
+            inside[mesh.node_sets[pressure.set]] = True
+            if not any(inside[block.connectivity].all(axis=1).any() for block in mesh.blocks):
+                fault, remedy = "no cell has all its nodes in the set", "name one that covers cells, for instance all"
+                problems.append(Problem(f"stages.{index}.pressure.{row}.set", fault, remedy, pressure.set))
+    first = case.stages[0]
+    turns = [(f"force.{row}.moment", e.set, e.moment) for row, e in enumerate(first.force) if any(e.moment)]
+    axes = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    turns += [(f"rotation.{row}.axis", e.set, axes[e.axis]) for row, e in enumerate(first.rotation) if e.angle]
+    if not turns:
+        return problems
+    slopes = [_core.shell_shape(block.element)[3] for block in mesh.blocks]
+    directors = find_directors(mesh.points, mesh.blocks, slopes, mesh.normals)
+    for key, name, turn in turns:
+        own = np.isin(directors.node, mesh.node_sets[name]) & directors.smooth[directors.node]
+        across = np.linalg.norm(np.cross(directors.vectors[own], turn), axis=1)
+        if (
+            own.any()
+            and np.isin(mesh.node_sets[name], directors.node[own]).all()
+            and (across < _ALONG * np.linalg.norm(turn)).all()
+        ):
+            fault = "acts about the normal of the sheet, and its nodes have no rotation about that"
+            remedy = "turn the sheet by forces or displacements in its plane"
+            value: object = list(turn) if key.endswith("moment") else first.rotation[int(key.split(".")[1])].axis
+            problems.append(Problem(f"stages.0.{key}", fault, remedy, value))
+    return problems
 
 
 def _build_mesh(case: ShellCase) -> model.Mesh:
@@ -127,17 +165,6 @@ def _build_mesh(case: ShellCase) -> model.Mesh:
     for note in notes:
         logger.warning("workpiece.mesh.path = %s: %s", piece.mesh.path, note)
     return mesh
-
-
-def build_yield_function(chosen: YieldFunction) -> model.YieldFunction | None:
-    """Return the Model's yield function; None for von Mises."""
-    if isinstance(chosen, VonMisesYield):
-        return None
-    if isinstance(chosen, Hill1948):
-        return model.YieldFunction("hill1948", chosen.hill_parameters())
-    if isinstance(chosen, Barlat1989):
-        return model.YieldFunction("barlat1989", chosen.coefficients(), chosen.exponent)
-    return model.YieldFunction("yld2000", tuple(chosen.alpha), chosen.exponent)
 
 
 def _build_stage(stage: ShellStage) -> model.Stage:

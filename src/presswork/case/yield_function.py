@@ -13,14 +13,17 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from presswork import _core
+from presswork import _core, model
 from presswork.case.part import Part
 from presswork.case.units import Number, fault
 from presswork.model import FloatArray
+from presswork.sheet_law import make_yield_function
 
 RValue = Annotated[Number, Field(gt=0, lt=100, description="width strain over thickness strain in tension")]
 Exponent = Annotated[Literal[6, 8], Field(description="exponent of the yield function: 6 for steel, 8 for aluminium")]
 Ratio = Annotated[Number, Field(gt=0, description="yield stress over that along the rolling direction")]
+_R_VALUE = "width strain over thickness strain in tension at {} degrees from the rolling direction"
+_RATIO = "yield stress {} over that along the rolling direction"
 
 
 class VonMisesYield(Part):
@@ -28,25 +31,24 @@ class VonMisesYield(Part):
 
     law: Literal["von_mises"] = "von_mises"
 
-    def hill_parameters(self) -> tuple[float, ...]:
-        """Return Hill's F, G, H, L, M, N."""
-        return (0.5, 0.5, 0.5, 1.5, 1.5, 1.5)
+    def to_model(self) -> None:
+        """Return what stands for von Mises in the Model."""
 
     def build(self) -> _core.YieldFunction:
         """Return the compiled function."""
-        return _core.YieldFunction.hill1948(self.hill_parameters())
+        return make_yield_function(None)
 
 
 class Hill1948(Part):
     """Hill's quadratic yield function, from r-values or from yield stresses."""
 
     law: Literal["hill1948"] = "hill1948"
-    r00: RValue | None = None
-    r45: RValue | None = None
-    r90: RValue | None = None
-    stress_45: Ratio | None = None
-    stress_90: Ratio | None = None
-    stress_biaxial: Ratio | None = None
+    r00: RValue | None = Field(default=None, description=_R_VALUE.format(0))
+    r45: RValue | None = Field(default=None, description=_R_VALUE.format(45))
+    r90: RValue | None = Field(default=None, description=_R_VALUE.format(90))
+    stress_45: Ratio | None = Field(default=None, description=_RATIO.format("at 45 degrees"))
+    stress_90: Ratio | None = Field(default=None, description=_RATIO.format("at 90 degrees"))
+    stress_biaxial: Ratio | None = Field(default=None, description=_RATIO.format("in equibiaxial tension"))
     L: Number = Field(default=1.5, gt=0, description="parameter of the shear yz, in three dimensions")
     M: Number = Field(default=1.5, gt=0, description="parameter of the shear zx, in three dimensions")
 
@@ -78,9 +80,13 @@ class Hill1948(Part):
         F, G, H = 0.5 * (y + z - x), 0.5 * (x + z - y), 0.5 * (x + y - z)
         return (F, G, H, self.L, self.M, 0.5 * (4 * self.stress_45**-2 - z))
 
+    def to_model(self) -> model.YieldFunction:
+        """Return the Model's yield function."""
+        return model.YieldFunction("hill1948", self.hill_parameters())
+
     def build(self) -> _core.YieldFunction:
         """Return the compiled function."""
-        return _core.YieldFunction.hill1948(self.hill_parameters())
+        return make_yield_function(self.to_model())
 
 
 class Barlat1989(Part):
@@ -112,9 +118,13 @@ class Barlat1989(Part):
 
         return a, c, h, float(brentq(miss, 1e-2, 1e2, xtol=1e-14, rtol=1e-14))
 
+    def to_model(self) -> model.YieldFunction:
+        """Return the Model's yield function."""
+        return model.YieldFunction("barlat1989", self.coefficients(), self.exponent)
+
     def build(self) -> _core.YieldFunction:
         """Return the compiled function."""
-        return _core.YieldFunction.barlat1989(*self.coefficients(), self.exponent)
+        return make_yield_function(self.to_model())
 
 
 class Yld2000(Part):
@@ -129,9 +139,13 @@ class Yld2000(Part):
         check_surface(self.build(), "alpha")
         return self
 
+    def to_model(self) -> model.YieldFunction:
+        """Return the Model's yield function."""
+        return model.YieldFunction("yld2000", self.alpha, self.exponent)
+
     def build(self) -> _core.YieldFunction:
         """Return the compiled function."""
-        return _core.YieldFunction.yld2000(self.alpha, self.exponent)
+        return make_yield_function(self.to_model())
 
 
 YieldFunction = Annotated[VonMisesYield | Hill1948 | Barlat1989 | Yld2000, Field(discriminator="law")]

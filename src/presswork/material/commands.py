@@ -14,6 +14,7 @@ import typer
 from rich.console import Console
 
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.library import find_sheet, list_sheets
 from presswork.case.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
 from presswork.material.build import build_curve
@@ -26,7 +27,6 @@ from presswork.material.identify import (
     fit_r_value,
     identify_yld2000,
 )
-from presswork.material.library import find_sheet, list_sheets
 from presswork.material.sheet_plot import draw_sheet
 from presswork.material.tensile import TensileTest, read_tensile
 

@@ -88,6 +88,7 @@ def find_directors(
 
     slopes: of each block's shape functions at its nodes, see cell_normals. normals: exact unit normals at the nodes
     (n_points, 3), where they are known; they replace the means where the sheet is smooth.
+    Raises MeshError for cells that have no normal, and for nodes where no director can be defined.
     """
     found = [cell_normals(points, b.connectivity, s).reshape(-1, 3) for b, s in zip(blocks, slopes, strict=True)]
     weighted = np.concatenate(found)
@@ -130,6 +131,7 @@ def find_directors(
         smooth[folded] = (np.abs(np.array(directions) @ directions[0]) > np.cos(PARALLEL)).all()
     result = np.concatenate(vectors)
     nodes = np.concatenate(owner)
+    _check_defined(points, node, (result[index] * unit).sum(axis=1))
     if normals is not None:
         exact = normals[nodes] * np.sign((normals[nodes] * result).sum(axis=1))[:, None]
         result = np.where(smooth[nodes][:, None], exact, result)
@@ -139,6 +141,21 @@ def find_directors(
         for part, b in zip(np.split(index, ends), blocks, strict=True)
     ]
     return Directors(np.ascontiguousarray(result), nodes.astype(np.int32), of_cell, smooth)
+
+
+def _check_defined(points: FloatArray, node: IntArray, cosine: FloatArray) -> None:
+    """Refuse a director far off the normals of its own cells: at the tip of a spike they leave no direction between.
+
+    cosine: of the angle between every cell's normal at each of its nodes and its director there.
+    """
+    lost = np.unique(node[~(cosine > np.cos(WARPED))])
+    if len(lost):
+        x, y, z = points[lost[0]]
+        raise MeshError(
+            f"no director can be defined at {len(lost)} nodes, the first at ({x:.6g}, {y:.6g}, {z:.6g}): cells meet "
+            f"there in a tip, and their normals lie more than {np.degrees(WARPED):.0f} degrees off their mean",
+            "cut the tip off, or round it with smaller cells",
+        )
 
 
 def _ring_neighbours(connectivity: IntArray) -> IntArray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.mesh.checks import MeshError, check_connected
-from presswork.mesh.directors import cell_normals
+from presswork.mesh.directors import find_directors
 from presswork.mesh.readers import build_sets, read_raw, take_cells
 from presswork.mesh.structured import Pattern, mesh_rectangle
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges
@@ -60,11 +60,11 @@ def read_shell_mesh(
     points, number = drop_unused_points(space, [cells])
     cells = number[cells].astype(np.int32)
     check_connected(points, cells, most=8)
-    cell_normals(points, cells, _core.shell_shape(element)[3])
     boundary = find_boundary_edges([cells])
     node_sets, edge_sets = build_sets(raw, number, points, boundary)
     notes = []
     if len(points) < len(space):
         notes.append(f"{len(space) - len(points)} nodes belong to no cell: they were left out")
     block = CellBlock(element, cells, material, section)
+    find_directors(points, [block], [_core.shell_shape(element)[3]])  # refuses cells and nodes without
     return Mesh(points, (block,), node_sets, edge_sets, boundary), tuple(notes)

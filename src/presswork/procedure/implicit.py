@@ -15,7 +15,7 @@ import numpy as np
 from presswork import _core
 from presswork.model import Body, BoolArray, FloatArray, Model, Stage, ToolMotion
 from presswork.procedure.contact import Contact
-from presswork.procedure.mechanics import make_mechanics, plastic_work_of_increment
+from presswork.procedure.mechanics import make_mechanics
 from presswork.procedure.newton import Equilibrium
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
 from presswork.procedure.supports import NotHeldError, check_shell_held
@@ -250,9 +250,10 @@ class ImplicitProcedure:
         if self.model.contacts:  # what friction between bodies takes
             forces = self.state.interface_force + trial.interface_force
             trial.work[0] += 0.5 * float((forces * trial.increment).sum())
-        trial.work[1] += plastic_work_of_increment(self.mechanics, self.state, trial)
+        dt = self.model.stages[stage].duration * (fraction - fraction_n)
+        trial.work[1] += self.mechanics.plastic_work(self.state, trial, dt)
         p = trial.progress
-        p[TIME] += self.model.stages[stage].duration * (fraction - fraction_n)
+        p[TIME] += dt
         p[INCREMENTS] += 1
         p[ITERATIONS] += len(log)
         p[CUTBACKS] += cutbacks

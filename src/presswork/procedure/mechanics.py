@@ -137,9 +137,11 @@ class Mechanics:
         return NOISE * max(m.young for m in model.materials) * size * thickness
 
     def evaluate(
-        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool
+        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 0.0
     ) -> FloatArray | TurnedInsideOut:
         """Return the internal nodal force (n_points, 2) [N] after `increment` (n_points, 2) [mm] from state_n.
+
+        dt: time of the increment, which no law of a solid knows.
 
         Fills the trial state's stress, history and volumes and, if asked, the element stiffnesses. Does not touch
         state_n.
@@ -237,11 +239,10 @@ class Mechanics:
             total += float((density * volume).sum())
         return total
 
-
-def plastic_work_of_increment(mechanics: Mechanics | ShellMechanics, state_n: State, trial: State) -> float:
-    """Return the plastic work of one increment [N mm], by the trapezoidal rule on the flow stress."""
-    total = 0.0
-    for i in range(len(trial.eqps)):
-        mean_flow = 0.5 * (mechanics.flow_stress(i, state_n.eqps[i]) + mechanics.flow_stress(i, trial.eqps[i]))
-        total += float((mean_flow * (trial.eqps[i] - state_n.eqps[i]) * trial.volume[i]).sum())
-    return total
+    def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
+        """Return the plastic work of one increment [N mm], by the trapezoidal rule on the flow stress."""
+        total = 0.0
+        for i in range(len(trial.eqps)):
+            mean_flow = 0.5 * (self.flow_stress(i, state_n.eqps[i]) + self.flow_stress(i, trial.eqps[i]))
+            total += float((mean_flow * (trial.eqps[i] - state_n.eqps[i]) * trial.volume[i]).sum())
+        return total

@@ -219,7 +219,8 @@ class Equilibrium:
     def _evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
     ) -> _Point | BadGuess:
-        internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness)
+        dt = self._model.stages[step.stage].duration * (step.fraction - step.fraction_n)
+        internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
         if isinstance(internal, BadGuess):
             return internal
         loads = self._mechanics.apply_loads(state_n, increment, step.stage, step.fraction)

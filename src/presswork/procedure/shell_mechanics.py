@@ -10,8 +10,9 @@ import numpy as np
 
 from presswork import _core
 from presswork.mesh.directors import Directors, find_directors
-from presswork.model import FloatArray, MaskArray, Material, Model, YieldFunction
+from presswork.model import FloatArray, MaskArray, Model
 from presswork.procedure.loads import AppliedLoads
+from presswork.procedure.shell_energy import elastic_energy, plastic_work
 from presswork.procedure.shell_loads import ShellLoads
 from presswork.procedure.supports import Supports
 from presswork.procedure.thickness_rule import thickness_rule
@@ -23,6 +24,7 @@ from presswork.results.shell_fields import (
     shell_cell_fields,
     shell_point_fields,
 )
+from presswork.sheet_law import make_sheet_law
 from presswork.state import ShellArrays, State
 
 UPRIGHT = 0.99
@@ -46,29 +48,6 @@ class ShellFailed:
 
     def __str__(self) -> str:
         return f"cell {self.cell} of block {self.block} {REASONS[self.fault]}"
-
-
-def make_yield_function(chosen: YieldFunction | None) -> _core.YieldFunction:
-    """Return the compiled yield function: von Mises if none is chosen."""
-    if chosen is None:
-        return _core.YieldFunction.hill1948((0.5, 0.5, 0.5, 1.5, 1.5, 1.5))
-    if chosen.law == "hill1948":
-        return _core.YieldFunction.hill1948(chosen.parameters)
-    if chosen.law == "barlat1989":
-        a, c, h, p = chosen.parameters
-        return _core.YieldFunction.barlat1989(a, c, h, p, chosen.exponent)
-    return _core.YieldFunction.yld2000(chosen.parameters, chosen.exponent)
-
-
-def make_sheet_law(material: Material) -> _core.SheetLaw:
-    """Return the compiled law of a sheet in plane stress."""
-    return _core.SheetLaw(
-        material.young,
-        material.poisson,
-        make_yield_function(material.yield_function),
-        _core.HardeningLaw[material.hardening.law],
-        [float(p) for p in material.hardening.parameters],
-    )
 
 
 def find_model_directors(model: Model) -> Directors:
@@ -158,10 +137,11 @@ class ShellMechanics:
         return np.stack([(first * axis).sum(axis=2), (first * np.cross(normal, axis)).sum(axis=2)], axis=2)
 
     def evaluate(
-        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 1.0
+        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 0.0
     ) -> FloatArray | ShellFailed:
         """Return the internal nodal force (n_points, 6) [N, N mm] after `increment` (n_points, 6) from state_n.
 
+        dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically.
         Fills the trial state's stress, history, thickness and volumes and, if asked, the element stiffnesses. Does not
         touch state_n.
         """
@@ -285,22 +265,11 @@ class ShellMechanics:
 
     def elastic_energy(self, state: State) -> float:
         """Return the energy stored elastically [N mm], transverse shear included."""
-        total = 0.0
-        points = self._model.mesh.points + state.displacement[:, :3]
-        for i, block in enumerate(self._model.mesh.blocks):
-            material = self._model.materials[block.material]
-            sxx, syy, sxy = np.moveaxis(state.stress[i], -1, 0)
-            density = (sxx**2 + syy**2 - 2 * material.poisson * sxx * syy) / (2 * material.young)
-            density += (1 + material.poisson) * sxy**2 / material.young
-            total += float((density * state.volume[i]).sum())
-            _, slopes, weights, _ = _core.shell_shape(block.element)
-            base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
-            metric = np.einsum("cqji,cqki->cqjk", base, base)
-            area = np.sqrt(np.linalg.det(metric))
-            shear = state.shells.shear[i]
-            stiffness = 5 / 6 * material.young / (2 * (1 + material.poisson)) * state.shells.thickness[i] * area
-            total += float((np.einsum("cqj,cqjk,cqk->cq", shear, metric, shear) * weights / (2 * stiffness)).sum())
-        return total
+        return elastic_energy(self._model, state)
+
+    def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
+        """Return the plastic work of one increment over dt [s] [N mm]."""
+        return plastic_work(self._model, self._laws, state_n, trial, dt)
 
 
 def _arrays_of(state: State, block: int) -> list[FloatArray]:

@@ -94,3 +94,18 @@ def test_known_normals_replace_the_means_but_at_folds() -> None:
 def test_a_cell_without_a_normal_is_refused() -> None:
     with pytest.raises(MeshError, match="no area at a corner"):
         find([[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+
+
+@pytest.mark.parametrize(("height", "refused"), [(1.0, False), (4.0, True)])
+def test_the_tip_of_a_spike_has_no_director(height, refused) -> None:
+    """Twelve cells round a cone whose flanks stand at 45 or 76 degrees: each is within 40 degrees of the next."""
+    angle = np.arange(24) * np.pi / 12
+    radius = np.where(np.arange(24) % 2, 1.4, 1.0)
+    points = [[0, 0, 0], *np.column_stack([radius * np.cos(angle), radius * np.sin(angle), -height * radius])]
+    cells = [[0, 2 * i + 1, 2 * i + 2, (2 * i + 2) % 24 + 1] for i in range(12)]
+    if refused:
+        with pytest.raises(MeshError, match=r"no director can be defined at 1 nodes, the first at \(0, 0, 0\)"):
+            find(points, cells)
+        return
+    found = find(points, cells)
+    np.testing.assert_allclose(found.vectors[found.node == 0], [[0, 0, 1]], atol=1e-12)

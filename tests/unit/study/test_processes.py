@@ -17,7 +17,7 @@ def test_dead_process_is_told_with_its_last_words_and_the_others_go_on(tmp_path,
     assert {e.member for e in events if isinstance(e, Started)} == {0, 1}
     ends = {e.member: e for e in events if isinstance(e, Ended)}
     assert ends[0].status == "failed"
-    assert "AttributeError" in ends[0].reason
+    assert "TypeError: expected a case, not a str" in ends[0].reason
     assert ends[1].status == "completed"
 
 

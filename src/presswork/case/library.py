@@ -18,7 +18,7 @@ from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.reader import read_toml
 from presswork.case.sheet import SheetMaterial, check_sheet_material
 
-FOLDER = Path(__file__).parent / "data"
+FOLDER = Path(__file__).parents[1] / "material" / "data"
 
 
 @dataclass(frozen=True)
@@ -43,13 +43,18 @@ def list_sheets() -> list[NamedSheet]:
     return [read_sheet(path) for path in sorted(FOLDER.glob("*.toml"))]
 
 
-def find_sheet(name: str) -> NamedSheet:
-    """Read a material that ships by its key, or a user's file by its path. Raises CaseError."""
+def list_keys() -> list[str]:
+    """Return the names of the materials that ship."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def find_sheet(name: str, folder: Path | None = None) -> NamedSheet:
+    """Read a material that ships by its key, or a user's file by its path, from `folder` on. Raises CaseError."""
     if name.endswith(".toml"):
-        return read_sheet(Path(name))
-    keys = [path.stem for path in FOLDER.glob("*.toml")]
-    if name not in keys:
-        problem = Problem("", f"`{name}` is no material of the library", suggest(name, keys, "materials"))
+        return read_sheet((folder or Path()) / name)
+    if name not in list_keys():
+        remedy = f"{suggest(name, list_keys(), 'materials')}; or the path of a file of your own, which ends with .toml"
+        problem = Problem("", f"`{name}` is no material of the library", remedy)
         raise CaseError([problem], "materials")
     return read_sheet(FOLDER / f"{name}.toml")
 

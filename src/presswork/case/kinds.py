@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The kinds of case, told apart by `analysis`: how each is read, built into a Model, and described to editors.
+
+A new kind is an entry of KINDS: its class needs `analysis`, a Literal of words that no other kind has, and `from_toml`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic.json_schema import models_json_schema
+
+from presswork import model
+from presswork.case import schema
+from presswork.case.builder import build_solid_model
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.reader import apply_overrides, read_toml
+from presswork.case.shell import ShellCase
+from presswork.case.shell_builder import build_shell_model
+
+AnyCase = schema.Case | ShellCase
+
+KINDS: dict[str, tuple[type[AnyCase], Callable[[Any], model.Model]]] = {
+    "solid": (schema.Case, build_solid_model),
+    "shell": (ShellCase, build_shell_model),
+}
+"""Case class and builder by the name that `presswork schema` knows."""
+
+
+def analyses_of(kind: type[AnyCase]) -> tuple[str, ...]:
+    """Return the values of `analysis` that make a case of this kind."""
+    return get_args(kind.model_fields["analysis"].annotation)
+
+
+def read_case(path: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
+    """Read and validate a case file of any kind, by its `analysis`. Raises CaseError with every problem found."""
+    path = Path(path)
+    data, _ = read_toml(path)
+    apply_overrides(data, overrides, path)
+    kinds = {word: kind for kind, _ in KINDS.values() for word in analyses_of(kind)}
+    analysis = data.get("analysis")
+    if isinstance(analysis, str) and analysis not in kinds:
+        raise CaseError([Problem("analysis", "unknown choice", suggest(analysis, kinds), analysis)], path)
+    return kinds.get(str(analysis), schema.Case).from_toml(path, overrides)
+
+
+def build_model(case: AnyCase) -> model.Model:
+    """Build the Model of a case of any kind; raises CaseError with every problem of the first kind that is found.
+
+    The kinds of problem are, in this order: names that do not exist and values that do not go together; the mesh; sets,
+    supports and tools that do not fit the workpiece.
+    """
+    for kind, build in KINDS.values():
+        if isinstance(case, kind):
+            return build(case)
+    raise TypeError(f"expected a case, not a {type(case).__name__}")
+
+
+def json_schema(kind: str | None = None) -> dict[str, Any]:
+    """Return the JSON schema of case files, by which editors complete and check them.
+
+    Without a kind: of all, told apart by `analysis`. Raises CaseError for a kind that there is not.
+    """
+    if kind is not None and kind not in KINDS:
+        raise CaseError([Problem("", f"`{kind}` is no kind of case", suggest(kind, KINDS, "kinds"))], "schema")
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    if kind is not None:
+        return {**head, **KINDS[kind][0].model_json_schema()}
+    references, common = models_json_schema([(case, "validation") for case, _ in KINDS.values()])
+    branches = [references[case, "validation"] for case, _ in KINDS.values()]
+    mapping = {
+        word: branch["$ref"]
+        for (case, _), branch in zip(KINDS.values(), branches, strict=True)
+        for word in analyses_of(case)
+    }
+    tag = {"propertyName": "analysis", "mapping": mapping}
+    return {**head, "title": "presswork case", "oneOf": branches, "discriminator": tag, **common}

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The material of a sheet in a case: its laws given there, or taken from the library or from a material file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, GetJsonSchemaHandler, ValidationInfo, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
+
+from presswork.case.errors import CaseError
+from presswork.case.library import find_sheet, list_keys
+from presswork.case.sheet import SheetLaws
+from presswork.case.units import fault
+
+
+class ShellMaterial(SheetLaws):
+    """Laws of an elastic-plastic sheet; x, laid into the sheet, is the rolling direction."""
+
+    library: str | None = Field(
+        default=None,
+        description='name of a material of the library, or "my_steel.toml", a material file beside the case; keys '
+        "given beside it replace its own",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_from_library(cls, data: Any, info: ValidationInfo) -> Any:
+        if not (isinstance(data, dict) and isinstance(data.get("library"), str)):
+            return data
+        source = info.context.get("source") if isinstance(info.context, dict) else None
+        try:
+            sheet = find_sheet(data["library"], Path(source).parent if source else None)
+        except CaseError as error:
+            said = "; ".join(f"{problem}" for problem in error.problems)
+            raise fault(said, "`presswork materials` lists the library", key="library") from None
+        return {**sheet.material.model_dump(), **data}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Require the laws only where no library gives them."""
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        required = schema.pop("required", [])
+        schema["if"], schema["else"] = {"required": ["library"]}, {"required": required}
+        return schema
+
+
+def add_library_materials(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a case's data in which a workpiece's material that only the library knows is among the materials."""
+    piece, materials = data.get("workpiece"), data.get("materials", {})
+    name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
+    if not isinstance(materials, Mapping) or not isinstance(name, str) or name in materials or name not in list_keys():
+        return dict(data)
+    return {**data, "materials": {**materials, name: {"library": name}}}
