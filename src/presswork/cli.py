@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import signal
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -22,8 +22,6 @@ from presswork.run import NotHeldError, Outcome, check_start, run_model
 from presswork.run import Progress as RunProgress
 from presswork.study.commands import add_commands
 
-CUT_EDGE = 0.25
-"""Part of the shortest boundary edge by which a tool may cut into an edge without a warning."""
 BAD_INPUT, GAVE_UP, INTERRUPTED = 2, 3, 130
 
 app = typer.Typer(
@@ -96,39 +94,18 @@ def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads:
         task = bar.add_task(model.title, total=1.0)
 
         def show(progress: RunProgress) -> None:
-            report = progress.report
-            tools = "  ".join(
-                f"{name} {tool.stroke:.2f} mm {tool.force / 1e3:.1f} kN"
-                for name, tool in progress.tools.items()
-                if tool.stroke
-            )
-            text = f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
-            bar.update(task, completed=progress.fraction, description=text)
+            bar.update(task, completed=progress.fraction, description=progress.text)
 
         outcome = run_model(model, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=show)
     s = outcome.result.summary
-    for warning in _warn(s) if outcome.status == "completed" else []:
+    for warning in s["warnings"] if outcome.status == "completed" else []:
         console.print(f"warning: {warning}", style="yellow", markup=False)
     if not quiet:
         console.print(
-            f"{s['increments']} increments, {s['iterations']} iterations, {s['cutbacks']} cut-backs, "
-            f"{s['wall_seconds']['total']:.1f} s; results in {folder}",
+            f"{s['work']}, {s['wall_seconds']['total']:.1f} s; results in {folder}",
             markup=False,
         )
     return outcome
-
-
-def _warn(summary: dict[str, Any]) -> list[str]:
-    """Return what a user should know of a run that came to its end."""
-    contact = summary["contact"]
-    warnings = [f"the tool {tool} never touched the workpiece" for tool in contact["tools_never_touched"]]
-    depth, edge = contact["largest_edge_penetration_mm"], contact["shortest_edge_mm"]
-    if depth > CUT_EDGE * edge:
-        warnings.append(
-            f"a tool has cut {depth:.3g} mm into an edge between two nodes (the shortest has {edge:.3g} mm): contact "
-            "is at nodes, refine the mesh where tools are curved or narrow"
-        )
-    return warnings
 
 
 def _draw(

@@ -5,7 +5,8 @@ import pytest
 
 from presswork import Case, build_model
 from presswork.model import SolverSettings, TangentTerms
-from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
+from presswork.procedure.implicit import ImplicitProcedure
+from presswork.procedure.recording import GaveUpError
 
 THESIS = {"tangent": "thesis", "max_iterations": 60}
 CHANGES = {

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from presswork import Case, CaseError, build_model
-from presswork.procedure.implicit import GaveUpError, ImplicitProcedure, NotHeldError
+from presswork.procedure.implicit import ImplicitProcedure, NotHeldError
+from presswork.procedure.recording import GaveUpError
 from presswork.procedure.tool_quantities import measure_tools
 
 WIDTH, HEIGHT, DEPTH = 10.0, 6.0, 2.0

@@ -14,7 +14,8 @@ from test_shell_large_rotation import TABLES, lines
 
 from presswork.model import Model
 from presswork.procedure.arc_length import ArcLengthProcedure
-from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
+from presswork.procedure.implicit import ImplicitProcedure
+from presswork.procedure.recording import GaveUpError
 
 
 def hinged_roof(thickness: float, n: int, **solver: object) -> Model:

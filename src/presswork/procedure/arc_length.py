@@ -22,13 +22,13 @@ from presswork.procedure.implicit import (
     SIZE,
     STAGE,
     TIME,
-    GaveUpError,
     ImplicitProcedure,
     IncrementReport,
 )
 from presswork.procedure.linear_solver import SolverError
 from presswork.procedure.loads import AppliedLoads
 from presswork.procedure.outcome import IterationLog
+from presswork.procedure.recording import GaveUpError
 from presswork.procedure.shell_mechanics import ShellFailed, ShellMechanics
 from presswork.state import State
 

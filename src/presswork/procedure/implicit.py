@@ -18,6 +18,7 @@ from presswork.procedure.contact import Contact
 from presswork.procedure.mechanics import make_mechanics
 from presswork.procedure.newton import Equilibrium
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
+from presswork.procedure.recording import GaveUpError
 from presswork.procedure.supports import NotHeldError, check_shell_held
 from presswork.procedure.timing import Timing
 from presswork.state import State
@@ -28,10 +29,6 @@ SMALLEST = 10.0
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
 TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
-
-
-class GaveUpError(Exception):
-    """No increment, however small, could be solved; the converged state is kept."""
 
 
 @dataclass(frozen=True)

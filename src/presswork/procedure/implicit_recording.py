@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is recorded of an implicit run: rows, fields and the summary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.model import Mesh, Model, ToolMotion
+from presswork.procedure.arc_length import ArcLengthProcedure
+from presswork.procedure.implicit import (
+    CUTBACKS,
+    FRACTION,
+    INCREMENTS,
+    ITERATIONS,
+    STAGE,
+    TIME,
+    ImplicitProcedure,
+    IncrementReport,
+)
+from presswork.procedure.penetration import Penetration
+from presswork.procedure.recording import Meta, Row, Snapshot
+from presswork.procedure.tool_quantities import ToolQuantities, measure_tools
+from presswork.results import history_columns
+
+CUT_EDGE = 0.25
+"""Part of the shortest boundary edge by which a tool may cut into an edge without a warning."""
+
+
+class ImplicitRecording:
+    """An implicit procedure at work on one model."""
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        by_arc = model.solver.control == "arc_length"
+        self.model = model
+        self.procedure = (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads)
+        self.timing = self.procedure.timing
+        self.turning = [
+            t.name for t in model.tools if any(s.tool_motion.get(t.name, ToolMotion()).turn for s in model.stages)
+        ]
+        self.penetration = Penetration()
+        self._tools: dict[str, ToolQuantities] = {}
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.model.title
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed mesh."""
+        return self.model.mesh
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return history_columns([t.name for t in self.model.tools], self.turning, [c.name for c in self.model.contacts])
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Increments between checkpoints."""
+        return self.model.output.checkpoint_every
+
+    @property
+    def number(self) -> int:
+        """Increments so far."""
+        return int(self.procedure.state.progress[INCREMENTS])
+
+    def advance(self) -> Iterator[IncrementReport]:
+        """Compute increment after increment. Raises GaveUpError."""
+        return self.procedure.advance()
+
+    def remaining(self) -> float:
+        """Return the part of the whole process that is still to be computed."""
+        return self.procedure.remaining()
+
+    def begin_log(self) -> str:
+        """Name the linear solver."""
+        return f"linear solver: {self.procedure.equilibrium.solver.name}"
+
+    def log_lines(self, report: IncrementReport) -> list[str]:
+        """Say how the increment was found."""
+        lines = [f"increment {report.number} cut back: {reason}" for reason in report.cutbacks]
+        log = report.log
+        return [
+            *lines,
+            f"increment {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(log)} iterations, "
+            f"residuals {' '.join(f'{r:.1e}' for r in log.residual)}, "
+            f"corrections {' '.join(f'{c:.1e}' for c in log.correction)}, contact changes {sum(log.contact_changes)}",
+        ]
+
+    def progress_text(self, report: IncrementReport) -> str:
+        """Name stage and increment, and the tools that have moved."""
+        tools = "  ".join(
+            f"{name} {tool.stroke:.2f} mm {tool.force / 1e3:.1f} kN"
+            for name, tool in self._tools.items()
+            if tool.stroke
+        )
+        return f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
+
+    def row(self, report: IncrementReport) -> Row:
+        """Return the row of the history."""
+        self.penetration.note(self.model, self.procedure.contact, self.procedure.state)
+        self._tools = measure_tools(self.procedure, self._stage())
+        row: Row = {
+            "time": report.time,
+            "stage": report.stage,
+            "increment": report.number,
+            "iterations": len(report.log),
+        }
+        for name, tool in self._tools.items():
+            row[f"{name}.stroke"], row[f"{name}.force"] = tool.stroke, tool.force
+            row[f"{name}.force_x"], row[f"{name}.force_y"] = (float(f) for f in tool.vector)
+            row[f"{name}.force_z"] = 0.0
+            if name in self.turning:
+                row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
+        for name, (force_x, force_y) in self.procedure.contact_forces().items():
+            row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
+        return row
+
+    def _stage(self) -> int:
+        """The stage that the converged state belongs to."""
+        progress = self.procedure.state.progress
+        stage = int(progress[STAGE])
+        return stage - 1 if progress[FRACTION] == 0.0 and stage > 0 else stage
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the converged state."""
+        procedure, model = self.procedure, self.model
+        state = procedure.state
+        forces = procedure.contact.forces(state, procedure.equilibrium.fixed(self._stage()))
+        return Snapshot(
+            time=float(state.progress[TIME]),
+            point_data=procedure.mechanics.point_fields(state, forces, procedure.interface_stress()),
+            cell_data=procedure.mechanics.cell_fields(state),
+            tools={t.name: t.segments for t in model.tools},
+            tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
+            tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
+            tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.tools)},
+            info={
+                "title": model.title,
+                "analysis": model.analysis,
+                "depth": model.depth,
+                "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
+                "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
+            },
+        )
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return the converged state."""
+        return self.procedure.state.to_arrays()
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+        """Take up a converged state."""
+        self.procedure.state.load_arrays(arrays)
+
+    def meta(self) -> Meta:
+        """Return what the summary needs and no array holds."""
+        return {
+            "initial_volume": self.procedure.initial_volume,
+            "node_penetration": self.penetration.node,
+            "edge_penetration": self.penetration.edge,
+        }
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+        self.penetration = Penetration(float(meta["node_penetration"]), float(meta["edge_penetration"]))
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes, volume, contact and energies."""
+        procedure, model = self.procedure, self.model
+        state = procedure.state
+        elastic_volume = procedure.mechanics.elastic_dilatation(state)
+        volume, initial = procedure.volume(), procedure.initial_volume
+        extremes = procedure.mechanics.extremes(state)
+        contact = {
+            "tolerance_mm": procedure.contact.tolerance,
+            "largest_node_penetration_mm": self.penetration.node,
+            "largest_edge_penetration_mm": self.penetration.edge,
+            "shortest_edge_mm": self._shortest_edge(),
+            "tools_never_touched": find_never_touched([t.name for t in model.tools], history),
+        }
+        increments, iterations, cutbacks = (int(state.progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS))
+        return {
+            "increments": increments,
+            "iterations": iterations,
+            "cutbacks": cutbacks,
+            "work": f"{increments} increments, {iterations} iterations, {cutbacks} cut-backs",
+            "freedoms": procedure.mechanics.freedoms * len(model.mesh.points),
+            "extremes": {name: [float(v.min()), float(v.max())] for name, v in extremes.items()},
+            "volume": {
+                "initial_mm3": initial,
+                "final_mm3": volume,
+                "change_percent": 100 * (volume / initial - 1),
+                "elastic_part_percent": 100 * elastic_volume / initial,
+            },
+            "contact": contact,
+            "energy": procedure.energy_balance(),
+            "linear_solver": procedure.equilibrium.solver.name,
+            "warnings": _warn(contact),
+        }
+
+    def _shortest_edge(self) -> float:
+        edges, points = self.model.mesh.boundary_edges, self.model.mesh.points
+        return float(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).min(initial=np.inf))
+
+
+def _warn(contact: Mapping[str, Any]) -> list[str]:
+    """Return what a user should know of contact with tools."""
+    warnings = [f"the tool {tool} never touched the workpiece" for tool in contact["tools_never_touched"]]
+    depth, edge = contact["largest_edge_penetration_mm"], contact["shortest_edge_mm"]
+    if depth > CUT_EDGE * edge:
+        warnings.append(
+            f"a tool has cut {depth:.3g} mm into an edge between two nodes (the shortest has {edge:.3g} mm): contact "
+            "is at nodes, refine the mesh where tools are curved or narrow"
+        )
+    return warnings
+
+
+def find_never_touched(tools: list[str], history: Mapping[str, NDArray[Any]]) -> list[str]:
+    """Return the tools that no force of the workpiece has ever reached."""
+    return [name for name in tools if not any(np.any(history[f"{name}.force_{axis}"]) for axis in "xyz")]

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What run.py asks of a procedure to record, stop and resume it. Implicit and explicit procedures both answer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.model import FloatArray, Mesh
+from presswork.procedure.timing import Timing
+
+Row = dict[str, float | int | str]
+Meta = dict[str, float | int | str]
+
+
+class GaveUpError(Exception):
+    """The procedure cannot go on; the state of the last report is kept."""
+
+
+class Report(Protocol):
+    """One step forward, after which there is something to record."""
+
+    @property
+    def number(self) -> int:
+        """Counted from 1."""
+
+    @property
+    def is_save_point(self) -> bool:
+        """Whether fields are saved here."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """What is saved of an instant, in the form of results.append_step."""
+
+    time: float
+    """[s]"""
+    point_data: Mapping[str, FloatArray]
+    cell_data: Mapping[str, FloatArray]
+    info: Mapping[str, str | float]
+    tools: Mapping[str, FloatArray] = field(default_factory=dict)
+    tool_centre: Mapping[str, FloatArray] = field(default_factory=dict)
+    tool_displacement: Mapping[str, FloatArray] = field(default_factory=dict)
+    tool_angle: Mapping[str, float] = field(default_factory=dict)
+
+
+class Recording(Protocol):
+    """A procedure at work on one model."""
+
+    timing: Timing
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed mesh."""
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Reports between checkpoints."""
+
+    @property
+    def number(self) -> int:
+        """Reports so far."""
+
+    def advance(self) -> Iterator[Report]:
+        """Go on from the present state; a state can be recorded at each yield. Raises GaveUpError."""
+
+    def remaining(self) -> float:
+        """Return the part of the whole process that is still to be computed; 0 at its end."""
+
+    def begin_log(self) -> str:
+        """Return the line that begins the log."""
+
+    def log_lines(self, report: Any) -> list[str]:
+        """Return what the log says of a report."""
+
+    def progress_text(self, report: Any) -> str:
+        """Return a line for who waits."""
+
+    def row(self, report: Any) -> Row:
+        """Return the row of the history."""
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state."""
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array that the next report depends on."""
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+
+    def meta(self) -> Meta:
+        """Return the numbers that a checkpoint keeps beside the arrays."""
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what summary.json says beyond status and wall time; "warnings" lists what a user should know."""
