@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes from files: gmsh .msh and VTK .vtk/.vtu through meshio, Abaqus/CalculiX .inp, I-DEAS .unv through pyuff.
+"""Meshes from files: gmsh .msh, VTK .vtk/.vtu and STL through meshio, Abaqus/CalculiX .inp, I-DEAS .unv through pyuff.
 
 Whatever the format, what is read first is a RawMesh; the rest of the way to the Mesh is the same for all.
 """
@@ -76,6 +76,7 @@ def read_raw(path: Path) -> RawMesh:
         ".vtu": _read_vtu,
         ".inp": read_abaqus,
         ".unv": read_ideas,
+        ".stl": _read_stl,
     }
     reader = readers.get(path.suffix.lower())
     if reader is None:
@@ -128,6 +129,17 @@ def _read_vtu(path: Path) -> RawMesh:
     import meshio
 
     return _from_meshio(_read_quietly(meshio.vtu.read, path))
+
+
+def _read_stl(path: Path) -> RawMesh:
+    import meshio
+
+    content = path.read_bytes()
+    is_binary = len(content) == 84 + 50 * int.from_bytes(content[80:84], "little")
+    if not is_binary and b"endsolid" not in content[-200:]:
+        raise MeshError("the file is cut short: it does not end as STL does", "write it again from the CAD program")
+    with np.errstate(over="ignore"):  # the library takes text for a count, to see that it is none
+        return _from_meshio(_read_quietly(meshio.stl.read, path))
 
 
 def _read_quietly(read: Callable[[str], Any], path: Path) -> Any:
