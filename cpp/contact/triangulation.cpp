@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Triangles and their pseudonormals, and the search for the nearest; the tree is made in triangulation_tree.cpp.
 #include "contact/triangulation.hpp"
 
 #if defined(__AVX__)
@@ -14,15 +15,13 @@
 #include <string>
 #include <utility>
 
+#include "contact/vectors.hpp"
+
 namespace presswork::contact {
 
 namespace {
 
-double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-void cross(const double a[3], const double b[3], double c[3]) {
-  c[0] = a[1] * b[2] - a[2] * b[1], c[1] = a[2] * b[0] - a[0] * b[2], c[2] = a[0] * b[1] - a[1] * b[0];
-}
+constexpr int none = std::numeric_limits<int>::max();  // triangle
 
 // A directed edge of a triangle under its undirected name.
 struct HalfEdge {
@@ -30,15 +29,10 @@ struct HalfEdge {
   bool along;  // from low to high
 };
 
-template <class V>
-V larger(V a, V b) {
-  return a > b ? a : b;
-}
-
-// Bits of the lanes that are no larger than the bound.
+// Bits of the lanes below the bound; empty lanes are infinite.
 template <class V>
 unsigned lanes_within(V values, float bound) {
-  const auto mask = values <= bound;
+  const auto mask = values < bound;
 #if defined(__AVX__)
   return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask));
 #else
@@ -81,7 +75,9 @@ Triangulation::Triangulation(int n_points, const double* points, int n, const in
     }
   std::vector<std::int32_t> order(n);
   std::iota(order.begin(), order.end(), 0);
+  leaf_of_.resize(n);
   root_ = build(order.data(), n, boxes);
+  set_surroundings(boxes);
 }
 
 void Triangulation::set_triangles() {
@@ -159,83 +155,6 @@ void Triangulation::set_pseudonormals() {
     }
 }
 
-// A node or leaf over n triangles of `order`; children are filled to the brim, parts split across their longest side.
-std::int32_t Triangulation::build(std::int32_t* order, int n, const std::vector<float>& boxes) {
-  if (n <= width) return -1 - make_leaf(order, n);
-  int capacity = width;  // of a child
-  while (capacity * width < n) capacity *= width;
-  const auto index = static_cast<std::int32_t>(nodes_.size());
-  nodes_.emplace_back();
-  std::vector<std::pair<int, int>> parts{{0, n}};
-  for (std::size_t i = 0; i < parts.size();) {
-    const auto [from, to] = parts[i];
-    if (to - from <= capacity) {
-      ++i;
-      continue;
-    }
-    float low[3], high[3];
-    for (int k = 0; k < 3; ++k) {
-      low[k] = std::numeric_limits<float>::infinity(), high[k] = -low[k];
-      for (int j = from; j < to; ++j) {
-        const float middle = boxes[6 * order[j] + k] + boxes[6 * order[j] + 3 + k];
-        low[k] = std::min(low[k], middle), high[k] = std::max(high[k], middle);
-      }
-    }
-    int k = 0;
-    for (int other = 1; other < 3; ++other)
-      if (high[other] - low[other] > high[k] - low[k]) k = other;
-    const int children = (to - from + capacity - 1) / capacity, cut = from + (children / 2) * capacity;
-    std::nth_element(order + from, order + cut, order + to, [&](int a, int b) {
-      const float at_a = boxes[6 * a + k] + boxes[6 * a + 3 + k], at_b = boxes[6 * b + k] + boxes[6 * b + 3 + k];
-      return at_a != at_b ? at_a < at_b : a < b;
-    });
-    parts[i] = {from, cut};
-    parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(i) + 1, {cut, to});
-  }
-  for (int c = 0; c < width; ++c) {
-    constexpr float far = std::numeric_limits<float>::infinity();
-    for (int k = 0; k < 3; ++k) nodes_[index].low[k][c] = far, nodes_[index].high[k][c] = -far;
-    if (c >= static_cast<int>(parts.size())) continue;
-    const auto [from, to] = parts[c];
-    for (int j = from; j < to; ++j)
-      for (int k = 0; k < 3; ++k) {
-        nodes_[index].low[k][c] = std::min<float>(nodes_[index].low[k][c], boxes[6 * order[j] + k]);
-        nodes_[index].high[k][c] = std::max<float>(nodes_[index].high[k][c], boxes[6 * order[j] + 3 + k]);
-      }
-    const std::int32_t child = build(order + from, to - from, boxes);
-    nodes_[index].child[c] = child;
-  }
-  return index;
-}
-
-std::int32_t Triangulation::make_leaf(const std::int32_t* triangles, int n) {
-  Leaf leaf{};
-  for (int c = 0; c < width; ++c) {
-    leaf.triangle[c] = c < n ? triangles[c] : -1;
-    if (c >= n) {  // infinitely far
-      leaf.plane[0][3][c] = std::numeric_limits<float>::infinity();
-      continue;
-    }
-    const Triangle& t = triangles_[triangles[c]];
-    double planes[4][3], on[4][3], side[3];
-    for (int k = 0; k < 3; ++k) {
-      planes[0][k] = t.normal[k], side[k] = t.edge[1][k] - t.edge[0][k];
-      on[0][k] = on[1][k] = on[3][k] = t.at[k] - origin_[k];
-      on[2][k] = on[0][k] + t.edge[0][k];
-    }
-    cross(t.edge[0], t.normal, planes[1]);
-    cross(side, t.normal, planes[2]);
-    cross(t.normal, t.edge[1], planes[3]);
-    for (int p = 0; p < 4; ++p) {
-      const double length = std::sqrt(dot(planes[p], planes[p]));
-      for (int k = 0; k < 3; ++k) leaf.plane[p][k][c] = static_cast<float>(planes[p][k] / length);
-      leaf.plane[p][3][c] = static_cast<float>(-dot(planes[p], on[p]) / length);
-    }
-  }
-  leaves_.push_back(leaf);
-  return static_cast<std::int32_t>(leaves_.size()) - 1;
-}
-
 // Take the triangle if it is nearer than what is known, or as near with a lower number.
 void Triangulation::measure(int t, const double x[3], Near& near) const {
   const Triangle& tri = triangles_[t];
@@ -266,45 +185,62 @@ void Triangulation::measure(int t, const double x[3], Near& near) const {
     point[k] = v * tri.edge[0][k] + w * tri.edge[1][k];
     off2 += (d[k] - point[k]) * (d[k] - point[k]);
   }
+  off2 = feature == 0 ? height * height : std::max(off2, height * height);  // as above: no order may matter
   if (off2 > near.distance2 || (off2 == near.distance2 && t > near.triangle)) return;
   near.distance2 = off2, near.triangle = t, near.feature = feature;
   for (int k = 0; k < 3; ++k) near.point[k] = tri.at[k] + point[k];
 }
 
-void Triangulation::descend(const double x[3], int hint, Near& near) const {
+void Triangulation::measure_leaf(int index, const float at[3], const double x[3], Near& near, float& bound) const {
+  const Leaf& leaf = leaves_[index];
+  Floats off[4];
+  for (int p = 0; p < 4; ++p)
+    off[p] = leaf.plane[p][0] * at[0] + leaf.plane[p][1] * at[1] + leaf.plane[p][2] * at[2] + leaf.plane[p][3];
+  const Floats beyond = larger(larger(off[1], off[2]), larger(off[3], Floats{}));
+  unsigned within = lanes_within(off[0] * off[0] + beyond * beyond, bound);
+  for (; within != 0; within &= within - 1) measure(leaf.triangle[std::countr_zero(within)], x, near);
+  bound = widen(near.distance2);
+}
+
+void Triangulation::search(const double x[3], int hint, Near& near) const {
   float at[3];
   for (int k = 0; k < 3; ++k) at[k] = static_cast<float>(x[k] - origin_[k]);
-  // single precision takes less than p, the padding, from a distance d: (d + p)^2 < (1 + e) d^2 + (1 + 1/e) p^2
-  const float least = 1001.0f * padding_ * padding_;
-  auto widen = [&](double distance2) { return static_cast<float>(distance2) * 1.001f + least; };
+  float bound = widen(near.distance2);
+  if (hint >= 0 && hint < static_cast<int>(triangles_.size())) {
+    const int home = leaf_of_[hint];
+    measure(hint, x, near);
+    bound = widen(near.distance2);
+    measure_leaf(home, at, x, near, bound);
+    const Around& around = around_[home];
+    const float around2 = near.triangle == none ? std::numeric_limits<float>::infinity() : 4.0f * bound;
+    if (around2 < around.distance2[Around::packs]) {
+      for (int p = 0; p < Around::packs && around.distance2[p] <= around2; ++p) {
+        const Node& pack = around.pack[p];
+        for (unsigned within = lanes_within(distance2_to(pack, at, at), bound); within != 0; within &= within - 1)
+          measure_leaf(-1 - pack.child[std::countr_zero(within)], at, x, near, bound);
+      }
+      return;
+    }
+  }
+  descend(at, x, near, bound);
+}
+
+void Triangulation::descend(const float at[3], const double x[3], Near& near, float& bound) const {
   struct Entry {
     std::int32_t node;
     float distance2;
   } stack[128];
   int count = 0;
   stack[count++] = {root_, 0.0f};
-  float bound = widen(near.distance2);
   while (count > 0) {
     const Entry entry = stack[--count];
     if (entry.distance2 > bound) continue;
     if (entry.node < 0) {
-      const Leaf& leaf = leaves_[-1 - entry.node];
-      Floats off[4];
-      for (int p = 0; p < 4; ++p)
-        off[p] = leaf.plane[p][0] * at[0] + leaf.plane[p][1] * at[1] + leaf.plane[p][2] * at[2] + leaf.plane[p][3];
-      const Floats beyond = larger(larger(off[1], off[2]), larger(off[3], Floats{}));
-      const Floats distance2 = off[0] * off[0] + beyond * beyond;
-      for (unsigned within = lanes_within(distance2, bound); within != 0; within &= within - 1)
-        if (const int t = leaf.triangle[std::countr_zero(within)]; t != hint) measure(t, x, near);
-      bound = widen(near.distance2);
+      measure_leaf(-1 - entry.node, at, x, near, bound);
       continue;
     }
     const Node& node = nodes_[entry.node];
-    Floats distance2{};
-    for (int k = 0; k < 3; ++k) {
-      const Floats off = larger(larger(node.low[k] - at[k], at[k] - node.high[k]), Floats{});
-      distance2 += off * off;
-    }
+    const Floats distance2 = distance2_to(node, at, at);
     // the nearest child goes on top of the stack
     const int from = count;
     for (unsigned within = lanes_within(distance2, bound); within != 0; within &= within - 1) {
@@ -319,11 +255,10 @@ void Triangulation::descend(const double x[3], int hint, Near& near) const {
 
 bool Triangulation::nearest(const double x[3], double reach, int& hint, Touch& touch) const {
   const double bound = std::max(reach, depth_);
-  Near near{bound * bound, std::numeric_limits<int>::max(), 0, {}};
-  if (hint >= 0 && hint < static_cast<int>(triangles_.size())) measure(hint, x, near);
-  descend(x, hint, near);
+  Near near{bound * bound, none, 0, {}};
+  search(x, hint, near);
   touch.gap = std::sqrt(near.distance2);
-  if (near.triangle == std::numeric_limits<int>::max()) return false;
+  if (near.triangle == none) return false;
   hint = near.triangle;
   // the normal of the feature gives the sign, and the normal of the touch when the point lies on it
   const Triangle& tri = triangles_[near.triangle];

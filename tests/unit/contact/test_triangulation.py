@@ -104,6 +104,22 @@ def test_hints_change_nothing(bumpy) -> None:
             np.testing.assert_array_equal(known, again)
 
 
+def test_a_walk_along_the_surface_finds_what_a_search_from_nowhere_finds() -> None:
+    """Hints that lag behind: leaves around the last one, or the tree where the point has gone farther."""
+    points, triangles = height_field(60, 3.0, 0.7)
+    tool = _core.ToolSurface.triangles(points, triangles)
+    rng = np.random.default_rng(8)
+    x = rng.uniform(-2.0, 2.0, (300, 3))
+    x[:, 2] = 0.7 * np.sin(1.7 * x[:, 0]) * np.cos(1.3 * x[:, 1]) + rng.choice([1e-4, 0.03, 0.2], 300)
+    hints = tool.nearest(x)[3]
+    for step in (1e-3, 0.02, 0.1, 0.5):
+        x = x + step * rng.normal(size=x.shape)
+        warm, cold = tool.nearest(x, hints=hints), tool.nearest(x)
+        for one, other in zip(warm, cold, strict=True):
+            np.testing.assert_array_equal(one, other)
+        hints = warm[3]
+
+
 def test_beyond_an_open_edge_there_is_no_tool() -> None:
     points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     tool = _core.ToolSurface.triangles(points, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))
