@@ -15,6 +15,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork import _core
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 IndexArray = NDArray[np.intp]
@@ -177,6 +179,18 @@ class Tool:
 
 
 @dataclass(frozen=True)
+class SheetTool:
+    """A rigid tool in space, with Coulomb's friction, for shells."""
+
+    name: str
+    surface: _core.ToolSurface
+    """In the tool's own frame."""
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Of its frame at the start [mm]."""
+    mu: float = 0.0
+
+
+@dataclass(frozen=True)
 class Body:
     """A body of its own: a run of the mesh's points and cell blocks that no other body uses."""
 
@@ -300,6 +314,8 @@ class Stage:
     """[s]; quasi-static and rate-independent, so it only scales the time column."""
     tool_motion: Mapping[str, ToolMotion] = field(default_factory=dict)
     """Motion of each moving tool; a tool not named stands still."""
+    sheet_tool_move: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    """Displacement of each moving tool in space [mm]; a tool not named stands still."""
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()
@@ -388,6 +404,8 @@ class Model:
     output: OutputSettings
     bodies: tuple[Body, ...] = ()
     """The workpiece first; empty stands for a single body."""
+    sheet_tools: tuple[SheetTool, ...] = ()
+    """Tools that a shell touches; `tools` are those of solids in the plane."""
     contacts: tuple[BodyContact, ...] = ()
     case_text: str = ""
     """The case file as read, kept with the results."""

@@ -70,6 +70,12 @@ class State:
     """1 for a tool on a spring that is off its stop (n_tools,)."""
     tool_force_start: FloatArray
     """Force of the workpiece on each tool, as modelled, when the stage began (n_tools, 2) [N]."""
+    sheet_tool_move: FloatArray
+    """Of the tools in space, since the start (n_sheet_tools, 3) [mm]."""
+    sheet_tool_force: FloatArray
+    """Of these tools on the nodes of a shell (n_sheet_tools, n_points, 3) [N]."""
+    sheet_friction: FloatArray
+    """The part of it along the tool, in the same form."""
     contact: ContactArray
     """Per face of each tool and candidate node: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
     anchor: FloatArray
@@ -111,7 +117,7 @@ class State:
         n_coupled = n if model.contacts else 0
         solids = () if model.analysis == "shell" else model.mesh.blocks
         sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in solids]
-        n_tools = len(model.tools)
+        n_tools, n_sheet_tools = len(model.tools), len(model.sheet_tools)
         return cls(
             displacement=np.zeros((n, 2)),
             increment=np.zeros((n, 2)),
@@ -123,6 +129,9 @@ class State:
             tool_travel_increment=np.zeros((n_tools, 2)),
             tool_gives=np.zeros(n_tools, dtype=np.int8),
             tool_force_start=np.zeros((n_tools, 2)),
+            sheet_tool_move=np.zeros((n_sheet_tools, 3)),
+            sheet_tool_force=np.zeros((n_sheet_tools, n, 3)),
+            sheet_friction=np.zeros((n_sheet_tools, n, 3)),
             contact=np.zeros((2 * n_tools, n_candidates), dtype=np.int8),
             anchor=np.zeros((n_candidates, 2)),
             drag=np.zeros(n_candidates),

@@ -68,7 +68,9 @@ class ImplicitProcedure:
     def _check_held(self) -> None:
         """Refuse bodies that the first increment would push away."""
         if self.model.analysis == "shell":
-            check_shell_held(self.model, self.equilibrium.fixed(0))
+            sheet = self.equilibrium.sheet
+            touched = sheet.held_directions(self.state) if sheet else None
+            check_shell_held(self.model, self.equilibrium.fixed(0), touched)
             return
         whole = Body("workpiece", range(len(self.model.mesh.points)), range(len(self.model.mesh.blocks)))
         bodies = self.model.bodies or (whole,)
@@ -220,6 +222,8 @@ class ImplicitProcedure:
         )
         trial.tool_travel += ratio * self.state.tool_travel_increment * floats[:, None]
         trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_travel, pose[:, 2]
+        if self.equilibrium.sheet:
+            trial.sheet_tool_move = self.equilibrium.sheet.move(stage, fraction)
         outcome = self.equilibrium.solve(self.state, trial, Step(stage, fraction_n, fraction), guess, gently=gently)
         return trial, outcome
 
@@ -247,6 +251,10 @@ class ImplicitProcedure:
         if self.model.contacts:  # what friction between bodies takes
             forces = self.state.interface_force + trial.interface_force
             trial.work[0] += 0.5 * float((forces * trial.increment).sum())
+        if self.equilibrium.sheet:
+            on_nodes, rubbed = self.equilibrium.sheet.work(self.state, trial)
+            trial.work[0] += on_nodes
+            trial.work[2] += rubbed
         dt = self.model.stages[stage].duration * (fraction - fraction_n)
         trial.work[1] += self.mechanics.plastic_work(self.state, trial, dt)
         p = trial.progress

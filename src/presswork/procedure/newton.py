@@ -18,6 +18,7 @@ from presswork.procedure.linear_solver import LinearSolver, SolverError, make_so
 from presswork.procedure.loads import AppliedLoads
 from presswork.procedure.mechanics import BadGuess, Mechanics, PassedThrough
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
+from presswork.procedure.sheet_contact import SheetContact, SheetForces
 from presswork.procedure.shell_mechanics import ShellMechanics
 from presswork.procedure.timing import Timing
 from presswork.state import State
@@ -47,6 +48,7 @@ class _Point:
     internal: FloatArray
     loads: AppliedLoads
     bodies: BodyForces
+    sheet: SheetForces | None
     reaction: FloatArray
     length: FloatArray
     """What each freedom is multiplied by to make it a length, and its force divided by to make it a force."""
@@ -90,6 +92,7 @@ class Equilibrium:
         self.friction = Friction(model, contact)
         self.floating_tools = FloatingTools(model, contact)
         self.bodies = BodyContacts(model, mechanics)
+        self.sheet = SheetContact(model) if model.sheet_tools else None
         self._timing = timing
         self._threads = threads
         self._noise = mechanics.force_of_round_off()
@@ -132,6 +135,8 @@ class Equilibrium:
         self._contact.begin_increment()
         self.floating_tools.begin_increment()
         self.bodies.begin_increment(state_n)
+        if self.sheet:
+            self.sheet.begin_increment(state_n)
         self.friction.softness = SOFT if gently else 1.0
         if self.friction.is_needed:
             self.friction.begin_increment(state_n, self._mechanics.nodal_flow_stress(state_n))
@@ -170,6 +175,8 @@ class Equilibrium:
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
                 self.friction.settle(state_n, trial, balance.constraints.turned == 1)
                 self.bodies.settle(trial, point.bodies)
+                if point.sheet:
+                    trial.sheet_tool_force, trial.sheet_friction = point.sheet.by_tool, point.sheet.friction
                 trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
             if iteration == most or (stiff and self._is_hopeless(log)):
@@ -228,9 +235,17 @@ class Equilibrium:
         bodies = self._touch_bodies(state_n, trial, displacement)
         if isinstance(bodies, PassedThrough):
             return bodies
-        return _Point(
-            displacement, internal, loads, bodies, internal - loads.force - bodies.force, self._mechanics.length
-        )
+        reaction = internal - loads.force - bodies.force
+        sheet = self._touch_sheet(state_n, trial, displacement)
+        if sheet:
+            reaction -= sheet.force
+        return _Point(displacement, internal, loads, bodies, sheet, reaction, self._mechanics.length)
+
+    def _touch_sheet(self, state_n: State, trial: State, displacement: FloatArray) -> SheetForces | None:
+        started = perf_counter()
+        found = self.sheet.evaluate(state_n, trial, displacement) if self.sheet else None
+        self._timing.add("contact", started)
+        return found
 
     def _touch_bodies(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
         started = perf_counter()
@@ -349,12 +364,14 @@ class Equilibrium:
 
     def _assemble(self, constraints: Constraints, point: _Point, friction: FrictionForces | None) -> None:
         """Fill the matrix with all stiffnesses, in the nodes' own frames."""
-        assembler, loads, bodies = self._mechanics.assembler, point.loads, point.bodies
+        assembler, loads = self._mechanics.assembler, point.loads
         self._mechanics.assemble_stiffness(constraints.turned, constraints.frames, self._data)
         if self._model.solver.pressure_stiffness and len(loads.pairs):
             assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
-        if len(bodies.pairs):
-            assembler.add_blocks(bodies.pairs, bodies.blocks, constraints.turned, constraints.frames, self._data)
+        for touching in (point.bodies, point.sheet):
+            if touching and len(touching.pairs):
+                blocks = (touching.pairs, touching.blocks, constraints.turned, constraints.frames)
+                assembler.add_blocks(*blocks, self._data)
         if friction:
             self._add_friction(friction, constraints)
 

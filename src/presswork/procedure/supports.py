@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.model import BoolArray, FloatArray, IntArray, Model
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.procedure.contact import Constraints
 from presswork.state import State
 
@@ -22,8 +22,11 @@ class NotHeldError(Exception):
     """Nothing holds the workpiece in some direction: it would move as a rigid body."""
 
 
-def check_shell_held(model: Model, fixed: BoolArray) -> None:
-    """Refuse a shell that is free to move as a rigid body: `fixed` (n_points, 6) marks what is held."""
+def check_shell_held(model: Model, fixed: BoolArray, touched: tuple[IndexArray, FloatArray] | None = None) -> None:
+    """Refuse a shell that is free to move as a rigid body: `fixed` (n_points, 6) marks what is held.
+
+    touched: nodes (n,) that tools hold too, and along which unit vectors (n, 3).
+    """
     points = model.mesh.points - model.mesh.points.mean(axis=0)
     size = float(np.abs(points).max())
     modes = np.zeros((len(points), 6, 6))  # of each point and freedom, by rigid mode
@@ -31,6 +34,9 @@ def check_shell_held(model: Model, fixed: BoolArray) -> None:
     modes[:, 3:, 3:] = np.eye(3)
     modes[:, :3, 3:] = np.cross(np.eye(3)[None], points[:, None] / size).transpose(0, 2, 1)
     held = modes[fixed]
+    if touched is not None:
+        nodes, directions = touched
+        held = np.concatenate([held, np.einsum("ni,nij->nj", directions, modes[nodes, :3])])
     values, vectors = np.linalg.eigh(held.T @ held)
     loose = vectors[:, values < 1e-12 * max(float(values.max()), 1.0)]
     if loose.shape[1] == 0:

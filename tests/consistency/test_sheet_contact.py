@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact of shell nodes with tools in space: the tangent is the derivative of the forces, friction obeys Coulomb."""
+
+import numpy as np
+import pytest
+
+from presswork.mesh.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
+from presswork.model import SheetTool
+from presswork.procedure.sheet_contact import ROUNDING, STIFFNESS, SheetNodes, touch_tool
+
+YOUNG, THICKNESS = 2.1e5, 0.8
+SURFACES = {
+    "sphere": draw_hemispherical_punch(25.0, 40.0),
+    "punch": draw_punch((25.5, 20.0), 10.0, 4.0, 30.0),
+    "die": draw_die((27.0, 27.0), 11.5, 4.0, width=40.0, depth=30.0),
+}
+
+
+def press(name: str, deep: float, n: int = 300) -> tuple[SheetNodes, np.ndarray, np.ndarray]:
+    """Return nodes pressed into a tool by `deep` thicknesses here, by up to twice that there; areas differ."""
+    surface = SURFACES[name].surface()
+    rng = np.random.default_rng(3)
+    around = np.column_stack([rng.uniform(-35.0, 35.0, (n, 2)), rng.uniform(-8.0, 12.0, n)])
+    _, normal, place, _ = surface.nearest(around)
+    sinks = deep * THICKNESS * rng.uniform(1.0, 2.0, n)
+    sheet = SheetNodes(rng.uniform(1.0, 4.0, n), np.full(n, THICKNESS), YOUNG)
+    return sheet, place + normal * (0.5 * THICKNESS - sinks)[:, None], normal
+
+
+@pytest.mark.parametrize("deep", [1e-2, 3e-5], ids=["deep", "within the rounding"])
+@pytest.mark.parametrize("state", ["frictionless", "sticks", "slides"])
+@pytest.mark.parametrize("name", SURFACES)
+def test_tangent_is_the_derivative_of_the_forces(name: str, state: str, deep: float) -> None:
+    tool = SheetTool(name, SURFACES[name].surface(), mu={"frictionless": 0.0, "sticks": 10.0, "slides": 0.1}[state])
+    sheet, x, _ = press(name, deep)
+    rng = np.random.default_rng(4)
+    way = rng.normal(size=x.shape) * THICKNESS * (1e-3 if state == "sticks" else 1.0)
+    before = rng.normal(size=x.shape) * (0.1 if state == "slides" else 1e-3)
+    found = touch_tool(tool, sheet, x, way, before)
+    assert len(found.nodes) == len(x)
+    h = 1e-7
+    slopes = []
+    for e in np.eye(3):
+        after, ahead = (touch_tool(tool, sheet, x + s * h * e, way + s * h * e, before) for s in (-1, 1))
+        slopes.append((after.force - ahead.force) / (2.0 * h))
+    finite = np.stack(slopes, axis=-1)
+    scale = np.abs(finite).max(axis=(1, 2), keepdims=True)
+    # where the difference reaches over a line at which the curvature of the tool jumps it means nothing
+    off = np.abs(found.stiffness - finite).max(axis=(1, 2)) / scale[:, 0, 0]
+    assert (off < 1e-5).mean() > 0.99
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_friction_lies_in_the_tangent_plane_and_obeys_coulomb(name: str) -> None:
+    mu = 0.1
+    sheet, x, normal = press(name, 1e-2)
+    way = 100.0 * np.random.default_rng(5).normal(size=x.shape)
+    found = touch_tool(SheetTool(name, SURFACES[name].surface(), mu=mu), sheet, x, way, np.zeros_like(x))
+    push = (found.force * normal).sum(axis=1)
+    along = way - (way * normal).sum(axis=1)[:, None] * normal
+    np.testing.assert_allclose((found.friction * normal).sum(axis=1), 0.0, atol=1e-9 * push.max())
+    np.testing.assert_allclose(np.linalg.norm(found.friction, axis=1), mu * push, rtol=1e-12)
+    cosine = (found.friction * along).sum(axis=1) / (mu * push * np.linalg.norm(along, axis=1))
+    np.testing.assert_allclose(cosine, -1.0, atol=1e-12)
+
+
+def test_push_is_that_of_the_sheet_across_its_thickness() -> None:
+    sheet, x, normal = press("punch", 1e-2)
+    tool = SheetTool("punch", SURFACES["punch"].surface())
+    found = touch_tool(tool, sheet, x, np.zeros_like(x), np.zeros_like(x))
+    gap = tool.surface.nearest(x)[0] - 0.5 * THICKNESS
+    stress = (found.force * normal).sum(axis=1) / sheet.area
+    np.testing.assert_allclose(stress, -STIFFNESS * YOUNG * gap / THICKNESS, rtol=1e-9)
+    off = x + normal * (-gap + 1.001 * ROUNDING * THICKNESS)[:, None]
+    assert len(touch_tool(tool, sheet, off, np.zeros_like(x), np.zeros_like(x)).nodes) == 0
