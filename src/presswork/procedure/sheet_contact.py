@@ -21,9 +21,9 @@ from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model, SheetTool, Stage
 from presswork.state import State
 
-STIFFNESS = 0.1
+STIFFNESS = 0.01
 """Of the contact over that of the sheet across its thickness."""
-TANGENTIAL = 0.01
+TANGENTIAL = 0.1
 """Of the spring that a sticking node hangs on, over the contact's."""
 ROUNDING = 1e-3
 """Gap over the thickness below which a node begins to touch."""
