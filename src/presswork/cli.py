@@ -116,10 +116,10 @@ def _draw(
     fields: list[str] | None = None,
     steps: list[int] | None = None,
 ) -> None:
-    from presswork.view import FIELDS, plot_all
+    from presswork.view import plot_all
 
     try:
-        paths = plot_all(result, out, fields or FIELDS, steps or "last")
+        paths = plot_all(result, out, fields, steps or "last")
     except ImportError as error:
         console.print(f"no pictures: {error}", markup=False)
         return
@@ -142,7 +142,8 @@ def check(case: CaseFile, set_: Settings = None) -> None:
 def plot(
     folders: Annotated[list[Path], typer.Argument(help="Output folders.", show_default=False)],
     field: Annotated[
-        list[str] | None, typer.Option(help="Fields to draw; default: effective stress and strain.")
+        list[str] | None,
+        typer.Option(help="Fields to draw; default: effective stress and strain, of a sheet also its strains."),
     ] = None,
     step: Annotated[list[int] | None, typer.Option(help="Saved steps to draw, from 0, or from the end: -1.")] = None,
     out: Annotated[Path | None, typer.Option(help="Where to write; default: DIR/plots.")] = None,

@@ -11,6 +11,7 @@ import pytest
 from presswork import Result
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
+from presswork.results import ResultError
 from presswork.results.checkpoint import load_checkpoint
 from presswork.run import run_model
 from presswork.view.all_plots import plot_all
@@ -48,10 +49,35 @@ def test_stress_of_top_and_bottom_differ_by_bending(roof) -> None:
     assert roof.field("strain_middle").shape == (256, 6)
 
 
+def test_every_layer_has_stress_and_strain_in_both_frames(roof) -> None:
+    """The lamina frame of the rolled sheet: x along the roof's axis, which is space's x; so xx is the same in both."""
+    for place in ("bottom", "middle", "top"):
+        for name, unit in (("stress", "MPa"), ("strain", "1")):
+            lamina, space = roof.field(f"lamina_{name}_{place}"), roof.field(f"{name}_{place}")
+            assert (lamina.shape, space.shape) == ((256, 3), (256, 6))
+            assert roof.unit(f"lamina_{name}_{place}") == roof.unit(f"{name}_{place}") == unit
+            np.testing.assert_allclose(lamina[:, 0], space[:, 0], atol=3e-3 * np.abs(space).max())  # it slopes a little
+            # the trace and the norm of a tensor do not depend on the frame
+            traces = lamina[:, :2].sum(axis=1), space[:, :3].sum(axis=1)
+            np.testing.assert_allclose(*traces, atol=1e-9 * np.abs(space).max())
+            size = np.sqrt(np.maximum(lamina[:, 0] ** 2 + lamina[:, 1] ** 2 + 2 * lamina[:, 2] ** 2, 0.0))
+            also = np.sqrt((space[:, :3] ** 2).sum(axis=1) + 2 * (space[:, 3:] ** 2).sum(axis=1))
+            np.testing.assert_allclose(size, also, rtol=0.02, atol=1e-9 * also.max())
+        major, minor = (roof.field(f"{which}_strain_{place}") for which in ("major", "minor"))
+        np.testing.assert_allclose(major + minor, roof.field(f"lamina_strain_{place}")[:, :2].sum(axis=1), atol=1e-12)
+    assert roof.field("thickness_strain").shape == (256,)
+    np.testing.assert_array_equal(roof.field("lamina_stress_top_xy"), roof.field("lamina_stress_top")[:, 2])
+
+
 def test_pictures_are_drawn(roof, tmp_path) -> None:
     paths = plot_all(roof, tmp_path, fields=("effective_stress", "displacement"), mirror="xy")
     assert [p.name for p in paths] == ["shell_effective_stress_002.png", "shell_displacement_002.png"]
     assert all(p.stat().st_size > 10_000 for p in paths)
+    names = {p.stem.removeprefix("shell_")[:-4] for p in plot_all(roof, tmp_path)}
+    assert names >= {"thickness_strain", "major_strain_top", "minor_strain_top"}
+    with pytest.raises(ResultError, match="choose one, as lamina_stress_top_xx"):
+        plot_all(roof, tmp_path, fields=("lamina_stress_top",))
+    plot_all(roof, tmp_path, fields=("lamina_stress_top_xx",))
 
 
 def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(tmp_path: Path) -> None:
@@ -129,5 +155,8 @@ def test_back_stresses_and_rates_resume_to_the_same_bits(tmp_path: Path, sheet: 
     states = [load_checkpoint(tmp_path / name / "checkpoint.h5")[0] for name in ("whole", "part")]
     back = states[0]["shells.history.0"][..., 1:4]
     assert np.abs(back).max() > 5.0
+    results = Result(tmp_path / "whole")
+    assert np.abs(results.field("back_stress_top_xx")).max() > 5.0
+    assert results.unit("back_stress_top") == "MPa"
     for name, values in states[0].items():
         np.testing.assert_array_equal(states[1][name], values, err_msg=name)

@@ -11,18 +11,9 @@ import numpy as np
 
 from presswork import _core
 from presswork.model import FloatArray, Material, Model
+from presswork.results.shell_fields import back_stress
 from presswork.sheet_law import make_yield_function
 from presswork.state import State
-
-
-def back_stress(material: Material, history: FloatArray) -> FloatArray:
-    """Return the back stress (..., 3) of a material's history (..., n_history); zero without kinematic hardening."""
-    if material.kinematic is None:
-        return np.zeros((*history.shape[:-1], 3))
-    # equivalent plastic strain first, then every a_i of Chaboche, or theta and beta
-    count = len(material.kinematic.parameters) // 2 if material.kinematic.law == "chaboche" else 2
-    parts = history[..., 1 : 1 + 3 * count].reshape(*history.shape[:-1], count, 3)
-    return np.asarray(parts.sum(axis=-2))
 
 
 def elastic_energy(model: Model, state: State) -> float:

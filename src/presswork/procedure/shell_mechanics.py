@@ -233,6 +233,7 @@ class ShellMechanics:
                 director=self.directors.vectors,
                 thickness=self._sections[i].thickness,
                 layers=self._rules[i][0],
+                material=self._model.materials[block.material],
             )
             for i, block in enumerate(mesh.blocks)
         ]

@@ -24,6 +24,9 @@ from presswork.results.whole_file import OutputError
 
 ALIASES = {"eqps": "equivalent_plastic_strain", "u": "displacement", "mises": "effective_stress"}
 STRESS_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+IN_PLANE = ("lamina_stress", "lamina_strain", "back_stress")
+"""Fields of a sheet's tensors in its lamina frame, and their components."""
+IN_PLANE_COMPONENTS = ("xx", "yy", "xy")
 
 
 class ResultError(OutputError):
@@ -139,7 +142,7 @@ class Result:
         """Return a field at a saved step, shape (n,) or (n, k), n points or cells; negative steps count from the end.
 
         "eqps" stands for equivalent_plastic_strain; "stress_xx" ... "stress_xy" for one component of the stress, and
-        "stress_top_xx" and the like of a sheet's.
+        "stress_top_xx", "lamina_stress_top_xx" and the like of a sheet's.
         """
         stored, component = self._resolve(name)
         group, count = ("PointData", "Points") if self.field_names[stored] == "point" else ("CellData", "Cells")
@@ -180,9 +183,9 @@ class Result:
         """Return the stored field and the component that a name stands for."""
         stored = ALIASES.get(name, name)
         base, _, component = stored.rpartition("_")
-        is_tensor = base.startswith(("stress", "strain"))
-        if is_tensor and component in STRESS_COMPONENTS and base in self.field_names:
-            return base, STRESS_COMPONENTS.index(component)
+        for prefixes, components in ((("stress", "strain"), STRESS_COMPONENTS), (IN_PLANE, IN_PLANE_COMPONENTS)):
+            if base.startswith(prefixes) and component in components and base in self.field_names:
+                return base, components.index(component)
         self._require(stored, self.field_names, "field")
         return stored, None
 

@@ -2,7 +2,8 @@
 """The saved fields of shells: stress and strain at the bottom, middle and top of the sheet, thickness.
 
 Bottom and top are the outermost integration points, which lie on the faces with the Lobatto and Simpson rules; the
-middle is the middle point, or the mean of the two beside it. Strains are logarithmic, from the undeformed to the
+middle is the middle point, or the mean of the two beside it. The lamina frame turns with the material: its x is what
+was x, laid into the sheet, its normal the cells'. Strains are logarithmic, from the undeformed to the
 present metric of a layer, so they do not depend on the path; the top is where the cells' normals point.
 """
 
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray, IntArray, Material
 from presswork.state import State
 
 PLACES = ("bottom", "middle", "top")
@@ -33,6 +34,8 @@ class ShellGeometry:
     thickness: float
     layers: FloatArray
     """Positions in (-1, 1)."""
+    material: Material | None = None
+    """Whose back stresses are saved, if it has any."""
 
     def base_vectors(self, points: FloatArray, director: FloatArray, z: FloatArray) -> FloatArray:
         """Return the two covariant base vectors at heights z (n_cells, q) (n_cells, q, 2, 3)."""
@@ -44,8 +47,21 @@ class ShellGeometry:
 
 def shell_cell_fields(state: State, geometry: list[ShellGeometry]) -> dict[str, FloatArray]:
     """Return the cell means over the points in the plane, cells in the order of the blocks."""
-    parts = [_block_fields(state, i, g) for i, g in enumerate(geometry)]
-    return {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
+    parts = [_block_fields(state, i, g) | _back_stress_fields(state, i, g) for i, g in enumerate(geometry)]
+    names = max(parts, key=len)  # not every block has back stresses
+    return {name: np.concatenate([p.get(name, np.zeros((len(p["thickness"]), 3))) for p in parts]) for name in names}
+
+
+def back_stress(material: Material, history: FloatArray) -> FloatArray:
+    """Return the back stress xx, yy, xy (..., 3) in a material's history (..., n_history) [MPa].
+
+    It holds the equivalent plastic strain, then every a_i of Chaboche, or theta and beta of Yoshida and Uemori.
+    """
+    if material.kinematic is None:
+        return np.zeros((*history.shape[:-1], 3))
+    count = len(material.kinematic.parameters) // 2 if material.kinematic.law == "chaboche" else 2
+    parts = history[..., 1 : 1 + 3 * count].reshape(*history.shape[:-1], count, 3)
+    return np.asarray(parts.sum(axis=-2))
 
 
 def shell_point_fields(state: State) -> dict[str, FloatArray]:
@@ -76,9 +92,8 @@ def _block_fields(state: State, block: int, g: ShellGeometry) -> dict[str, Float
         "effective_stress": sheet_effective_stress(stress).max(axis=2).mean(axis=1),
         "equivalent_plastic_strain": eqps.max(axis=2).mean(axis=1),
     }
-    picks = {"bottom": [0], "middle": sorted({(k - 1) // 2, k // 2}), "top": [k - 1]}
     for place in PLACES:
-        own = picks[place]
+        own = _points_at(place, k)
         position = float(g.layers[own].mean())
         lamina = stress[:, :, own].mean(axis=2)
         base = g.base_vectors(now, state.shells.director, 0.5 * position * thickness)
@@ -91,10 +106,24 @@ def _block_fields(state: State, block: int, g: ShellGeometry) -> dict[str, Float
             f"lamina_stress_{place}": lamina.mean(axis=1),
             f"stress_{place}": _to_global(frame, lamina).mean(axis=1),
             f"strain_{place}": _voigt(strain).mean(axis=1),
+            f"lamina_strain_{place}": _in_frame(frame, strain).mean(axis=1),
             f"major_strain_{place}": major.mean(axis=1),
             f"minor_strain_{place}": minor.mean(axis=1),
         }
     return fields
+
+
+def _points_at(place: str, k: int) -> list[int]:
+    """Return the layers out of k that stand for a place."""
+    return {"bottom": [0], "middle": sorted({(k - 1) // 2, k // 2}), "top": [k - 1]}[place]
+
+
+def _back_stress_fields(state: State, block: int, g: ShellGeometry) -> dict[str, FloatArray]:
+    """Return the back stresses of a block, in the lamina frame, if its material has any."""
+    if g.material is None or g.material.kinematic is None:
+        return {}
+    back = back_stress(g.material, state.shells.history[block])
+    return {f"back_stress_{p}": back[:, :, _points_at(p, len(g.layers))].mean(axis=(1, 2)) for p in PLACES}
 
 
 def _lamina_frame(base: FloatArray, direction: FloatArray) -> FloatArray:
@@ -113,6 +142,12 @@ def _to_global(frame: FloatArray, lamina: FloatArray) -> FloatArray:
     inner[..., 0, 0], inner[..., 1, 1] = lamina[..., 0], lamina[..., 1]
     inner[..., 0, 1] = inner[..., 1, 0] = lamina[..., 2]
     return _voigt(np.einsum("cqai,cqab,cqbj->cqij", frame, inner, frame))
+
+
+def _in_frame(frame: FloatArray, tensor: FloatArray) -> FloatArray:
+    """Return xx, yy, xy (n_cells, q, 3) in the frame (n_cells, q, 2, 3) of tensors (n_cells, q, 3, 3)."""
+    own = np.einsum("cqai,cqij,cqbj->cqab", frame, tensor, frame)
+    return np.stack([own[..., 0, 0], own[..., 1, 1], own[..., 0, 1]], axis=-1)
 
 
 def _voigt(tensor: FloatArray) -> FloatArray:

@@ -29,8 +29,8 @@ VTK_TYPES = {
 }  # fmt: skip
 
 _PLACES = ("bottom", "middle", "top")
-_SHEET_STRESSES = ("stress", "lamina_stress", "effective_stress")
-_SHEET_STRAINS = ("strain", "major_strain", "minor_strain", "equivalent_plastic_strain")
+_SHEET_STRESSES = ("stress", "lamina_stress", "back_stress", "effective_stress")
+_SHEET_STRAINS = ("strain", "lamina_strain", "major_strain", "minor_strain", "equivalent_plastic_strain")
 UNITS = {
     "displacement": "mm",
     "gap": "mm",

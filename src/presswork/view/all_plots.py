@@ -19,13 +19,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FIELDS = ("effective_stress", "equivalent_plastic_strain")
+SHELL_FIELDS = (*FIELDS, "thickness_strain", "major_strain_top", "minor_strain_top")
 _PNG_BYTES = 200_000
 
 
 def plot_all(
     result: Result,
     out_dir: Path | str | None = None,
-    fields: Sequence[str] = FIELDS,
+    fields: Sequence[str] | None = None,
     steps: Literal["last"] | Sequence[int] = "last",
     *,
     mirror: Mirror = "",
@@ -33,13 +34,14 @@ def plot_all(
     """Write the pictures of a run as PNG and return their paths.
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
-    space. For each moving tool: force
-    against stroke. For each tool in contact: contact stress along the contact surface. `out_dir` is by default the
-    folder "plots" in the output folder. Raises ResultError for an unknown field or step before anything is written.
+    space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
+    surface. `fields` are by default FIELDS, of a shell SHELL_FIELDS; `out_dir` is the folder "plots" in the output
+    folder. Raises ResultError for an unknown field or step before anything is written.
     """
     require_matplotlib()
     folder = result.folder / "plots" if out_dir is None else Path(out_dir)
     chosen = [-1] if steps == "last" else list(steps)
+    fields = fields or (SHELL_FIELDS if result.is_shell else FIELDS)
     count = len(result.times)
     for step in chosen:
         for field in fields:

@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
+from presswork.results.reader import IN_PLANE
 from presswork.view.cells import outline_cells
 from presswork.view.mesh_plot import Mirror
 from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
@@ -78,7 +79,7 @@ def _images(mirror: Mirror) -> list[FloatArray]:
 def _cell_values(result: Result, field: str, step: int) -> FloatArray:
     """Return a field as one number per cell."""
     values = result.field(field, step)
-    if values.ndim == 2 and values.shape[1] == 3:
+    if values.ndim == 2 and values.shape[1] == 3 and not field.startswith(IN_PLANE):
         values = np.linalg.norm(values, axis=1)
     if values.ndim != 1:
         raise ResultError(f"{field} has {values.shape[1]} components; choose one, as {field}_xx")
