@@ -95,7 +95,7 @@ def print_kernel() -> None:
         print("no C++ compiler: the one-point shell alone is left out")
         return
     here = Path(__file__).parent
-    flags = "-std=c++20 -O3 -march=native -fopenmp -fno-math-errno -fno-trapping-math -Wno-psabi".split()
+    flags = ["-std=c++20", "-O3", "-march=native", "-fopenmp", "-fno-math-errno", "-fno-trapping-math", "-Wno-psabi"]
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "shell_kernel"
         include = f"-I{here.parent / 'cpp'}"
