@@ -13,6 +13,7 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -21,13 +22,10 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
 from problems import elastic, linear_hardening
 from shell_problems import CLAMPED, X, Y, patch, shell_model, symmetry
 
-from presswork.model import ElementName, Material, Model
+from presswork.model import ElementName, Material, Model, ShellElement
 from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
 
-ELEMENTS: tuple[ElementName, ...] = (
-    "shell3_mitc", "shell6_reduced", "shell4", "shell4_selective", "shell4_mitc", "shell8_reduced", "shell9_reduced",
-    "shell9_mitc",
-)  # fmt: skip
+ELEMENTS: tuple[ElementName, ...] = get_args(ShellElement)
 PENALTIES = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)
 PARTS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.03, 0.015)
 
@@ -94,14 +92,15 @@ def draw(tables: dict[tuple[str, str], list[tuple[int | None, float]]], path: st
 
     figure, axes = plt.subplots(2, 2, figsize=(10, 6.5), sharex=True, layout="constrained")
     x = [p or 0.001 for p in PENALTIES]
+    styles = ("o-", "s--", "^:")
     for column, name in enumerate(("cantilever", "plastic plate")):
-        for element in ELEMENTS:
-            row = tables[name, element]
-            axes[0, column].plot(x, [np.nan if i is None else i for i, _ in row], "o-", ms=3, label=element)
-            axes[1, column].plot(x, [s for _, s in row], "o-", ms=3)
+        for number, element in enumerate(ELEMENTS):
+            row, style = tables[name, element], styles[number // 10 % 3]
+            axes[0, column].plot(x, [np.nan if i is None else i for i, _ in row], style, ms=3, label=element)
+            axes[1, column].plot(x, [s for _, s in row], style, ms=3)
         axes[0, column].set(title=name, xscale="log", yscale="log", ylabel="iterations, ten increments")
         axes[1, column].set(xlabel="C_p (0 drawn at 0.001)", ylabel="largest step, part of the load")
-    axes[0, 0].legend(fontsize="x-small", ncols=2)
+    axes[0, 0].legend(fontsize="xx-small", ncols=2)
     figure.savefig(path, dpi=130)
 
 
