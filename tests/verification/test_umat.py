@@ -92,7 +92,7 @@ state_variables = 6"""
     whole = upset(tmp_path, "whole", lines, cells=3)
 
     def stop(progress):
-        if progress.report.number == 15:
+        if progress.fraction > 0.3:
             raise KeyboardInterrupt
 
     settings = ["workpiece.mesh.cells=[3,3]", "solver.force_tolerance=1e-10", "solver.displacement_tolerance=1e-8"]

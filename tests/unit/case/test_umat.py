@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from presswork import build_model
 from presswork.case import CaseError, read_case
-from presswork.case.builder import build_model
 from presswork.examples import copy_example
 from presswork.umat import CompileError, compile_law
 
