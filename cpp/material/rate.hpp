@@ -26,10 +26,12 @@ struct Rate {
       case RateLaw::none:
         break;
       case RateLaw::cowper_symonds: {
-        T base = larger(rate, T(1e-12 * a));  // the slope at rest is infinite; it is cut at 1e-12 D
+        // the slope at rest is infinite: below 1e-12 D the factor rises straight from 1
+        auto creeping = rate < T(1e-12 * a);
+        T base = larger(rate, T(1e-12 * a)), share = larger(rate, T(0.0)) * T(1e12 / a);
         T rise = power(base * T(1.0 / a), 1.0 / b);
-        factor = T(1.0) + rise;
-        slope = T(1.0 / b) * rise / base;
+        factor = T(1.0) + select(creeping, rise * share, rise);
+        slope = select(creeping, T(1.0), T(1.0 / b)) * rise / base;
         break;
       }
       case RateLaw::johnson_cook: {

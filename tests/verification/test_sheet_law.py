@@ -217,3 +217,27 @@ def test_three_dimensional_law_is_the_von_mises_law_of_solids():
     np.testing.assert_allclose(stress[:, :4], expected, rtol=1e-8, atol=1e-5)
     np.testing.assert_allclose(history[:, 0], eqps, rtol=1e-8)
     np.testing.assert_allclose(tangent[:, :4, :4], matrix, atol=1e-6 * YOUNG)
+
+
+@pytest.mark.parametrize("rate", [("cowper_symonds", (40.0, 5.0)), ("logarithmic", (0.02, 1.0))], ids=lambda r: r[0])
+@pytest.mark.parametrize("dt", [2e-7, 1e-3, 1.0])
+def test_no_point_fails_at_a_rate_whatever_the_step(rate, dt):
+    """Strain increments of 1e-8 to 3e-4 that turn now and then, 120 of 400 points: the slope is steep near rest."""
+    law = make_law(rate=_core.RateLaw[rate[0]], rate_parameters=rate[1])
+    rng = np.random.default_rng(0)
+    stress, history = np.zeros((400, 3)), np.zeros((400, law.history_size))
+    for step in range(120):
+        if step % 40 == 0:
+            direction = rng.standard_normal((400, 3))
+        strain = direction * 10 ** rng.uniform(-8, -3.5, (400, 1))
+        stress, history, _, _, failed = law.update(strain, stress, history, dt=dt)
+        assert not failed.any()
+    assert (history[:, 0] > 0).mean() > 0.5
+
+
+def test_cowper_and_symonds_factor_rises_from_one_without_a_jump():
+    law = make_law(rate=_core.RateLaw.cowper_symonds, rate_parameters=(40.0, 5.0))
+    factor, slope = law.rate_factor(np.array([0.0, 2e-11, 4e-11 * (1 - 1e-9), 4e-11 * (1 + 1e-9), 40.0]))
+    rise = 1e-12**0.2
+    np.testing.assert_allclose(factor, [1.0, 1 + rise / 2, 1 + rise, 1 + rise, 2.0], rtol=1e-9)
+    np.testing.assert_allclose(slope[:3], rise / 4e-11, rtol=1e-9)
