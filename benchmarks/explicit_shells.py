@@ -3,6 +3,7 @@
 
     python benchmarks/explicit_shells.py
     python benchmarks/explicit_shells.py --threads 1 --sizes 100
+    python benchmarks/explicit_shells.py --tables      what looking hardening up in a table saves, by law
 
 A flat sheet is stretched equally in both directions, five points through the thickness, Swift hardening, every point
 plastic in every cycle (checked), no contact, double precision. One thread: CPU time, which other processes on the
@@ -62,13 +63,47 @@ def time_cycle(n: int, threads: int, law: _core.SheetLaw, options: ShellOptions,
     return best / cycles / n**2 * 1e6
 
 
+def print_gain_of_tables(repeats: int, n: int = 60) -> None:
+    """Print microseconds per shell and cycle of general sheet laws, by formula and by table, measured in turn."""
+    alpha = [0.4865, 1.3783, 0.7536, 1.0246, 1.0363, 0.9036, 1.2321, 1.4858]
+    yields = {
+        "Hill 1948": _core.YieldFunction.hill1948([0.36, 0.36, 0.64, 1.5, 1.5, 1.4]),
+        "Barlat 1989, 8": _core.YieldFunction.barlat1989(1.1, 1.05, 0.97, 1.02, 8),
+        "Yld2000-2d, 8": _core.YieldFunction.yld2000(alpha, 8),
+    }
+    points = [value for p in np.linspace(0, 1, 6) for value in (p, 160 + 400 * p, 400.0)]
+    curves = {
+        "swift": [565.32, 0.007117, 0.2589],
+        "voce": [160.0, 400.0, 12.0],
+        "swift_voce": [0.4, 565.32, 0.007117, 0.2589, 160.0, 400.0, 12.0],
+        "monotone_table": points,
+    }
+    _core.set_threads(1)
+    for name, function in yields.items():
+        for curve, parameters in curves.items():
+            law = _core.SheetLaw(207e3, 0.3, function, _core.HardeningLaw[curve], parameters)
+            runs = [stretched_sheet(n, law, ShellOptions(tabulate=tabulate)) for tabulate in (False, True)]
+            best = [np.inf, np.inf]
+            for shells in runs:
+                shells.advance(max(4, round(0.005 / RATE / shells.dt)))
+            for _ in range(repeats):
+                for i, shells in enumerate(runs):
+                    started = time.process_time()
+                    shells.advance(30)
+                    best[i] = min(best[i], (time.process_time() - started) / 30 / n**2 * 1e6)
+            print(f"{name:15} {curve:15} {best[0]:8.3f} {best[1]:8.3f}  {100 * (1 - best[1] / best[0]):4.0f} %")
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sizes", type=int, nargs="+", default=[50, 100, 200, 400], help="shells along an edge")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--tables", action="store_true", help="compare hardening by formula and by table instead")
     given = parser.parse_args()
+    if given.tables:
+        return print_gain_of_tables(given.repeats)
     columns = {
         "BT": (SWIFT, ShellOptions(warping=False)),
         "BWC": (SWIFT, ShellOptions()),

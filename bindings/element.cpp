@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <nanobind/stl/variant.h>
+
 #include "arrays.hpp"
 #include "element/evaluate_block.hpp"
 
@@ -38,10 +40,12 @@ void bind_element(nb::module_& m) {
 
   m.def(
       "evaluate_block",
-      [](const std::string& name, Ints connectivity, Doubles points, Doubles increment, const VonMises& law,
-         const PointSettings& settings, bool axisymmetric, double depth, double hourglass_fraction, Doubles stress_n,
-         Doubles eqps_n, Doubles hourglass_n, MutableDoubles stress, MutableDoubles eqps, MutableDoubles hourglass,
-         MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric) {
+      [](const std::string& name, Ints connectivity, Doubles points, Doubles increment,
+         std::variant<const VonMises*, const Umat*> law, const PointSettings& settings, bool axisymmetric, double depth,
+         double hourglass_fraction, Doubles stress_n, Doubles eqps_n, Doubles hourglass_n, MutableDoubles stress,
+         MutableDoubles eqps, MutableDoubles hourglass, MutableDoubles volume, MutableDoubles force,
+         std::optional<MutableDoubles> stiffness, bool symmetric, std::optional<Doubles> user_n,
+         std::optional<MutableDoubles> user, int first_cell, std::optional<UmatPlace> when, UmatFault* fault) {
         const auto element = element_named(name);
         const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width;
         const std::size_t freedoms = 2 * element.nodes, q = n * element.points;
@@ -72,22 +76,35 @@ void bind_element(nb::module_& m) {
                         force.data(),
                         nullptr,
                         symmetric};
+        const Umat* const* umat = std::get_if<const Umat*>(&law);
+        if (umat) {
+          require(element.evaluate_umat, "this element does not take a law from a shared library");
+          const std::size_t rows = q * ((*umat)->n_state + UmatHistory::size);
+          require(user_n && user && user_n->size() == rows && user->size() == rows && when && fault,
+                  "a law from a shared library needs user_n, user (n_cells, points, n_user), when and fault");
+          block.user_n = user_n->data(), block.user = user->data();
+          block.first_cell = first_cell, block.when = *when;
+          *fault = {};
+        }
         PointSettings used = settings;
         if (stiffness)
           block.stiffness = stiffness->data();
         else
           used.tangent = TangentKind::none;
         nb::gil_scoped_release release;
-        return n == 0 ? -1 : evaluate_block(element, block, used, law);
+        if (n == 0) return -1;
+        if (umat) return evaluate_block(element, block, used, **umat, *fault);
+        return evaluate_block(element, block, used, *std::get<const VonMises*>(law));
       },
       nb::arg("element"), nb::arg("connectivity"), nb::arg("points"), nb::arg("increment"), nb::arg("law"),
       nb::arg("settings"), nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth"), nb::arg("hourglass_fraction"),
       nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"), nb::arg("stress"), nb::arg("eqps"),
       nb::arg("hourglass"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(),
-      nb::arg("symmetric") = false,
+      nb::arg("symmetric") = false, nb::arg("user_n") = nb::none(), nb::arg("user") = nb::none(),
+      nb::arg("first_cell") = 0, nb::arg("when") = nb::none(), nb::arg("fault") = nb::none(),
       "Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. "
       "Returns "
-      "the index of a cell turned inside out, or -1.");
+      "the index of a cell turned inside out, or -1. A Umat needs user_n and user, when and fault besides.");
 }
 
 }  // namespace presswork::bindings

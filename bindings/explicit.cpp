@@ -76,8 +76,12 @@ ShellSection make_section(const SheetLaw& law, double density, std::vector<doubl
                           bool tabulate, bool warped, bool viscous, std::array<double, 3> hourglass) {
   require(height.size() == weight.size() && !height.empty(), "height and weight must have the same length, not 0");
   ShellSection section{GeneralSheet{law}, {std::move(height), std::move(weight)}, density, warped, {}};
-  if (tabulate)
-    if (auto fast = find_fast_law(law)) section.law = std::move(*fast);
+  if (tabulate) {
+    if (auto fast = find_fast_law(law))
+      section.law = std::move(*fast);
+    else if (auto table = std::make_shared<const TabulatedHardening>(law.flow.hardening); table->error() < 1e-5)
+      std::get<GeneralSheet>(section.law).law.flow.table = std::move(table);
+  }
   section.control = {1.0, hourglass[0], hourglass[1], hourglass[2], viscous, density};
   return section;
 }

@@ -9,6 +9,7 @@ namespace presswork::bindings {
 void bind_kinematics(nb::module_& m);
 void bind_material(nb::module_& m);
 void bind_anisotropic(nb::module_& m);
+void bind_umat(nb::module_& m);
 void bind_element(nb::module_& m);
 void bind_shell(nb::module_& m);
 void bind_contact(nb::module_& m);
@@ -26,6 +27,7 @@ NB_MODULE(_core, m) {
   bind_kinematics(m);
   bind_material(m);
   bind_anisotropic(m);
+  bind_umat(m);
   bind_element(m);
   bind_shell(m);
   bind_contact(m);

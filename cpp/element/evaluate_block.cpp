@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <vector>
 
 namespace presswork {
 
@@ -11,7 +12,9 @@ namespace {
 template <Cell cell, int n_points, Treatment treatment = Treatment::standard>
 constexpr ElementType element(std::string_view name) {
   using Kernel = Solid2d<cell, n_points, treatment>;
-  return {name, Kernel::nodes, n_points, &Kernel::evaluate};
+  ElementType type{name, Kernel::nodes, n_points, &Kernel::template evaluate<VonMises>, nullptr};
+  if constexpr (treatment != Treatment::one_point) type.evaluate_umat = &Kernel::template evaluate<Umat>;
+  return type;
 }
 
 const ElementType elements[] = {
@@ -44,6 +47,21 @@ int evaluate_block(const ElementType& element, const BlockView& block, const Poi
     const int cell = element.evaluate_pack(block, settings, law, pack);
     if (cell >= 0) failed = std::min(failed, cell);
   }
+  return failed == INT_MAX ? -1 : failed;
+}
+
+int evaluate_block(const ElementType& element, BlockView block, const PointSettings& settings, const Umat& law,
+                   UmatFault& fault) {
+  const int n_packs = (block.n_cells + pack_width - 1) / pack_width;
+  std::vector<UmatFault> faults(n_packs);
+  block.fault = faults.data();
+  int failed = INT_MAX;
+#pragma omp parallel for schedule(static) reduction(min : failed) if (law.thread_safe)
+  for (int pack = 0; pack < n_packs; ++pack) {
+    const int cell = element.evaluate_umat(block, settings, law, pack);
+    if (cell >= 0) failed = std::min(failed, cell);
+  }
+  for (const auto& f : faults) fault.note(f.status, f.cell, f.step_factor);
   return failed == INT_MAX ? -1 : failed;
 }
 

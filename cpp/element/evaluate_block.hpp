@@ -14,6 +14,7 @@ struct ElementType {
   int nodes;
   int points;
   int (*evaluate_pack)(const BlockView&, const PointSettings&, const VonMises&, int pack);
+  int (*evaluate_umat)(const BlockView&, const PointSettings&, const Umat&, int pack);  // null if it cannot
 };
 
 // The element of that name, or nothing.
@@ -23,5 +24,10 @@ std::optional<ElementType> find_element(std::string_view name);
 // depend on the number of threads: each pack writes its own slots.
 int evaluate_block(const ElementType& element, const BlockView& block, const PointSettings& settings,
                    const VonMises& law);
+
+// The same with a law from a shared library, by one thread unless it says that several may call it. What its calls told
+// goes to `fault`: block.fault need not be set. element.evaluate_umat must not be null.
+int evaluate_block(const ElementType& element, BlockView block, const PointSettings& settings, const Umat& law,
+                   UmatFault& fault);
 
 }  // namespace presswork

@@ -17,8 +17,10 @@
 #pragma once
 
 #include <numbers>
+#include <type_traits>
 
 #include "element/point_response.hpp"
+#include "element/umat_response.hpp"
 #include "reference/cells.hpp"
 
 namespace presswork {
@@ -44,6 +46,12 @@ struct BlockView {
   double* force;      // (n_packs, 2 nodes, pack_width) [N]
   double* stiffness;  // (n_packs, 2 nodes, 2 nodes, pack_width) [N/mm], or null
   bool symmetric;     // keep the symmetric part of the stiffness
+  // of a law from a shared library
+  const double* user_n = nullptr;  // (n_cells, q, n_state + UmatHistory::size)
+  double* user = nullptr;
+  int first_cell = 0;          // of the block in the mesh
+  UmatPlace when;              // stage, increment and times
+  UmatFault* fault = nullptr;  // (n_packs)
 };
 
 template <Cell cell, int n_points, Treatment treatment>
@@ -260,8 +268,41 @@ struct Solid2d {
     if (b.axisymmetric) F[4] *= factor;
   }
 
+  // Where the lanes of point q are, for a law from a shared library.
+  static UmatLanes find_lanes(const BlockView& b, const Umat& law, const int cells[], int count, const T x[][2],
+                              const T du[][2], const PointGeometry* g, int q) {
+    UmatLanes lanes;
+    lanes.count = count;
+    T area(0.0), at[2] = {T(0.0), T(0.0)};
+    for (int p = 0; p < n_points; ++p) {
+      T thickness(b.depth);
+      if (b.axisymmetric) {
+        thickness = T(0.0);
+        for (int a = 0; a < nodes; ++a) thickness += T(2.0 * std::numbers::pi * table().N[p][a]) * x[a][0];
+      }
+      area += g[p].volume_t / thickness;
+    }
+    for (int a = 0; a < nodes; ++a)
+      for (int i = 0; i < 2; ++i) at[i] += T(table().N[q][a]) * (x[a][i] + du[a][i]);
+    const std::size_t row = law.n_state + UmatHistory::size;
+    for (int lane = 0; lane < count; ++lane) {
+      UmatPlace& place = lanes.place[lane] = b.when;
+      place.coordinates[0] = at[0][lane], place.coordinates[1] = at[1][lane];
+      place.length = std::sqrt(area[lane]);
+      place.cell = b.first_cell + cells[lane] + 1;
+      place.point = q + 1;
+      const std::size_t start = (static_cast<std::size_t>(cells[lane]) * n_points + q) * row;
+      lanes.history_n[lane] = b.user_n + start;
+      lanes.history[lane] = b.user + start;
+    }
+    return lanes;
+  }
+
   // Evaluate the pack whose first cell is `first`. Returns the index of a cell turned inside out, or -1.
-  static int evaluate(const BlockView& b, const PointSettings& settings, const VonMises& law, int pack) {
+  template <class Law>
+  static int evaluate(const BlockView& b, const PointSettings& settings, const Law& law, int pack) {
+    constexpr bool is_umat = std::is_same_v<Law, Umat>;
+    static_assert(!(is_umat && treatment == Treatment::one_point), "hourglass control needs a flow stress");
     const int first = pack * pack_width;
     int cells[pack_width];
     T x[nodes][2], du[nodes][2];
@@ -310,7 +351,12 @@ struct Solid2d {
       T F[5] = {g[q].F[0], g[q].F[1], g[q].F[2], g[q].F[3], g[q].F[4]};
       if constexpr (treatment == Treatment::fbar) use_mean_dilatation(b, mean, g[q], F);
       PointResponse<T> response;
-      respond(settings, law, F, state, response);
+      if constexpr (is_umat) {
+        const UmatLanes lanes = find_lanes(b, law, cells, std::min(pack_width, b.n_cells - first), x, du, g, q);
+        respond(settings, law, lanes, first, F, state, response, b.fault[pack]);
+      } else {
+        respond(settings, law, F, state, response);
+      }
 
       T now[nodes][3], dv = g[q].volume_t * g[q].jacobian;
       push_forward(g[q], now);

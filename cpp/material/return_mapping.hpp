@@ -12,9 +12,11 @@
 // exponents).
 #pragma once
 
-#include "material/hardening.hpp"
+#include <memory>
+
 #include "material/kinematic.hpp"
 #include "material/rate.hpp"
+#include "material/tabulated_hardening.hpp"
 
 namespace presswork {
 
@@ -59,11 +61,16 @@ struct Elasticity {
 struct Flow {
   Hardening hardening;
   Rate rate;
+  std::shared_ptr<const TabulatedHardening>
+      table;  // in place of the formula, for packs of doubles; the explicit loop's
 
   // flow stress and its slope by dp, at p_n + dp over the time dt; softening is the temperature's factor
   template <class T>
   void evaluate(T p_n, T dp, double dt, T softening, T& flow, T& slope) const {
-    hardening.evaluate(p_n + dp, flow, slope);
+    bool looked_up = false;
+    if constexpr (std::is_same_v<T, Pack>)
+      if (table) table->evaluate(p_n + dp, flow, slope), looked_up = true;
+    if (!looked_up) hardening.evaluate(p_n + dp, flow, slope);
     if (rate.law != RateLaw::none) {
       T factor, factor_slope;
       rate.evaluate(dp * T(1.0 / dt), factor, factor_slope);

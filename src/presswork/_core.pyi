@@ -189,6 +189,68 @@ class SolidLaw:
         Advance points by strain increments (n, 6): xx, yy, zz, xy, yz, zx; as SheetLaw.update, without thickness.
         """
 
+class UmatJacobian(enum.Enum):
+    """What a UMAT's DDSDDE is the derivative of."""
+
+    stress_increment = 0
+
+    jaumann_kirchhoff = 1
+
+class UmatStatus(enum.Enum):
+    """How the call of a UMAT ended."""
+
+    done = 0
+
+    smaller = 1
+
+    not_finite = 2
+
+    overrun = 3
+
+    stopped = 4
+
+class UmatFault:
+    """The worst of what the calls of a block have told."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def status(self) -> UmatStatus: ...
+
+    @property
+    def cell(self) -> int:
+        """In the block."""
+
+    @property
+    def step_factor(self) -> float:
+        """Least PNEWDT."""
+
+class UmatPlace:
+    """Which increment a UMAT is called in."""
+
+    def __init__(self, *, stage: int = 1, increment: int = 1, stage_time: float = 0.0, time: float = 0.0, dt: float = 1.0) -> None:
+        """Counted from 1; times [s] are those of the increment's start."""
+
+umat_history_size: int = 13
+
+umat_history_work: int = 12
+
+class Umat:
+    """A material law from a shared library with Abaqus's UMAT interface."""
+
+    def __init__(self, library: str, properties: Sequence[float], n_state: int, *, jacobian: UmatJacobian = UmatJacobian.stress_increment, thread_safe: bool = False, plastic_strain: int = 0) -> None:
+        """
+        Open the library; raises RuntimeError that says what is missing. plastic_strain: which state variable is the equivalent plastic strain, from 1, or 0.
+        """
+
+    @property
+    def n_state(self) -> int: ...
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], state: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float = 1.0) -> tuple[UmatStatus, NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Call it once at a small strain increment xx, yy, zz, xy from no deformation; returns status, stress (4), state (n_state) and tangent (4, 4).
+        """
+
 class TangentKind(enum.Enum):
     """Which tangent an element builds."""
 
@@ -206,9 +268,9 @@ class PointSettings:
 def element_sizes(element: str) -> tuple[int, int]:
     """Number of nodes and of integration points of an element."""
 
-def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False) -> int:
+def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, user_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, user: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, first_cell: int = 0, when: UmatPlace | None = None, fault: UmatFault | None = None) -> int:
     """
-    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. Returns the index of a cell turned inside out, or -1.
+    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. Returns the index of a cell turned inside out, or -1. A Umat needs user_n and user, when and fault besides.
     """
 
 class ShellFault(enum.Enum):

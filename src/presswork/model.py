@@ -40,6 +40,7 @@ HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "t
 Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
 ContactLaw = Literal["frictionless", "sticking", "shear", "coulomb", "coulomb_capped"]
+UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
 FrictionTangent = Literal["return_mapping", "bond", "residual"]
 
 
@@ -128,20 +129,41 @@ class Rate:
 
 
 @dataclass(frozen=True)
+class Umat:
+    """A material law from a shared library with Abaqus's interface UMAT."""
+
+    library: str
+    """Full path of the shared library."""
+    props: tuple[float, ...]
+    """PROPS, in mm, s, MPa as the routine wants them."""
+    n_state: int
+    """NSTATV."""
+    jacobian: UmatJacobian = "stress_increment"
+    """What DDSDDE is the derivative of; see docs/theory/material.md."""
+    thread_safe: bool = False
+    """Several threads may call it at once."""
+    plastic_strain: int = 0
+    """Which state variable is the equivalent plastic strain, from 1; 0: none."""
+
+
+@dataclass(frozen=True)
 class Material:
-    """Isotropic elasticity with von Mises plasticity, or, in a shell, with a sheet's laws beside."""
+    """Isotropic elasticity with von Mises plasticity; in a shell with a sheet's laws beside; or a UMAT."""
 
     name: str
     young: float
-    """Young's modulus [MPa]."""
+    """Young's modulus [MPa]; of a UMAT that of its first tangent, by which stiffness and energy are judged."""
     poisson: float
-    hardening: Hardening
+    hardening: Hardening | None
+    """None of a UMAT."""
     yield_function: YieldFunction | None = None
     """Of a shell, x along the rolling direction; None is von Mises."""
     kinematic: Kinematic | None = None
     rate: Rate | None = None
     young_decrease: tuple[float, float] | None = None
     """Young's modulus after large plastic strain [MPa], and the rate at which it gets there."""
+    umat: Umat | None = None
+    """Of a solid: the law, instead of hardening."""
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,7 @@ def make_solid_law(material: Material) -> _core.SolidLaw:
 
 
 def _flow(material: Material) -> tuple[_core.HardeningLaw, list[float]]:
+    assert material.hardening is not None, "a sheet takes no UMAT"
     return _core.HardeningLaw[material.hardening.law], [float(p) for p in material.hardening.parameters]
 
 
@@ -52,6 +53,7 @@ def _options(material: Material) -> dict[str, Any]:
             chaboche = _core.Chaboche(p[: len(p) // 2], p[len(p) // 2 :])
         else:
             names = ("B", "C", "m", "b", "Rsat", "h")
+            assert material.hardening is not None
             size = float(material.hardening.parameters[0])
             yoshida_uemori = _core.YoshidaUemori(Y=size, **dict(zip(names, p, strict=True)))
     saturated, falling = material.young_decrease or (0.0, 0.0)

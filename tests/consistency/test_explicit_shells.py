@@ -22,11 +22,11 @@ def mesh() -> tuple[np.ndarray, np.ndarray]:
     return points, np.stack([first, first + 1, first + N + 2, first + N + 1], axis=1).astype(np.int32)
 
 
-def make_run(precision: str = "double", **options: object) -> ExplicitShells:
+def make_run(precision: str = "double", law: _core.SheetLaw = SWIFT, **options: object) -> ExplicitShells:
     """One edge held, the opposite one pulled at 5 m/s, and pressed out of the plane: plastic within 100 cycles."""
     points, cells = mesh()
     shells = ExplicitShells(
-        points, cells, 0.8, SWIFT, 7.85e-9, options=ShellOptions(**options), precision=precision  # type: ignore[arg-type]
+        points, cells, 0.8, law, 7.85e-9, options=ShellOptions(**options), precision=precision  # type: ignore[arg-type]
     )  # fmt: skip
     shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
     shells.fix(np.flatnonzero(points[:, 0] == 48), "u", 5000.0)
@@ -144,6 +144,32 @@ def test_the_fast_law_and_the_general_one_give_the_same_run() -> None:
     assert (fast.equivalent_plastic_strain > 1e-3).mean() > 0.1
     np.testing.assert_allclose(fast.position, general.position, atol=1e-6)
     np.testing.assert_allclose(fast.stress, general.stress, atol=1e-3)
+
+
+HARDENINGS = {
+    "swift": [565.0, 0.007, 0.26],
+    "swift_voce": [0.4, 565.32, 0.007117, 0.2589, 160.0, 400.0, 12.0],
+    "monotone_table": [0.0, 160.0, 4000.0, 0.02, 220.0, 2000.0, 0.3, 420.0, 300.0],
+    "table": [0.0, 160.0, 0.02, 220.0, 0.3, 420.0],
+}
+
+
+@pytest.mark.parametrize("hardening", HARDENINGS)
+def test_every_sheet_law_gives_the_same_run_with_its_hardening_from_a_table(hardening: str) -> None:
+    """Barlat's sheet with rate and back stress; a curve of straight lines stays with its formula."""
+    law = _core.SheetLaw(
+        207e3, 0.3, _core.YieldFunction.barlat1989(1.1, 1.05, 0.97, 1.02, 6), _core.HardeningLaw[hardening],
+        HARDENINGS[hardening], rate=_core.RateLaw.cowper_symonds, rate_parameters=(40.0, 5.0),
+        chaboche=_core.Chaboche([3000.0], [60.0]),
+    )  # fmt: skip
+    table, formula = make_run(law=law), make_run(law=law, tabulate=False)
+    for shells in (table, formula):
+        shells.advance(300)
+    assert (table.equivalent_plastic_strain > 1e-3).mean() > 0.1
+    np.testing.assert_allclose(table.position, formula.position, atol=1e-6)
+    np.testing.assert_allclose(table.stress, formula.stress, atol=1e-3)
+    same = np.array_equal(table.stress, formula.stress)
+    assert same == (hardening == "table")
 
 
 def test_the_rolling_direction_turns_with_the_sheet() -> None:

@@ -183,6 +183,15 @@ def test_keelers_lowest_point_is_its_formula():
     assert np.expm1(curve.limit(np.array([0.1])))[0] == pytest.approx(0.3743 + 0.6 * np.expm1(0.1), rel=1e-4)
 
 
+def test_keelers_branches_agree_with_the_polynomials_in_use():
+    """In per cent: FLD0 + e2 (0.784854 - 0.008565 e2) on the right, FLD0 + e2 (0.027254 e2 - 1.1965) on the left."""
+    curve = keeler_curve(1.0, 0.21)
+    for e2, slope in ((np.linspace(0, 25, 26), [0.784854, -0.008565]), (np.linspace(-20, 0, 21), [-1.1965, 0.027254])):
+        polynomial = 37.43 + e2 * (slope[0] + slope[1] * e2)
+        mine = 100 * np.expm1(curve.limit(np.log1p(e2 / 100)))
+        assert np.abs(mine - polynomial).max() < 1.05
+
+
 @pytest.mark.parametrize("name", YIELDS)
 @pytest.mark.parametrize("angle", [0.0, 30.0, 90.0])
 def test_proportional_straining_has_the_strain_ratio_asked_for(name, angle):

@@ -217,3 +217,43 @@ def test_three_dimensional_law_is_the_von_mises_law_of_solids():
     np.testing.assert_allclose(stress[:, :4], expected, rtol=1e-8, atol=1e-5)
     np.testing.assert_allclose(history[:, 0], eqps, rtol=1e-8)
     np.testing.assert_allclose(tangent[:, :4, :4], matrix, atol=1e-6 * YOUNG)
+
+
+SENSITIVE = {"cowper_symonds": (40.0, 5.0), "johnson_cook": (0.02, 1.0), "logarithmic": (0.02, 1.0)}
+
+
+@pytest.mark.parametrize("rate", SENSITIVE)
+@pytest.mark.parametrize("dt", [2e-7, 1e-3, 1.0])
+def test_no_point_fails_at_a_rate_whatever_the_step(rate, dt):
+    """Strain increments of 1e-8 to 3e-4 that turn now and then, 120 of 400 points: the slope is steep near rest."""
+    law = make_law(rate=_core.RateLaw[rate], rate_parameters=SENSITIVE[rate])
+    rng = np.random.default_rng(0)
+    stress, history = np.zeros((400, 3)), np.zeros((400, law.history_size))
+    for step in range(120):
+        if step % 40 == 0:
+            direction = rng.standard_normal((400, 3))
+        strain = direction * 10 ** rng.uniform(-8, -3.5, (400, 1))
+        stress, history, _, _, failed = law.update(strain, stress, history, dt=dt)
+        assert not failed.any()
+    assert (history[:, 0] > 0).mean() > 0.5
+
+
+def test_cowper_and_symonds_factor_rises_from_one_without_a_jump():
+    law = make_law(rate=_core.RateLaw.cowper_symonds, rate_parameters=(40.0, 5.0))
+    factor, slope = law.rate_factor(np.array([0.0, 2e-11, 4e-11 * (1 - 1e-9), 4e-11 * (1 + 1e-9), 40.0]))
+    rise = 1e-12**0.2
+    np.testing.assert_allclose(factor, [1.0, 1 + rise / 2, 1 + rise, 1 + rise, 2.0], rtol=1e-9)
+    np.testing.assert_allclose(slope[:3], rise / 4e-11, rtol=1e-9)
+
+
+def test_johnson_and_cooks_kink_is_rounded_and_nothing_else():
+    """Outside 0.76 to 1.2 of the reference rate the formula holds; inside it is off by at most 0.054 C."""
+    law = make_law(rate=_core.RateLaw.johnson_cook, rate_parameters=(0.02, 3.0))
+    share = np.linspace(0.0, 2.0, 2001)
+    factor, slope = law.rate_factor(3.0 * share)
+    off = factor - 1 - 0.02 * np.log(np.maximum(share, 1.0))
+    outside = (share < 0.762) | (share > 1.2)
+    np.testing.assert_allclose(off[outside], 0.0, atol=1e-14)
+    assert off.min() + 1e-14 >= 0.0
+    assert off.max() < 0.054 * 0.02
+    np.testing.assert_allclose(np.cumsum(slope[:-1] + slope[1:]) * 0.0015, factor[1:] - 1, atol=1e-7)

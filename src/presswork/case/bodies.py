@@ -97,27 +97,28 @@ def check_bodies(case: schema.Case) -> list[Problem]:
 
 
 def build_contacts(
-    case: schema.Case, mesh: model.Mesh, bodies: tuple[model.Body, ...]
+    case: schema.Case, mesh: model.Mesh, bodies: tuple[model.Body, ...], materials: tuple[model.Material, ...]
 ) -> tuple[tuple[model.BodyContact, ...], list[Problem]]:
     """Return the contacts between bodies, and the problems of bodies that overlap or can never meet."""
     number = {body.name: i for i, body in enumerate(bodies)}
     contacts, problems = [], []
     for name, contact in case.contacts.items():
         first, second = (number[body] for body in contact.between)
-        slave = number[contact.slave] if contact.slave else _choose_slave(case, mesh, bodies, first, second)
+        slave = number[contact.slave] if contact.slave else _choose_slave(mesh, bodies, materials, first, second)
         contacts.append(model.BodyContact(name, (first, second), slave, contact.contact, m=contact.m, mu=contact.mu))
         if first != second:
             problems += _check_apart(case, name, mesh, bodies[first], bodies[second])
     return tuple(contacts), problems
 
 
-def _choose_slave(case: schema.Case, mesh: model.Mesh, bodies: tuple[model.Body, ...], first: int, second: int) -> int:
+def _choose_slave(
+    mesh: model.Mesh, bodies: tuple[model.Body, ...], materials: tuple[model.Material, ...], first: int, second: int
+) -> int:
     """Return the body with the finer boundary, or the softer one of two that are alike, or the first."""
     sizes = [_mean_edge(mesh, bodies[i]) for i in (first, second)]
     if min(sizes) < SAME_SIZE * max(sizes):
         return (first, second)[int(np.argmin(sizes))]
-    described = list_bodies(case)
-    young = [case.materials[described[bodies[i].name][1].material].young for i in (first, second)]
+    young = [materials[mesh.blocks[bodies[i].blocks.start].material].young for i in (first, second)]
     return second if young[1] < young[0] else first
 
 

@@ -20,6 +20,7 @@ from presswork.case.reach import check_reach
 from presswork.case.references import check_references, check_sets
 from presswork.case.settings import build_output, build_solver
 from presswork.case.tools import build_tool, check_motions
+from presswork.case.umat import UmatMaterial, build_umat
 
 _AXES = ("x", "y")
 
@@ -30,7 +31,9 @@ def build_solid_model(case: schema.Case) -> model.Model:
     mesh, bodies = build_bodies(case)
     problems = check_sets(case, mesh)
     _stop_at(problems, case)
-    contacts, problems = build_contacts(case, mesh, bodies)
+    materials, problems = _build_materials(case)
+    _stop_at(problems, case)
+    contacts, problems = build_contacts(case, mesh, bodies, materials)
     planes, plane_problems = _find_symmetry_planes(case, mesh, bodies)
     problems += plane_problems
     if case.analysis == "axisymmetric":
@@ -45,10 +48,7 @@ def build_solid_model(case: schema.Case) -> model.Model:
         analysis=case.analysis,
         depth=case.depth,
         mesh=mesh,
-        materials=tuple(
-            model.Material(name, material.young, material.poisson, build_hardening(material.hardening))
-            for name, material in case.materials.items()
-        ),
+        materials=materials,
         tools=tools,
         supports=tuple(
             model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix)) for entry in case.boundary.values()
@@ -74,6 +74,17 @@ def _stop_at(problems: list[Problem], case: schema.Case) -> None:
 def _folder(case: schema.Case) -> Path:
     """Return what paths in a case are relative to."""
     return case.source.parent if case.source is not None else Path()
+
+
+def _build_materials(case: schema.Case) -> tuple[tuple[model.Material, ...], list[Problem]]:
+    built = [
+        build_umat(name, material, _folder(case))
+        if isinstance(material, UmatMaterial)
+        else model.Material(name, material.young, material.poisson, build_hardening(material.hardening))
+        for name, material in case.materials.items()
+    ]
+    materials = tuple(material for material in built if isinstance(material, model.Material))
+    return materials, [problem for problem in built if isinstance(problem, Problem)]
 
 
 def _find_symmetry_planes(

@@ -74,6 +74,13 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
 
 
 def _describe_material(material: model.Material) -> str:
+    if material.umat:
+        umat = material.umat
+        return (
+            f"UMAT of {umat.library}, {len(umat.props)} props, {umat.n_state} state variables; "
+            f"at first E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}"
+        )
+    assert material.hardening is not None
     parts = [f"E = {material.young:g} MPa", f"Poisson's ratio {material.poisson:g}"]
     if material.young_decrease:
         saturated, rate = material.young_decrease

@@ -7,6 +7,7 @@ from presswork import model
 from presswork.case import schema
 from presswork.case.bodies import check_bodies, list_bodies
 from presswork.case.errors import Problem, suggest
+from presswork.case.umat import UmatMaterial
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.mesh import fitting_patterns
@@ -40,6 +41,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         )
     for name, entry in case.tools.items():
         problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
+    problems += _check_umats(case)
     if case.solver.control == "arc_length":
         fault = "arc length is for shells under loads alone"
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
@@ -64,6 +66,20 @@ def check_references(case: schema.Case) -> list[Problem]:
                 )
             )
         unloads = bool(stage.force or stage.pressure)
+    return problems
+
+
+def _check_umats(case: schema.Case) -> list[Problem]:
+    """Return the problems of laws from shared libraries with elements and tangents that need a flow stress."""
+    users = {name for name, material in case.materials.items() if isinstance(material, UmatMaterial)}
+    problems = []
+    for _, (key, body) in list_bodies(case).items():
+        if body.material in users and body.element == "quad4_1pt":
+            fault = "its hourglass control needs a flow stress, which a UMAT does not tell"
+            problems.append(Problem(f"{key}.element", fault, "take quad4_fbar", body.element))
+    if users and case.solver.tangent == "thesis":
+        fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"
+        problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
     return problems
 
 

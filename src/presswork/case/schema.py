@@ -12,17 +12,20 @@ import functools
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import tomli_w
 from pydantic import (
+    Discriminator,
     Field,
     ModelWrapValidatorHandler,
     PrivateAttr,
+    Tag,
     ValidationError,
     ValidationInfo,
     model_validator,
 )
+from pydantic.config import JsonDict
 
 from presswork import model
 from presswork.case.contact import Contact, require_friction
@@ -31,6 +34,7 @@ from presswork.case.hardening import Hardening
 from presswork.case.part import Part, ShortForm
 from presswork.case.reader import apply_overrides, list_problems, read_toml
 from presswork.case.settings import Output, Solver
+from presswork.case.umat import UmatMaterial
 from presswork.case.units import (
     Angle,
     Direction,
@@ -67,6 +71,22 @@ class Material(Part):
     young: Stress = Field(gt=0, description="Young's modulus [MPa]")
     poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
     hardening: Hardening = Field(description="flow stress against equivalent plastic strain")
+
+
+_MATERIALS: JsonDict = {"von_mises": "#/$defs/Material", "umat": "#/$defs/UmatMaterial"}
+
+
+def _kind_of_material(data: object) -> str:
+    """Tell a table with a UMAT from others."""
+    has_umat = "umat" in data if isinstance(data, dict) else isinstance(data, UmatMaterial)
+    return "umat" if has_umat else "von_mises"
+
+
+MaterialTable = Annotated[
+    Annotated[Material, Tag("von_mises")] | Annotated[UmatMaterial, Tag("umat")],
+    Discriminator(_kind_of_material),
+    Field(json_schema_extra={"discriminator": {"mapping": _MATERIALS}}),
+]
 
 
 class ProfilePoint(ShortForm):
@@ -317,7 +337,7 @@ class Case(Part):
     )
     depth: Length = Field(default=1.0, gt=0, description="plane strain: extent normal to the plane [mm]")
     workpiece: Workpiece = Field(description="the body that is formed")
-    materials: dict[str, Material] = Field(min_length=1, description="materials by name")
+    materials: dict[str, MaterialTable] = Field(min_length=1, description="materials by name")
     tools: dict[str, Tool] = Field(default={}, description="rigid tools by name")
     bodies: dict[str, Workpiece] = Field(default={}, description="further deformable bodies by name")
     contacts: dict[str, Contact] = Field(default={}, description="contacts between bodies by name")
@@ -371,6 +391,7 @@ def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]
     tables = [(body["mesh"], "path") for body in bodies]
     tables += [(tool, "profile_file") for tool in data.get("tools", {}).values()]
     tables += [(m, "library") for m in data.get("materials", {}).values() if m.get("library", "").endswith(".toml")]
+    tables += [(m, "umat") for m in data.get("materials", {}).values()]
     return [(table, key) for table, key in tables if key in table]
 
 

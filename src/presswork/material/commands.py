@@ -29,6 +29,7 @@ from presswork.material.identify import (
 )
 from presswork.material.sheet_plot import draw_sheet
 from presswork.material.tensile import TensileTest, read_tensile
+from presswork.umat import CompileError, compile_law
 
 BAD_INPUT = 2
 
@@ -49,6 +50,19 @@ def materials() -> None:
     """List the sheet materials of the library."""
     for sheet in list_sheets():
         typer.echo(f"{sheet.key:22s} {sheet.name}: {sheet.summary}")
+
+
+@material_app.command("compile")
+def compile_(
+    source: Annotated[Path, typer.Argument(help="An Abaqus UMAT, or a law in one C++ file.", show_default=False)],
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="The library; default: beside it.")] = None,
+) -> None:
+    """Compile a material law into a shared library, for [materials.NAME] umat = "LIBRARY"."""
+    try:
+        typer.echo(compile_law(source, output))
+    except CompileError as error:
+        console.print(f"error: {error}", style="red", markup=False)
+        raise typer.Exit(BAD_INPUT) from error
 
 
 @material_app.command()

@@ -44,7 +44,8 @@ class ShellOptions:
     n_points, rule: points through the thickness; "gauss" or, with points on both surfaces, "lobatto".
     warping: Belytschko, Wong & Chiang's terms for warped elements; without them it is Belytschko & Tsay's shell.
     hourglass: "stiffness" or "viscous" control, with its coefficients for membrane, deflection and rotations.
-    tabulate: von Mises with isotropic hardening alone takes the fast update with a tabulated curve.
+    tabulate: hardening is looked up in a table that follows its law within 1e-8 where it is smooth; von Mises with
+    isotropic hardening alone takes a fast update besides.
     """
 
     n_points: int = 5

@@ -11,12 +11,14 @@ import numpy as np
 from presswork import _core
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
 from presswork.procedure.loads import AppliedLoads, evaluate_loads
+from presswork.procedure.outcome import Step
 from presswork.procedure.shell_mechanics import ShellFailed, ShellMechanics
 from presswork.procedure.supports import Supports
 from presswork.procedure.timing import Timing
 from presswork.results.contact_stress import ContactForces
 from presswork.results.fields import cell_fields, effective_stress, point_fields
 from presswork.state import State
+from presswork.umat import open_umat
 
 
 def make_mechanics(model: Model, timing: Timing) -> Mechanics | ShellMechanics:
@@ -45,11 +47,48 @@ class PassedThrough:
         return f"surfaces of contact {self.contact!r} passed through each other"
 
 
-BadGuess = TurnedInsideOut | PassedThrough | ShellFailed
+_CUT = {_core.UmatStatus.not_finite: 0.5, _core.UmatStatus.overrun: 0.0, _core.UmatStatus.stopped: 0.0}
+"""By what an increment is cut; 0 gives up."""
+_STATUS = {
+    _core.UmatStatus.smaller: "asks for a smaller increment (PNEWDT)",
+    _core.UmatStatus.not_finite: "gives a stress or tangent that is no number",
+    _core.UmatStatus.overrun: "writes beyond its state variables",
+    _core.UmatStatus.stopped: "stops the analysis (XIT)",
+}
 
 
-def make_law(material: Material, solver: SolverSettings) -> _core.VonMises:
-    """Return the compiled material law."""
+@dataclass(frozen=True)
+class LawFailed:
+    """A law from a shared library that refused the trial displacement; the increment must be cut."""
+
+    block: int
+    cell: int
+    status: _core.UmatStatus
+    step_factor: float
+    """By which to cut."""
+
+    @property
+    def is_final(self) -> bool:
+        """Whether the law has said what to do, so that a shorter correction is not to be tried."""
+        return self.status != _core.UmatStatus.not_finite
+
+    def __str__(self) -> str:
+        return f"the UMAT {_STATUS[self.status]} in cell {self.cell} of block {self.block}"
+
+
+BadGuess = TurnedInsideOut | PassedThrough | ShellFailed | LawFailed
+
+
+def factor_of(bad: BadGuess) -> float:
+    """Return by what to cut an increment with such a guess."""
+    return bad.step_factor if isinstance(bad, LawFailed) else 0.5
+
+
+def make_law(material: Material, solver: SolverSettings) -> _core.VonMises | _core.Umat:
+    """Return the compiled material law, or open the library that has it."""
+    if material.umat is not None:
+        return open_umat(material.umat)
+    assert material.hardening is not None
     consistent = solver.tangent == "consistent" or solver.terms.modulus == "consistent"
     return _core.VonMises(
         material.young,
@@ -89,6 +128,8 @@ class Mechanics:
         self._settings = make_point_settings(model.solver)
         laws = [make_law(m, model.solver) for m in model.materials]
         self._laws = [laws[b.material] for b in model.mesh.blocks]
+        self._first_cell = np.cumsum([0, *(len(b.connectivity) for b in model.mesh.blocks)])
+        self._when = _core.UmatPlace()
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in model.mesh.blocks]
         self.assembler = self._make_assembler(None)
         self._couplings: IntArray | None = None
@@ -117,6 +158,17 @@ class Mechanics:
         """Return the State before the first increment."""
         return State.at_rest(self._model, n_candidates, n_slots)
 
+    def begin_increment(self, state_n: State, step: Step) -> None:
+        """Keep which increment this is, for laws that ask."""
+        duration = self._model.stages[step.stage].duration
+        self._when = _core.UmatPlace(
+            stage=step.stage + 1,
+            increment=int(state_n.progress[3]) + 1,
+            stage_time=step.fraction_n * duration,
+            time=float(state_n.progress[0]),
+            dt=(step.fraction - step.fraction_n) * duration,
+        )
+
     def settle(self, state_n: State, trial: State) -> None:
         """Bring a converged trial state's other arrays up to its displacement: solids have none."""
 
@@ -138,10 +190,10 @@ class Mechanics:
 
     def evaluate(
         self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 0.0
-    ) -> FloatArray | TurnedInsideOut:
+    ) -> FloatArray | TurnedInsideOut | LawFailed:
         """Return the internal nodal force (n_points, 2) [N] after `increment` (n_points, 2) [mm] from state_n.
 
-        dt: time of the increment, which no law of a solid knows.
+        dt: of no use here: the laws of solids that ask for time have it from begin_increment.
 
         Fills the trial state's stress, history and volumes and, if asked, the element stiffnesses. Does not touch
         state_n.
@@ -150,6 +202,7 @@ class Mechanics:
         model = self._model
         points = model.mesh.points + state_n.displacement
         for i, block in enumerate(model.mesh.blocks):
+            fault = _core.UmatFault()
             failed = _core.evaluate_block(
                 block.element,
                 self._connectivity[i],
@@ -170,10 +223,18 @@ class Mechanics:
                 force=self._force[i],
                 stiffness=self._stiffness[i] if with_stiffness else None,
                 symmetric=model.solver.symmetric,
+                user_n=state_n.user[i],
+                user=trial.user[i],
+                first_cell=int(self._first_cell[i]),
+                when=self._when,
+                fault=fault,
             )
             if failed >= 0:
                 self._timing.add("assembly", started)
                 return TurnedInsideOut(i, failed)
+            if fault.status != _core.UmatStatus.done:
+                self._timing.add("assembly", started)
+                return LawFailed(i, fault.cell, fault.status, _CUT.get(fault.status, fault.step_factor))
         force: FloatArray = self.assembler.assemble_vector(self._force)
         self._timing.add("assembly", started)
         return force
@@ -188,15 +249,23 @@ class Mechanics:
         """Return the mean flow stress of the cells round each node (n_points,) [MPa]."""
         total, count = np.zeros(len(self._model.mesh.points)), np.zeros(len(self._model.mesh.points))
         for i, connectivity in enumerate(self._connectivity):
-            flow = self.flow_stress(i, state.eqps[i]).mean(axis=1)
+            flow = self._flow_stress_now(i, state).mean(axis=1)
             for column in connectivity.T:
                 total += np.bincount(column, flow, minlength=len(total))
                 count += np.bincount(column, minlength=len(total))
         return total / np.maximum(count, 1)
 
+    def _flow_stress_now(self, block: int, state: State) -> FloatArray:
+        """Return the flow stress at the points; of a UMAT, which does not tell it, the effective stress."""
+        if isinstance(self._laws[block], _core.Umat):
+            return effective_stress(state.stress[block])
+        return self.flow_stress(block, state.eqps[block])
+
     def flow_stress(self, block: int, eqps: FloatArray) -> FloatArray:
         """Return the flow stress [MPa] at equivalent plastic strains of any shape."""
-        flow, _ = self._laws[block].flow_stress(np.ascontiguousarray(eqps).ravel())
+        law = self._laws[block]
+        assert isinstance(law, _core.VonMises)
+        flow, _ = law.flow_stress(np.ascontiguousarray(eqps).ravel())
         result: FloatArray = flow.reshape(eqps.shape)
         return result
 
@@ -233,6 +302,8 @@ class Mechanics:
         total = 0.0
         for block, stress, volume in zip(self._model.mesh.blocks, state.stress, state.volume, strict=True):
             material = self._model.materials[block.material]
+            if material.umat is not None:
+                continue  # told with the plastic work
             trace = stress[..., :3].sum(axis=-1)
             square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * stress[..., 3] ** 2
             density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * material.young)
@@ -240,9 +311,16 @@ class Mechanics:
         return total
 
     def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
-        """Return the plastic work of one increment [N mm], by the trapezoidal rule on the flow stress."""
+        """Return the plastic work of one increment [N mm], by the trapezoidal rule on the flow stress.
+
+        Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
+        """
         total = 0.0
         for i in range(len(trial.eqps)):
+            if trial.user[i].shape[2]:
+                work = trial.user[i][..., _core.umat_history_work - _core.umat_history_size]
+                total += float((work * trial.volume[i]).sum())
+                continue
             mean_flow = 0.5 * (self.flow_stress(i, state_n.eqps[i]) + self.flow_stress(i, trial.eqps[i]))
             total += float((mean_flow * (trial.eqps[i] - state_n.eqps[i]) * trial.volume[i]).sum())
         return total

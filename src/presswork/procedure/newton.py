@@ -16,7 +16,7 @@ from presswork.procedure.floating_tools import Floating, FloatingTools, LostWork
 from presswork.procedure.friction import Friction, FrictionForces
 from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
 from presswork.procedure.loads import AppliedLoads
-from presswork.procedure.mechanics import BadGuess, Mechanics, PassedThrough
+from presswork.procedure.mechanics import BadGuess, LawFailed, Mechanics, PassedThrough, factor_of
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
 from presswork.procedure.sheet_contact import SheetContact, SheetForces
 from presswork.procedure.shell_mechanics import ShellMechanics
@@ -132,6 +132,7 @@ class Equilibrium:
         log = IterationLog()
         fixed = self.fixed(step.stage)
         peak = max(float(state_n.peak_force[0]), self._noise / UNLOADED)
+        self._mechanics.begin_increment(state_n, step)
         self._contact.begin_increment()
         self.floating_tools.begin_increment()
         self.bodies.begin_increment(state_n)
@@ -141,11 +142,13 @@ class Equilibrium:
         if self.friction.is_needed:
             self.friction.begin_increment(state_n, self._mechanics.nodal_flow_stress(state_n))
         increment, point = guess, self._evaluate(state_n, trial, step, guess, with_stiffness=True)
+        if isinstance(point, LawFailed) and point.is_final:
+            return Failed(log, str(point), factor_of(point))
         if isinstance(point, BadGuess):
             increment = np.zeros_like(guess)
             point = self._evaluate(state_n, trial, step, increment, with_stiffness=True)
             if isinstance(point, BadGuess):
-                return Failed(log, str(point), 0.5)
+                return Failed(log, str(point), factor_of(point))
         size, factorised = 0.0, False
         most = settings.max_iterations * (2 if gently else 1)
         for iteration in range(most + 1):
@@ -192,7 +195,7 @@ class Equilibrium:
             missing = max(missing, float(np.abs(travel).max(initial=0.0)))
             moved = self._advance(state_n, trial, step, point, balance.drag, increment, correction, missing)
             if isinstance(moved, BadGuess):
-                return Failed(log, str(moved), 0.5)
+                return Failed(log, str(moved), factor_of(moved))
             increment, point, part = moved
             if balance.floating:
                 self.floating_tools.move(trial, balance.floating, part * travel)
@@ -277,6 +280,8 @@ class Equilibrium:
             taken = increment + part * correction
             found = self._evaluate(state_n, trial, step, taken, with_stiffness=full)
             if not isinstance(found, BadGuess) or part < SMALLEST_PART:
+                break
+            if isinstance(found, LawFailed) and found.is_final:
                 break
             part *= 0.5
         if isinstance(found, BadGuess):

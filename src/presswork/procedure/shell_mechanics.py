@@ -12,6 +12,7 @@ from presswork import _core
 from presswork.mesh.directors import Directors, find_directors
 from presswork.model import FloatArray, MaskArray, Model
 from presswork.procedure.loads import AppliedLoads
+from presswork.procedure.outcome import Step
 from presswork.procedure.shell_energy import elastic_energy, plastic_work
 from presswork.procedure.shell_loads import ShellLoads
 from presswork.procedure.supports import Supports
@@ -174,6 +175,9 @@ class ShellMechanics:
         force: FloatArray = self.assembler.assemble_vector(self._force)
         self._timing.add("assembly", started)
         return force
+
+    def begin_increment(self, state_n: State, step: Step) -> None:
+        """Take note of an increment: the laws of shells do not ask when."""
 
     def settle(self, state_n: State, trial: State) -> None:
         """Turn the directors of a converged trial state by its increment."""

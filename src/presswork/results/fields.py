@@ -29,11 +29,25 @@ def cell_fields(model: Model, state: State) -> dict[str, FloatArray]:
         parts["stress"].append(np.column_stack([mean, np.zeros((len(mean), 2))]))
         parts["hydrostatic_stress"].append(mean[:, :3].mean(axis=1))
     fields = {name: np.concatenate(values) for name, values in parts.items()}
+    fields.update(_state_variables(model, state))
     if len(model.bodies) > 1:
         n_cells = [len(block.connectivity) for block in model.mesh.blocks]
         numbers = [np.full(n_cells[b], float(i)) for i, body in enumerate(model.bodies) for b in body.blocks]
         fields["body"] = np.concatenate(numbers)
     return fields
+
+
+def _state_variables(model: Model, state: State) -> dict[str, FloatArray]:
+    """Return the cell means of UMATs' state variables, SDV1 and on; zero in cells of other laws."""
+    umats = [model.materials[block.material].umat for block in model.mesh.blocks]
+    numbers = [umat.n_state if umat else 0 for umat in umats]
+    parts = []
+    for n, history, volume in zip(numbers, state.user, state.volume, strict=True):
+        weight = volume / volume.sum(axis=1, keepdims=True)
+        mean = np.zeros((len(history), max(numbers)))
+        mean[:, :n] = np.einsum("cq,cqi->ci", weight, history[..., :n])
+        parts.append(mean)
+    return {f"SDV{i + 1}": np.concatenate([part[:, i] for part in parts]) for i in range(max(numbers))}
 
 
 def point_fields(

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arrays.hpp"
+#include "element/umat_response.hpp"
+
+namespace presswork::bindings {
+
+void bind_umat(nb::module_& m) {
+  nb::enum_<UmatJacobian>(m, "UmatJacobian", "What a UMAT's DDSDDE is the derivative of.")
+      .value("stress_increment", UmatJacobian::stress_increment)
+      .value("jaumann_kirchhoff", UmatJacobian::jaumann_kirchhoff);
+  nb::enum_<UmatStatus>(m, "UmatStatus", "How the call of a UMAT ended.")
+      .value("done", UmatStatus::done)
+      .value("smaller", UmatStatus::smaller)
+      .value("not_finite", UmatStatus::not_finite)
+      .value("overrun", UmatStatus::overrun)
+      .value("stopped", UmatStatus::stopped);
+  nb::class_<UmatFault>(m, "UmatFault", "The worst of what the calls of a block have told.")
+      .def(nb::init<>())
+      .def_ro("status", &UmatFault::status)
+      .def_ro("cell", &UmatFault::cell, "In the block.")
+      .def_ro("step_factor", &UmatFault::step_factor, "Least PNEWDT.");
+  nb::class_<UmatPlace>(m, "UmatPlace", "Which increment a UMAT is called in.")
+      .def(
+          "__init__",
+          [](UmatPlace* self, int stage, int increment, double stage_time, double time, double dt) {
+            new (self) UmatPlace;
+            self->stage = stage, self->increment = increment;
+            self->time[0] = stage_time, self->time[1] = time;
+            self->dt = dt;
+          },
+          nb::kw_only(), nb::arg("stage") = 1, nb::arg("increment") = 1, nb::arg("stage_time") = 0.0,
+          nb::arg("time") = 0.0, nb::arg("dt") = 1.0, "Counted from 1; times [s] are those of the increment's start.");
+  m.attr("umat_history_size") = static_cast<int>(UmatHistory::size);
+  m.attr("umat_history_work") = static_cast<int>(UmatHistory::work);
+
+  nb::class_<Umat>(m, "Umat", "A material law from a shared library with Abaqus's UMAT interface.")
+      .def(nb::init<const std::string&, const std::vector<double>&, int, UmatJacobian, bool, int>(), nb::arg("library"),
+           nb::arg("properties"), nb::arg("n_state"), nb::kw_only(),
+           nb::arg("jacobian") = UmatJacobian::stress_increment, nb::arg("thread_safe") = false,
+           nb::arg("plastic_strain") = 0,
+           "Open the library; raises RuntimeError that says what is missing. plastic_strain: which state variable is "
+           "the equivalent plastic strain, from 1, or 0.")
+      .def_ro("n_state", &Umat::n_state)
+      .def(
+          "update",
+          [](const Umat& law, Doubles strain, Doubles stress, Doubles state, double dt) {
+            require(strain.size() == 4 && stress.size() == 4, "strain and stress must have shape (4)");
+            require(state.size() == std::size_t(law.n_state), "state must have shape (n_state)");
+            UmatPoint p{};
+            std::copy_n(stress.data(), 4, p.stress);
+            std::copy_n(strain.data(), 4, p.increment);
+            for (int i : {0, 4, 8}) p.rotation[i] = p.F_n[i] = p.F[i] = 1.0;
+            for (int i = 0; i < 3; ++i) p.F[4 * i] += strain.data()[i];
+            p.F[3] = p.F[1] = 0.5 * strain.data()[3];
+            UmatPlace place;
+            place.dt = dt;
+            double *new_stress, *new_state, *tangent;
+            auto stresses = new_array({4}, &new_stress);
+            auto states = new_array({state.size()}, &new_state);
+            auto tangents = new_array({4, 4}, &tangent);
+            std::copy_n(state.data(), state.size(), new_state);
+            const auto status = law.call(place, p, new_state);
+            std::copy_n(p.stress, 4, new_stress);
+            for (int i = 0; i < 4; ++i)
+              for (int j = 0; j < 4; ++j) tangent[4 * i + j] = p.tangent[i + 4 * j];
+            return std::make_tuple(status, stresses, states, tangents);
+          },
+          nb::arg("strain"), nb::arg("stress"), nb::arg("state"), nb::arg("dt") = 1.0,
+          "Call it once at a small strain increment xx, yy, zz, xy from no deformation; returns status, stress (4), "
+          "state (n_state) and tangent (4, 4).");
+}
+
+}  // namespace presswork::bindings

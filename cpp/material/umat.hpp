@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// A material law from a shared library with Abaqus's interface UMAT (Abaqus User Subroutines Reference, "UMAT").
+//
+// The routine is called as Abaqus/Standard calls it for plane strain and axisymmetric solids without an orientation:
+// NDI 3, NSHR 1, NTENS 4 in the order 11, 22, 33, 12, shear strains engineering. Stress and STRAN come already turned
+// by DROT, DSTRAN is the increment's strain in the turned axes, DFGRD0 and DFGRD1 are of the whole deformation; tensors
+// among the state variables the routine turns itself. There is no temperature, no field variable and no creep of time
+// steps: TEMP, PREDEF and what belongs to them are zero.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace presswork {
+
+extern "C" using UmatFunction = void (*)(
+    double* stress, double* statev, double* ddsdde, double* sse, double* spd, double* scd, double* rpl, double* ddsddt,
+    double* drplde, double* drpldt, const double* stran, const double* dstran, const double* time, const double* dtime,
+    const double* temp, const double* dtemp, const double* predef, const double* dpred, const char* cmname,
+    const int* ndi, const int* nshr, const int* ntens, const int* nstatv, const double* props, const int* nprops,
+    const double* coords, const double* drot, double* pnewdt, const double* celent, const double* dfgrd0,
+    const double* dfgrd1, const int* noel, const int* npt, const int* layer, const int* kspt, const int* jstep,
+    const int* kinc, std::size_t cmname_length);
+
+// What DDSDDE is the derivative of.
+enum class UmatJacobian : int {
+  stress_increment = 0,   // d(stress increment)/d(strain increment), of laws that add up increments
+  jaumann_kirchhoff = 1,  // Jaumann rate of Kirchhoff stress over J by rate of deformation, of laws of the whole F
+};
+
+enum class UmatStatus : int {
+  done = 0,
+  smaller = 1,     // PNEWDT below one
+  not_finite = 2,  // a stress, state variable or tangent is not a number
+  overrun = 3,     // wrote beyond its state variables
+  stopped = 4,     // called XIT
+};
+
+// Where and when a call is made.
+struct UmatPlace {
+  double coordinates[3] = {0.0, 0.0, 0.0};  // [mm]
+  double length = 1.0;                      // of the cell [mm]
+  int cell = 1, point = 1;                  // from 1
+  int stage = 1, increment = 1;             // from 1
+  double time[2] = {0.0, 0.0};              // of stage and process when the increment begins [s]
+  double dt = 1.0;                          // [s]
+};
+
+// One point in one increment; matrices by columns. Stress and tangent [MPa].
+struct UmatPoint {
+  double stress[4];                // both
+  double strain[4], increment[4];  // in
+  double rotation[9];              // in
+  double F_n[9], F[9];             // in
+  double energy[3];                // both: elastic, plastic, creep, per volume
+  double tangent[16];              // out
+  double step_factor;              // out: PNEWDT
+};
+
+class Umat {
+ public:
+  // Opens the library and finds umat_. Throws std::runtime_error that says what is missing.
+  Umat(const std::string& library, const std::vector<double>& properties, int n_state, UmatJacobian jacobian,
+       bool thread_safe, int plastic_strain);
+
+  // `state` has n_state values. On anything but done, the point is not to be used.
+  UmatStatus call(const UmatPlace& place, UmatPoint& point, double* state) const;
+
+  int n_state;
+  UmatJacobian jacobian;
+  bool thread_safe;    // may be called from several threads at once
+  int plastic_strain;  // which state variable is the equivalent plastic strain, from 1; 0: none
+
+ private:
+  std::shared_ptr<void> library_;
+  UmatFunction function_ = nullptr;
+  std::vector<double> properties_;  // and numbers behind them that are none, so that reading too far shows
+  int n_properties_;
+};
+
+}  // namespace presswork

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compiled material laws for the tests of several rooms."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from presswork.umat import compile_law
+
+SOURCES = Path(__file__).parent / "data" / "umat"
+
+
+@pytest.fixture(scope="session")
+def umat_laws(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The library of data/umat/laws.cpp."""
+    return compile_law(SOURCES / "laws.cpp", tmp_path_factory.mktemp("umat") / "laws.so")
+
+
+@pytest.fixture(scope="session")
+def umat_fortran(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The library of data/umat/mises_linear.f."""
+    if shutil.which("gfortran") is None:
+        pytest.skip("gfortran is not installed: the Fortran UMAT is not compiled; umat_laws tests the same interface")
+    return compile_law(SOURCES / "mises_linear.f", tmp_path_factory.mktemp("umat") / "mises_linear.so")

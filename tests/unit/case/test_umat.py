@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input of materials with a UMAT is told before anything is computed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from presswork import build_model
+from presswork.case import CaseError, read_case
+from presswork.examples import copy_example
+from presswork.umat import CompileError, compile_law
+
+GOOD = {"props": "[1, 200e3, 0.3, 700, 0.01, 0.2]", "state_variables": "1"}
+
+
+def build(folder: Path, library: object, settings: tuple[str, ...] = (), **keys: str):
+    """Build the upsetting example with a UMAT in place of its material."""
+    path = copy_example("upsetting_q4", folder / "case")
+    head, rest = path.read_text(encoding="utf-8").split("[materials.steel]")
+    table = "".join(f"{key} = {value}\n" for key, value in {**GOOD, **keys}.items())
+    path.write_text(f'{head}[materials.steel]\numat = "{library}"\n{table}\n{rest[rest.index("[tools.punch]") :]}')
+    return build_model(read_case(path, settings))
+
+
+def test_the_first_tangent_gives_the_elastic_constants(tmp_path, umat_laws):
+    model = build(tmp_path, umat_laws)
+    assert model.materials[0].young == pytest.approx(200e3, rel=1e-9)
+    assert model.materials[0].poisson == pytest.approx(0.3, rel=1e-9)
+
+
+BAD = {
+    "no such file": ({"library": "nowhere.so"}, ["materials.steel.umat", "nowhere.so", "no such file"]),
+    "no library": ({"library": __file__}, ["materials.steel.umat", "invalid ELF header"]),
+    "too few properties": ({"props": "[1, 200e3, 0.3]"}, ["steel.umat", "no numbers", "than the 3 props"]),
+    "too few state variables": ({"state_variables": "0"}, ["steel.umat", "state variables"]),
+    "writes too far": ({"props": "[7, 200e3, 0.3]"}, ["steel.umat", "beyond its 1 state variables", "*DEPVAR"]),
+    "stops": ({"props": "[6, 200e3, 0.3, -1, 1]"}, ["steel.umat", "stops (XIT) at its first call"]),
+    "no stiffness": ({"props": "[4, 0, 0.3, 1, 1]"}, ["steel.umat", "no tangent (DDSDDE) of a solid"]),
+    "no such variable": ({"plastic_strain": "2"}, ["steel.plastic_strain = 2", "only 1 state variables"]),
+    "variable zero": ({"plastic_strain": "0"}, ["steel.plastic_strain = 0", ">= 1"]),
+    "negative number": ({"state_variables": "-1"}, ["steel.state_variables = -1", ">= 0"]),
+    "wrong word": ({"jacobian": '"tangent"'}, ["steel.jacobian", "jaumann_kirchhoff, stress_increment"]),
+    "both laws": ({"young": "200e3"}, ["materials.steel.young", "unknown key"]),
+    "element": ({"settings": ("workpiece.element=quad4_1pt",)}, ["workpiece.element", "flow stress", "quad4_fbar"]),
+    "tangent": ({"settings": ("solver.tangent=thesis",)}, ["solver.tangent", "consistent"]),
+}
+
+
+@pytest.mark.parametrize("fault", BAD)
+def test_a_umat_that_cannot_be_used_is_refused(tmp_path, umat_laws, fault):
+    keys, words = BAD[fault]
+    with pytest.raises(CaseError) as error:
+        build(tmp_path, **{"library": umat_laws, **keys})
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_a_library_without_umat_is_refused(tmp_path):
+    source = tmp_path / "other.c"
+    source.write_text("void vumat_(void) {}\n")
+    with pytest.raises(CaseError, match=r"no routine UMAT \(symbol umat_\)"):
+        build(tmp_path, compile_law(source))
+
+
+def test_a_library_that_lacks_a_symbol_says_which(tmp_path):
+    source = tmp_path / "lacks.c"
+    source.write_text("void sprind_(void);\nvoid umat_(void) { sprind_(); }\n")
+    with pytest.raises(CaseError, match="undefined symbol: sprind_"):
+        build(tmp_path, compile_law(source))
+
+
+def test_sizes_that_the_library_tells_are_held_against_the_case(tmp_path):
+    source = tmp_path / "sizes.c"
+    source.write_text("void umat_(void) {}\nvoid umat_sizes_(int* p, int* s) { *p = 6; *s = 2; }\n")
+    library = compile_law(source)
+    with pytest.raises(CaseError, match="it wants 2 state variables, not 1"):
+        build(tmp_path / "a", library)
+    with pytest.raises(CaseError, match="it wants 6 properties, not 7"):
+        build(tmp_path / "b", library, props="[1, 2, 3, 4, 5, 6, 7]")
+
+
+def test_a_source_that_cannot_be_compiled_is_refused(tmp_path):
+    for name, words in {"law.txt": "ends in .f", "none.cpp": "no such file"}.items():
+        with pytest.raises(CompileError, match=words):
+            compile_law(tmp_path / name)
+    bad = tmp_path / "bad.c"
+    bad.write_text("void umat_( {}\n")
+    with pytest.raises(CompileError, match="gcc refuses it"):
+        compile_law(bad)
