@@ -8,6 +8,7 @@
 #include "arrays.hpp"
 #include "explicit/loop.hpp"
 #include "explicit/shell4_block.hpp"
+#include "tool_contact.hpp"
 
 namespace presswork::bindings {
 
@@ -267,8 +268,9 @@ NewDoubles bound_frequencies(const ShellLoop<Real>& self) {
 template <class Real>
 void bind_loop(nb::module_& m, const char* name, const char* text) {
   using Loop = ShellLoop<Real>;
-  nb::class_<Loop>(m, name, text)
-      .def("__init__", &make_loop<Real>, nb::arg("points"))
+  nb::class_<Loop> loop(m, name, text);
+  bind_tools(loop);
+  loop.def("__init__", &make_loop<Real>, nb::arg("points"))
       .def("add_shells4", &add_shells4<Real>, nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),
            nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),
            nb::arg("tabulate") = true, nb::arg("warped") = false, nb::arg("viscous") = false,
@@ -336,7 +338,9 @@ void bind_explicit(nb::module_& m) {
       .def_ro("internal", &Energies::internal)
       .def_ro("hourglass", &Energies::hourglass)
       .def_ro("external", &Energies::external)
-      .def_ro("damping", &Energies::damping);
+      .def_ro("damping", &Energies::damping)
+      .def_ro("contact", &Energies::contact)
+      .def_ro("friction", &Energies::friction);
 
   nb::class_<FastLaw>(m, "TabulatedMises",
                       "The explicit loop's von Mises update in plane stress; hardening from a table.")

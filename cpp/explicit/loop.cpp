@@ -2,6 +2,7 @@
 #include "explicit/loop.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace presswork::explicit_dynamics {
 
@@ -191,7 +192,9 @@ typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, 
       motion[i] = static_cast<Real>(after[i]);
     }
     // by the velocity as it is kept: what moves a node is what strains its elements
-    for (int i = 0; i < 3; ++i) x[i] += dt * motion[i];
+    double squared = 0.0;
+    for (int i = 0; i < 3; ++i) x[i] += dt * motion[i], squared += double(motion[i]) * motion[i];
+    sums.fastest = std::max(sums.fastest, squared);
   }
   sums.external *= dt;
   sums.damping *= dt * damping;
@@ -213,13 +216,57 @@ void ShellLoop<Real>::advance(int n, double dt, double damping, const double* fo
         sums[c] = move_nodes(c * chunk, std::min(nodes.n, (c + 1) * chunk), dt, damping, force_scale[cycle],
                              velocity_scale[cycle]);
 #pragma omp master
-      for (const auto& s : sums) work[0] += s.external, work[1] += s.damping;
+      {
+        double fastest = 0.0;
+        for (const auto& s : sums) {
+          work[0] += s.external, work[1] += s.damping;
+          fastest = std::max(fastest, s.fastest);
+        }
+        if (contact) contact->move_tools(cycle, dt, std::sqrt(fastest));
+      }
 #pragma omp for schedule(static)
       for (int t = 0; t < n_tiles; ++t) advance_tile(tiles_[t], dt, scratch.data());
 #pragma omp for schedule(static)
       for (int i = 0; i < n_rims; ++i) close_rims(i, i + 1);
+      if (!contact) continue;
+      const auto sheet = view(dt);
+#pragma omp for schedule(static)
+      for (int c = 0; c < contact->cell_chunks(); ++c) contact->visit_cells(c, sheet);
+#pragma omp for schedule(static)
+      for (int c = 0; c < contact->node_chunks(); ++c) contact->visit_nodes(c, sheet, internal_force.data());
+#pragma omp master
+      contact->close_cycle();
     }
   }
+}
+
+template <class Real>
+std::unique_ptr<ToolContact> ShellLoop<Real>::make_contact() const {
+  std::vector<int> start{0}, cells;
+  double thinnest = thickness(0), longest = 0.0;
+  for (int e = 0; e < n_elements(); ++e) thinnest = std::min(thinnest, thickness(e));
+  for (const auto& block : blocks) {
+    const auto& connectivity = block->connectivity();
+    cells.insert(cells.end(), connectivity.begin(), connectivity.end());
+    for (std::size_t i = 0; i < connectivity.size(); i += block->nodes_each()) {
+      start.push_back(start.back() + block->nodes_each());
+      const double *a = nodes.position.data() + std::size_t(nodes.position_stride) * connectivity[i],
+                   *b = nodes.position.data() + std::size_t(nodes.position_stride) * connectivity[i + 2];
+      longest = std::max(longest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+    }
+  }
+  return std::make_unique<ToolContact>(nodes.n, std::move(start), std::move(cells), thinnest, longest);
+}
+
+template <class Real>
+void ShellLoop<Real>::set_contact_stiffness(double dt) {
+  std::vector<double> node_mass(nodes.n), cell_mass;
+  for (int i = 0; i < nodes.n; ++i) {
+    const double inverse = nodes.motion.data()[std::size_t(nodes.motion_stride) * i + 6];
+    node_mass[i] = inverse > 0.0 ? 1.0 / inverse : 0.0;
+  }
+  for (const auto& block : blocks) cell_mass.insert(cell_mass.end(), block->mass().begin(), block->mass().end());
+  contact->set_stiffness(node_mass, cell_mass, dt);
 }
 
 template <class Real>
@@ -244,6 +291,11 @@ Energies ShellLoop<Real>::energies(double dt, double damping, double force_scale
       e.internal += block->value(i, block->rows().work);
       e.hourglass += block->value(i, block->rows().hourglass_work);
     }
+  if (contact) {
+    const ContactEnergies c = contact->energies(dt);
+    e.kinetic += c.kinetic, e.external += c.external, e.damping += c.damping;
+    e.contact = c.penalty, e.friction = c.friction;
+  }
   return e;
 }
 

@@ -3,6 +3,7 @@
 //
 // A cycle: nodes    a = (f_ext - f_int)/m, v += a dt, x += v dt
 //          elements f_int from x, v (each pack writes forces of its own)
+//          tools    their contact forces are taken off f_int
 // Elements are taken in tiles, the forces of which stay in the cache: nodes inside a tile are summed up there and then,
 // and those on its rim leave a partial sum, which a second pass adds to those of the other tiles; all in a fixed order.
 // At the end of a call x and the forces belong to time t, v to t - dt/2.
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "explicit/element_block.hpp"
+#include "explicit/tool_contact.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -23,8 +25,10 @@ struct Energies {
   double kinetic = 0.0;    // v(-dt/2) m v(+dt/2)/2, which linear vibration conserves together with the internal energy
   double internal = 0.0;   // work of the stresses
   double hourglass = 0.0;  // work of the hourglass forces
-  double external = 0.0;   // work of nodal forces and of prescribed velocities
-  double damping = 0.0;    // taken away by mass damping
+  double external = 0.0;   // work of nodal forces, of prescribed velocities and of tools
+  double damping = 0.0;    // taken away by mass damping, and by the damping of contact and of pushed tools
+  double contact = 0.0;    // in the springs of contact, and the work of its pressure on the change of thickness
+  double friction = 0.0;   // lost in friction
 };
 
 template <class Real>
@@ -52,12 +56,28 @@ class ShellLoop {
   // Advance the elements alone, and with them the internal force.
   void advance_elements(double dt);
 
-  std::vector<Real> internal_force;  // (n, 6) [N, N mm]
-  double work[2] = {0.0, 0.0};       // done by force and prescription, by damping: up to half a step back
+  std::vector<Real> internal_force;  // (n, 6) [N, N mm], less the contact forces of tools
+
+  std::unique_ptr<ToolContact> contact;  // none without tools
+  // To be called when there are tools, and after a change of masses.
+  std::unique_ptr<ToolContact> make_contact() const;
+  void set_contact_stiffness(double dt);
+  // What contact must know of the sheet, after a step of dt.
+  auto view(double dt) const {
+    return SheetView{nodes.position.data(), nodes.motion.data(), [this](int cell) { return thickness(cell); }, dt};
+  }
+  double thickness(int element) const {
+    std::size_t b = 0;
+    for (; element >= blocks[b]->n(); ++b) element -= blocks[b]->n();
+    return blocks[b]->value(element, blocks[b]->rows().thickness);
+  }
+
+  double work[2] = {0.0, 0.0};  // done by force and prescription, by damping: up to half a step back
 
  private:
   struct Sums {
     double external = 0.0, damping = 0.0;
+    double fastest = 0.0;  // speed of a node, squared
   };
   struct Tile {
     ElementBlock<Real>* block;

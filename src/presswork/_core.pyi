@@ -469,6 +469,12 @@ class Energies:
     @property
     def damping(self) -> float: ...
 
+    @property
+    def contact(self) -> float: ...
+
+    @property
+    def friction(self) -> float: ...
+
 class TabulatedMises:
     """
     The explicit loop's von Mises update in plane stress; hardening from a table.
@@ -493,6 +499,55 @@ class ShellLoop:
     """Central differences for shells; mm, s, t, N, MPa."""
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
+
+    def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, cells: bool, thickness: bool) -> int:
+        """Add a rigid tool; returns its number."""
+
+    def remove_tool(self, tool: int) -> None:
+        """Take a tool away; the others keep their numbers."""
+
+    def place_tool(self, tool: int, displacement: Sequence[float]) -> None:
+        """Put a tool somewhere else."""
+
+    def push_tool(self, tool: int, direction: Sequence[float], mass: float, drag: float) -> None:
+        """
+        Let a force place a tool of this mass [t] along a unit vector; drag [1/s].
+        """
+
+    def drive_tool(self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Velocities (n, 3), or forces (n) of a pushed tool, of the next n cycles.
+        """
+
+    def tool_state(self, tool: int) -> tuple[list[float], list[float], list[float]]:
+        """
+        Displacement [mm], velocity half a step back [mm/s], force of the sheet on the tool [N].
+        """
+
+    def set_contact_stiffness(self, dt: float) -> None:
+        """Take the stiffness of contact from the masses and a step [s]."""
+
+    def start_contact(self) -> None:
+        """Find the forces of tools that are new."""
+
+    def deepest(self, tool: int) -> tuple[float, int]:
+        """
+        Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + a cell.
+        """
+
+    @property
+    def lost_point(self) -> int:
+        """A point that has gone through a tool; -1: none."""
+
+    @property
+    def contact_force(self) -> NDArray[numpy.float64]:
+        """Forces of the tools on the nodes (n_nodes, 3) [N]."""
+
+    def dump_contact(self) -> NDArray[numpy.float64]:
+        """All that contact remembers."""
+
+    def restore_contact(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Take over what dump_contact gave."""
 
     def add_shells4(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """
@@ -581,6 +636,55 @@ class ShellLoopSingle:
     """ShellLoop in single precision, positions and work excepted."""
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
+
+    def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, cells: bool, thickness: bool) -> int:
+        """Add a rigid tool; returns its number."""
+
+    def remove_tool(self, tool: int) -> None:
+        """Take a tool away; the others keep their numbers."""
+
+    def place_tool(self, tool: int, displacement: Sequence[float]) -> None:
+        """Put a tool somewhere else."""
+
+    def push_tool(self, tool: int, direction: Sequence[float], mass: float, drag: float) -> None:
+        """
+        Let a force place a tool of this mass [t] along a unit vector; drag [1/s].
+        """
+
+    def drive_tool(self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Velocities (n, 3), or forces (n) of a pushed tool, of the next n cycles.
+        """
+
+    def tool_state(self, tool: int) -> tuple[list[float], list[float], list[float]]:
+        """
+        Displacement [mm], velocity half a step back [mm/s], force of the sheet on the tool [N].
+        """
+
+    def set_contact_stiffness(self, dt: float) -> None:
+        """Take the stiffness of contact from the masses and a step [s]."""
+
+    def start_contact(self) -> None:
+        """Find the forces of tools that are new."""
+
+    def deepest(self, tool: int) -> tuple[float, int]:
+        """
+        Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + a cell.
+        """
+
+    @property
+    def lost_point(self) -> int:
+        """A point that has gone through a tool; -1: none."""
+
+    @property
+    def contact_force(self) -> NDArray[numpy.float64]:
+        """Forces of the tools on the nodes (n_nodes, 3) [N]."""
+
+    def dump_contact(self) -> NDArray[numpy.float64]:
+        """All that contact remembers."""
+
+    def restore_contact(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Take over what dump_contact gave."""
 
     def add_shells4(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """

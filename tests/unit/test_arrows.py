@@ -17,7 +17,7 @@ CPP_ROOMS = {
     "element": {"tensor", "reference", "kinematics", "material"},
     "contact": {"tensor", "reference"},
     "assembly": {"tensor", "element", "contact"},
-    "explicit": {"tensor", "element", "material", "assembly"},
+    "explicit": {"tensor", "element", "material", "assembly", "contact"},
 }
 
 PYTHON_ROOMS = {

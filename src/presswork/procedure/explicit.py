@@ -20,6 +20,9 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
+from presswork.procedure.explicit_input import ExplicitError as ExplicitError
+from presswork.procedure.explicit_input import check_shells
+from presswork.procedure.explicit_tools import ToolsOfRun
 
 Array = npt.NDArray[np.float64]
 FREEDOMS = "uvwpqr"
@@ -29,12 +32,6 @@ LOOPS: dict[str, type[_core.ShellLoop] | type[_core.ShellLoopSingle]] = {
     "double": _core.ShellLoop,
     "single": _core.ShellLoopSingle,
 }
-HEAVIEST = 1e-6
-"""Density [t/mm3] beyond which a unit must be wrong: 50 times that of osmium."""
-
-
-class ExplicitError(ValueError):
-    """Input that no run can start from, or a run that cannot go on."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +64,8 @@ class ShellOptions:
 class EnergyBalance:
     """Energies at one time [N mm]; those of work are counted from the start of the run.
 
+    contact: held by the springs of contact, and given to the change of thickness by its pressure. friction: lost.
+    damping: lost to mass damping and in the dampers of contact and of pushed tools. kinetic: that of pushed tools too.
     error is what the balance of all of them has lost or won since the start, in per cent of the largest sum of energies
     that has occurred.
     """
@@ -77,6 +76,8 @@ class EnergyBalance:
     external: float
     damping: float
     error_percent: float
+    contact: float = 0.0
+    friction: float = 0.0
 
     def warnings(self) -> list[str]:
         """Say what is out of hand: kinetic or hourglass energy above 5 % of the internal, an error above 5 %."""
@@ -139,7 +140,7 @@ def order_along_curve(points: Array) -> npt.NDArray[np.intp]:
     return np.argsort(code, kind="stable")
 
 
-class ExplicitShells:
+class ExplicitShells(ToolsOfRun):
     """4-node shells in explicit dynamics.
 
     points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell; thickness [mm], one or (n); law in
@@ -202,6 +203,7 @@ class ExplicitShells:
         self.time = 0.0
         self.dt = SAFETY * self.stable_step()
         self._mass = self._loop.element_mass
+        self._start_tools()
 
     def _by_node(self, inside: Array) -> Array:
         out = np.empty_like(inside)
@@ -247,7 +249,7 @@ class ExplicitShells:
 
     @property
     def internal_force(self) -> Array:
-        """Internal forces and moments (n_nodes, 6) [N, N mm]."""
+        """Internal forces and moments (n_nodes, 6) [N, N mm], less the forces of tools."""
         return self._by_node(self._loop.internal_force)
 
     def trial_force(self, increment: npt.ArrayLike) -> Array:
@@ -301,6 +303,7 @@ class ExplicitShells:
         self._loop.element_mass = now
         self.dt = target_step
         self._reference = None
+        self._contact_step = 0.0
         return MassScaling(float(self._mass.sum()), float((now - self._mass).sum()), int((now > self._mass).sum()))
 
     def advance(
@@ -317,9 +320,10 @@ class ExplicitShells:
         damping: mass damping [1/s]; a mode of angular frequency w loses the fraction damping/(2 w) of critical.
         Raises ExplicitError when the motion is no longer finite.
         """
+        scales = [np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale)]
+        self._prepare_tools(scales[1])
         if self._reference is None:
             self._reference = (self._sum(self._energies(damping, force_scale, velocity_scale)), 0.0)
-        scales = (np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale))
         self._loop.advance(self.dt, *scales, damping=damping)
         self.cycle += n
         self.time += n * self.dt
@@ -330,6 +334,7 @@ class ExplicitShells:
                 f"the step {self.dt:g} s is too long (the shells allow {SAFETY * self.stable_step():g} s now) or its "
                 "shells have collapsed"
             )
+        self._check_tools()
 
     def _energies(self, damping: float, force_scale: object, velocity_scale: object) -> _core.Energies:
         first = [float(np.ravel(np.asarray(s, dtype=float))[0]) for s in (force_scale, velocity_scale)]
@@ -337,7 +342,7 @@ class ExplicitShells:
 
     @staticmethod
     def _sum(e: _core.Energies) -> float:
-        return e.kinetic + e.internal + e.hourglass + e.damping - e.external
+        return e.kinetic + e.internal + e.hourglass + e.damping + e.contact + e.friction - e.external
 
     def energies(self, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> EnergyBalance:
         """Give the energies now; damping and the scales are those of the next cycle."""
@@ -347,60 +352,28 @@ class ExplicitShells:
         if self._reference:
             self._reference = (start, largest)
         error = 100.0 * (self._sum(e) - start) / largest if largest > 0 else 0.0
-        return EnergyBalance(e.kinetic, e.internal, e.hourglass, e.external, e.damping, error)
+        return EnergyBalance(e.kinetic, e.internal, e.hourglass, e.external, e.damping, error, e.contact, e.friction)
 
     def dump(self) -> dict[str, Array]:
         """Give everything that the next cycle depends on, beside what the constructor, fix and force were given."""
         position, velocity, states, forces, external, damping = self._loop.dump()
         reference = self._reference or (np.nan, np.nan)
-        scalars = np.array([self.cycle, self.time, self.dt, external, damping, *reference])
+        scalars = np.array([self.cycle, self.time, self.dt, external, damping, *reference, self._contact_step])
         return {
             "position": position,
             "velocity": velocity,
             "state": states[0],
             "forces": forces,
             "element_mass": self._loop.element_mass,
+            "contact": self._loop.dump_contact(),
             "scalars": scalars,
         }
 
     def restore(self, dump: dict[str, Array]) -> None:
         """Take over what dump gave: the run goes on with the same bits as one never stopped."""
-        cycle, self.time, self.dt, external, damping, start, largest = (float(s) for s in dump["scalars"])
+        cycle, self.time, self.dt, external, damping, start, largest, step = (float(s) for s in dump["scalars"])
         self.cycle = int(cycle)
         self._reference = None if np.isnan(start) else (start, largest)
         self._loop.element_mass = dump["element_mass"]
         self._loop.restore(dump["position"], dump["velocity"], [dump["state"]], dump["forces"], external, damping)
-
-
-def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float) -> None:
-    """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ExplicitError(f"points has shape {points.shape}: it must be (n_nodes, 3)")
-    if not np.isfinite(points).all():
-        raise ExplicitError(f"node {np.argwhere(~np.isfinite(points))[0, 0]} has a coordinate that is not a number")
-    if cells.ndim != 2 or cells.shape[1] != 4 or len(cells) == 0:
-        raise ExplicitError(f"connectivity has shape {cells.shape}: it must be (n, 4) with at least one shell")
-    outside = (cells < 0) | (cells >= len(points))
-    if outside.any():
-        shell, corner = np.argwhere(outside)[0]
-        raise ExplicitError(
-            f"shell {shell} names node {cells[shell, corner]}: nodes are numbered from 0 to {len(points) - 1}"
-        )
-    if not (thickness > 0).all():
-        worst = int(np.argmin(thickness > 0))
-        raise ExplicitError(f"thickness of shell {worst} is {thickness[worst]:g} mm: it must be above zero")
-    if not density > 0:
-        raise ExplicitError(f"density = {density:g}: it must be above zero; steel has 7.85e-9 t/mm3")
-    if density > HEAVIEST:
-        raise ExplicitError(f"density = {density:g} t/mm3 is beyond any metal: steel has 7.85e-9 t/mm3, not 7850")
-    corners = points[cells]
-    before, after = np.roll(corners, 1, axis=1) - corners, np.roll(corners, -1, axis=1) - corners
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    turn = (np.cross(after, before) * normal[:, None, :]).sum(axis=2)
-    concave = turn <= 1e-6 * (normal**2).sum(axis=1)[:, None]
-    if concave.any():
-        shell, corner = np.argwhere(concave)[0]
-        raise ExplicitError(
-            f"shell {shell} (nodes {cells[shell].tolist()}) is folded or without area at node {cells[shell, corner]}: "
-            "give its nodes in turn round it, all corners below 180 degrees"
-        )
+        self._restore_tools(dump["contact"], step)

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explicit/tool_contact.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+namespace presswork::explicit_dynamics {
+
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+template <class T>
+T dot(const T a[3], const T b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Speed of a pushed tool half a step on.
+double next_speed(const Tool& tool, double push, double dt) {
+  const double half = 0.5 * tool.drag * dt, force = push + dot(tool.force, tool.direction);
+  return ((1.0 - half) * dot(tool.velocity, tool.direction) + dt / tool.mass * force) / (1.0 + half);
+}
+
+}  // namespace
+
+ToolContact::ToolContact(int n_nodes, std::vector<int> cell_start, std::vector<int> cell_node, double thickness,
+                         double cell_width)
+    : n_nodes_(n_nodes),
+      n_cells_(static_cast<int>(cell_start.size()) - 1),
+      cell_start_(std::move(cell_start)),
+      cell_node_(std::move(cell_node)),
+      node_start_(std::size_t(n_nodes) + 1, 0),
+      node_cell_(cell_node_.size()),
+      base_(std::size_t(fill(n_nodes_)) + fill(n_cells_), 0.0),
+      half_(base_.size(), 0.0),
+      cell_force_(std::size_t(n_cells_) * 3, 0.0),
+      cells_touch_((std::size_t(n_cells_) + chunk - 1) / chunk, 0),
+      memory_(0.005 * thickness),
+      reach_(2.0 * std::max(thickness, cell_width)) {
+  for (int node : cell_node_) ++node_start_[node + 1];
+  for (int i = 0; i < n_nodes; ++i) node_start_[i + 1] += node_start_[i];
+  std::vector<int> next(node_start_.begin(), node_start_.end() - 1);
+  for (int cell = 0; cell < n_cells_; ++cell)
+    for (int a = cell_start_[cell]; a < cell_start_[cell + 1]; ++a) node_cell_[next[cell_node_[a]]++] = cell;
+}
+
+void ToolContact::add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip) {
+  tools.push_back({});
+  tools.back().surface = std::move(surface);
+  tools.back().grip = grip;
+  any_cells_ = any_cells_ || grip.cells;
+  const int slots = fill(n_nodes_) + (grip.cells ? fill(n_cells_) : 0);
+  Touching off;
+  std::memset(static_cast<void*>(&off), 0, sizeof off);
+  pairs_.push_back({std::vector<Touching>(slots / width, off), std::vector<int>(slots, -1)});
+  for (int slot = 0; slot < slots; ++slot) {
+    const int point = point_of(slot);
+    const bool is_point = slot < fill(n_nodes_) ? point < n_nodes_ && node_start_[point] < node_start_[point + 1]
+                                                : point < n_nodes_ + n_cells_;
+    if (!is_point) pairs_.back().packs[slot / width].wake.set(slot % width, never);
+  }
+  sums_.assign((node_chunks() + cells_touch_.size()) * tools.size(), {});
+}
+
+void ToolContact::remove(int tool) {
+  for (int point = 0; point < n_points(tool); ++point) {
+    const double pressed = value(tool, point, &Touching::pressed), k = stiffness(tool, point);
+    if (pressed > 0.0) total_.damping += 0.5 * k * pressed * pressed;
+  }
+  for (Touching& p : pairs_[tool].packs) {
+    for (Pack& s : p.shear) s = Pack(0.0);
+    p.pressed = p.viscous = Pack(0.0), p.wake = Pack(never);
+  }
+}
+
+void ToolContact::place(int tool, const double displacement[3]) {
+  for (int i = 0; i < 3; ++i) tools[tool].displacement[i] = displacement[i];
+  for (Touching& p : pairs_[tool].packs) {
+    p.left = Pack(0.0);
+    p.wake = select(p.wake < Pack(never), Pack(0.0), p.wake);
+  }
+}
+
+double ToolContact::shear_squared(int tool, int point) const {
+  const Touching& p = pairs_[tool].packs[slot_of(point) / width];
+  double sum = 0.0;
+  for (const Pack& s : p.shear) sum += s[slot_of(point) % width] * s[slot_of(point) % width];
+  return sum;
+}
+
+void ToolContact::set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt) {
+  auto stored = [&](double& normal, double& shear) {
+    normal = shear = 0.0;
+    for (int t = 0; t < static_cast<int>(tools.size()); ++t)
+      for (int i = 0; i < n_points(t); ++i) {
+        const double pressed = value(t, i, &Touching::pressed), k = stiffness(t, i);
+        if (!(pressed > 0.0)) continue;
+        normal += 0.5 * k * pressed * pressed;
+        shear += 0.5 * shear_squared(t, i) / k;
+      }
+  };
+  double normal[2], shear[2];
+  stored(normal[0], shear[0]);
+  step_ = dt;
+  for (int i = 0; i < n_nodes_; ++i) base_[i] = node_mass[i] / (dt * dt);
+  for (int i = 0; i < n_cells_; ++i) base_[fill(n_nodes_) + i] = cell_mass[i] / (dt * dt);
+  stored(normal[1], shear[1]);
+  total_.squeeze += normal[1] - normal[0] + shear[1] - shear[0];  // no work was done
+  total_.friction += shear[1] - shear[0];
+}
+
+// The points' half thickness changes, and so does what contact holds.
+void ToolContact::set_half(int slot, const Pack& half) {
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    if (!tools[t].grip.thickness || std::size_t(slot / width) >= pairs_[t].packs.size()) continue;
+    const Pack then = pairs_[t].packs[slot / width].pressed, zero(0.0);
+    if (!any(then > zero)) continue;
+    const Pack moved = then + half - load(half_, slot), now = select(moved > zero, moved, zero);
+    const Pack k = Pack(0.5 * stiffness_factor(tools[t].grip)) * load(base_, slot);
+    const int c = slot < fill(n_nodes_) ? slot / chunk : node_chunks() + (slot - fill(n_nodes_)) / chunk;
+    sums_[c * tools.size() + t].add(squeeze, slot, select(then > zero, k * (now * now - then * then), zero));
+  }
+  for (int lane = 0; lane < width; ++lane) half_[slot + lane] = half[lane];
+}
+
+// Ask the surface about one point. Where nothing is near the plane has no normal, and the bound of the distance.
+void ToolContact::ask(const Tool& tool, Pairs& of, int slot, int lane, const Pack place[3], LaneSums& sums) const {
+  Touching& p = of.packs[slot / width];
+  const double x[3] = {place[0][lane], place[1][lane], place[2][lane]};
+  contact::Touch found;
+  if (!tool.surface->nearest(x, reach_, of.hint[slot + lane], found)) {
+    if (p.pressed[lane] > 0.0) sums.lost = std::min(sums.lost, point_of(slot + lane));
+    for (Pack& n : p.normal) n.set(lane, 0.0);
+    p.offset.set(lane, -std::max(found.gap, half_[slot + lane] + memory_));
+    p.left.set(lane, 0.0);
+    return;
+  }
+  p.left.set(lane, memory_);
+  for (int i = 0; i < 3; ++i) p.normal[i].set(lane, found.normal[i]);
+  p.offset.set(lane, dot(found.normal, x) - found.gap);
+}
+
+void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt, LaneSums& sums,
+                        Pack on_sheet[3]) {
+  const Tool& tool = tools[number];
+  const Grip& grip = tool.grip;
+  Touching& p = pairs_[number].packs[slot / width];
+  const Pack zero(0.0), half = grip.thickness ? load(half_, slot) : zero, base = load(base_, slot);
+  Pack place[3], way = zero;
+  const Pack along = dot(p.normal, dx);
+  for (int i = 0; i < 3; ++i) {
+    place[i] = x[i] - Pack(tool.displacement[i]);
+    const Pack slip = dx[i] - along * p.normal[i];
+    way += select(slip < zero, -slip, slip);
+  }
+  // 1. the tangent plane, asked for anew where the point has slipped on
+  p.left = select(awake, p.left - way, p.left);
+  const Mask asking = both(awake, p.left.v <= zero.v);
+  if (any(asking))
+    for (int lane = 0; lane < width; ++lane)
+      if (asking[lane]) ask(tool, pairs_[number], slot, lane, place, sums);
+  // 2. off the tool: sleep, unless so near that it would be for a few cycles
+  const Pack depth = half - (dot(p.normal, place) - p.offset);
+  const Mask on = both(awake, depth > zero), off = both(awake, depth < Pack(-memory_));
+  const Pack sleep = Pack(reach_awake) * depth;
+  p.wake = select(off, Pack(tool.travel) - sleep, p.wake);
+  p.left = select(off, p.left + sleep, p.left);  // it may travel as far meanwhile
+  // 3. normal force; the damper never pulls
+  const Pack pressed = select(on, depth, zero), k = Pack(stiffness_factor(grip)) * base;
+  const Pack closing = dot(p.normal, dx);
+  Pack viscous = zero;
+  if (grip.damping > 0.0 && dt > 0.0) {
+    const double factor = 2.0 * grip.damping * stiffness_factor(grip) / std::sqrt(grip.penalty) * step_ / dt;
+    viscous = -Pack(factor) * base * closing;
+    viscous = select(on, select(viscous < -k * pressed, -k * pressed, viscous), zero);
+  }
+  const Pack normal = k * pressed + viscous;
+  sums.add(damping, slot, Pack(-0.5) * (p.viscous + viscous) * closing);
+  // 4. friction: elastic trial in the present tangent plane, shortened to mu N
+  const Pack out = dot(p.normal, p.shear), limit = Pack(grip.friction) * normal;
+  Pack shear[3], work = zero;
+  for (int i = 0; i < 3; ++i) shear[i] = p.shear[i] - out * p.normal[i] - k * (dx[i] - closing * p.normal[i]);
+  const Pack size = dot(shear, shear);
+  const Mask slips = size > limit * limit;
+  const Pack ratio = select(slips, limit / square_root(select(slips, size, Pack(1.0))), Pack(1.0));
+  const Pack scale = select(on, ratio, zero);
+  for (int i = 0; i < 3; ++i) {
+    const Pack now = scale * shear[i], f = normal * p.normal[i] + now;
+    work += (p.shear[i] + now) * dx[i];
+    p.shear[i] = now;
+    on_sheet[i] += f;
+    sums.add(static_cast<Row>(force + i), slot, f);
+  }
+  sums.add(friction, slot, Pack(-0.5) * work);
+  p.pressed = pressed, p.viscous = viscous;
+}
+
+void ToolContact::move_tools(int cycle, double dt, double fastest) {
+  for (Tool& tool : tools) {
+    double after[3];
+    if (tool.pushed) {
+      tool.push = tool.drive[cycle];
+      const double speed = next_speed(tool, tool.push, dt);
+      const double mean = 0.5 * (dot(tool.velocity, tool.direction) + speed);
+      external_ += tool.push * mean * dt;
+      drag_ += tool.drag * tool.mass * mean * mean * dt;
+      for (int i = 0; i < 3; ++i) after[i] = speed * tool.direction[i];
+    } else {
+      for (int i = 0; i < 3; ++i) {
+        after[i] = tool.drive[3 * std::size_t(cycle) + i];
+        external_ -= tool.force[i] * 0.5 * (tool.velocity[i] + after[i]) * dt;
+      }
+    }
+    for (int i = 0; i < 3; ++i) {
+      tool.velocity[i] = after[i];
+      tool.displacement[i] += dt * after[i];
+    }
+    tool.travel += dt * (fastest + std::sqrt(dot(after, after)));
+  }
+}
+
+void ToolContact::close_cycle(int first_tool) {
+  ++cycle_;
+  const int chunks = node_chunks() + cell_chunks();
+  for (std::size_t t = first_tool; t < tools.size(); ++t) {
+    double sum[6] = {};
+    for (int c = 0; c < chunks; ++c) {
+      const LaneSums& of = sums_[c * tools.size() + t];
+      for (int r = 0; r < 6; ++r)
+        for (double lane : of.row[r]) sum[r] += lane;
+      total_.lost = std::min(total_.lost, of.lost);
+    }
+    total_.friction += sum[friction], total_.damping += sum[damping], total_.squeeze += sum[squeeze];
+    for (int i = 0; i < 3; ++i) tools[t].force[i] = -sum[force + i];
+  }
+}
+
+ContactEnergies ToolContact::energies(double dt) const {
+  ContactEnergies e;
+  double stuck = 0.0;
+  for (int t = 0; t < static_cast<int>(tools.size()); ++t)
+    for (int i = 0; i < n_points(t); ++i) {
+      const double pressed = value(t, i, &Touching::pressed), k = stiffness(t, i);
+      if (!(pressed > 0.0)) continue;
+      e.penalty += 0.5 * k * pressed * pressed;
+      stuck += 0.5 * shear_squared(t, i) / k;
+    }
+  e.penalty += stuck - total_.squeeze;
+  e.friction = total_.friction - stuck;
+  e.damping = total_.damping + drag_;
+  e.external = external_;
+  for (const Tool& tool : tools) {  // half a step on, as for nodes
+    if (tool.pushed) {
+      const double before = dot(tool.velocity, tool.direction), after = next_speed(tool, tool.push, dt);
+      e.kinetic += 0.5 * tool.mass * before * after;
+      e.external += 0.5 * dt * tool.push * before;
+      e.damping += 0.25 * dt * tool.drag * tool.mass * before * (before + after);
+    } else {
+      e.external -= 0.5 * dt * dot(tool.force, tool.velocity);
+    }
+  }
+  return e;
+}
+
+void ToolContact::add_forces(double* to) const {
+  for (int t = 0; t < static_cast<int>(tools.size()); ++t)
+    for (int point = 0; point < n_points(t); ++point) {
+      const double pressed = value(t, point, &Touching::pressed);
+      if (!(pressed > 0.0)) continue;
+      const Touching& p = pairs_[t].packs[slot_of(point) / width];
+      const int lane = slot_of(point) % width;
+      const double normal = stiffness(t, point) * pressed + p.viscous[lane];
+      for (int i = 0; i < 3; ++i) {
+        const double f = normal * p.normal[i][lane] + p.shear[i][lane];
+        if (point < n_nodes_) {
+          to[3 * std::size_t(point) + i] += f;
+          continue;
+        }
+        const int first = cell_start_[point - n_nodes_], last = cell_start_[point - n_nodes_ + 1];
+        for (int a = first; a < last; ++a) to[3 * std::size_t(cell_node_[a]) + i] += f / (last - first);
+      }
+    }
+}
+
+// --- dump ----------------------------------------------------------------------------------------------------------
+// Per tool its motion, then of each slot the rows and the hint; half thicknesses; sums. It does not depend on
+// the SIMD width.
+
+std::vector<double> ToolContact::dump() const {
+  std::vector<double> to;
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    const Tool& tool = tools[t];
+    const Pairs& of = pairs_[t];
+    for (const auto* v : {tool.displacement, tool.velocity, tool.force}) to.insert(to.end(), v, v + 3);
+    to.push_back(tool.push), to.push_back(tool.travel);
+    for (std::size_t slot = 0; slot < of.hint.size(); ++slot) {
+      const auto* row = reinterpret_cast<const Pack*>(&of.packs[slot / width]);
+      for (int r = 0; r < rows; ++r) to.push_back(row[r][static_cast<int>(slot % width)]);
+      to.push_back(of.hint[slot]);
+    }
+  }
+  to.insert(to.end(), half_.begin(), half_.end());
+  for (double x :
+       {total_.friction, total_.damping, total_.squeeze, external_, drag_, step_, double(started_), double(cycle_)})
+    to.push_back(x);
+  return to;
+}
+
+void ToolContact::restore(const std::vector<double>& from) {
+  std::size_t size = 8 + half_.size();
+  for (const Pairs& of : pairs_) size += 11 + (rows + 1) * of.hint.size();
+  if (from.size() != size) throw std::invalid_argument("the dump's tools are not those of this run");
+  const double* at = from.data();
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    Tool& tool = tools[t];
+    Pairs& of = pairs_[t];
+    for (auto* v : {tool.displacement, tool.velocity, tool.force})
+      for (int i = 0; i < 3; ++i) v[i] = *at++;
+    tool.push = *at++, tool.travel = *at++;
+    for (std::size_t slot = 0; slot < of.hint.size(); ++slot) {
+      auto* row = reinterpret_cast<Pack*>(&of.packs[slot / width]);
+      for (int r = 0; r < rows; ++r) row[r].set(static_cast<int>(slot % width), *at++);
+      of.hint[slot] = static_cast<int>(*at++);
+    }
+  }
+  for (double& h : half_) h = *at++;
+  for (double* x : {&total_.friction, &total_.damping, &total_.squeeze, &external_, &drag_, &step_}) *x = *at++;
+  started_ = static_cast<int>(*at++), cycle_ = static_cast<int>(*at++);
+  total_.lost = std::numeric_limits<int>::max();
+}
+
+}  // namespace presswork::explicit_dynamics

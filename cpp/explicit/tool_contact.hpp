@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contact of explicit shells with rigid tools: penalty, Coulomb friction, the sheet's thickness.
+//
+// Points of contact are the nodes and, on demand, the middles of the cells, whose forces go to their nodes in equal
+// parts. A point at distance d of the mid-surface from a tool is pressed in by p = t/2 - d > 0 and feels
+//
+//   N = k p + c p',  k = penalty m/dt^2,  c = 2 damping sqrt(k m),  never below zero, along the tool's normal,
+//   T = T_n - k ds (tangential, relative to the tool), shortened to mu N: Coulomb with an elastic stick.
+//
+// m is the node's mass; where cells take part their middles have half of the stiffness. As this is made of the mass the
+// step stays stable: w^2 dt^2 <= (0.9 x 2)^2 + 2 penalty < 4 for a node between two tools, if penalty < 0.38.
+//
+// Search. Beside the touch a pair of point and tool keeps the tangent plane there, and asks the surface anew after a
+// slip s of 0.5 % of the thickness: on a radius R the plane is then off by s^2/2R. A point off the tool sleeps until the
+// tool's `travel`, the sum of the largest relative speeds times dt, has grown by 0.9 of its gap: before that no point can
+// have reached the tool.
+//
+// Points are taken in packs of SIMD width; sums run over eight lanes whatever the width, chunk by chunk: they depend
+// neither on it nor on the number of threads.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#include "explicit/tools.hpp"
+#include "tensor/records.hpp"
+
+namespace presswork::explicit_dynamics {
+
+// What contact must know of the sheet in a cycle. thickness(cell) [mm]; dt is 0 where nothing has moved yet.
+template <class Real, class Thickness>
+struct SheetView {
+  const double* position;  // (n_nodes, 4)
+  const Real* motion;      // (n_nodes, 8), velocity of the step that led here
+  Thickness thickness;
+  double dt;
+};
+
+class ToolContact {
+ public:
+  static constexpr int chunk = 256;          // points whose forces are summed up in one go
+  static constexpr int refresh_cycles = 64;  // after which a point learns the thickness anew
+
+  // The nodes of cell i are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. The least thickness and a
+  // cell's typical width [mm] set what is near.
+  ToolContact(int n_nodes, std::vector<int> cell_start, std::vector<int> cell_node, double thickness, double width);
+
+  void add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip);
+  // Take a tool away, with what its springs hold; the others keep their numbers.
+  void remove(int tool);
+  void place(int tool, const double displacement[3]);
+  // Take stiffness from masses (nodes; cells) [t] and step.
+  void set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt);
+  double stiffness_step() const { return step_; }
+
+  // Find the forces of tools that have been added since, at the present place: to be called before the first cycle.
+  template <class View, class Real>
+  void start(const View& sheet, Real* net);
+  // One cycle: tools move (one thread; fastest: the largest speed of a node), then cells, then nodes are visited in
+  // chunks, which takes the contact forces off net (n_nodes, 6), internal less external forces; then sums are closed.
+  void move_tools(int cycle, double dt, double fastest);
+  template <class View>
+  void visit_cells(int c, const View& sheet, int first_tool = 0);
+  template <class View, class Real>
+  void visit_nodes(int c, const View& sheet, Real* net, int first_tool = 0);
+  void close_cycle(int first_tool = 0);
+  int node_chunks() const { return (n_nodes_ + chunk - 1) / chunk; }
+  int cell_chunks() const { return any_cells_ ? (n_cells_ + chunk - 1) / chunk : 0; }
+
+  ContactEnergies energies(double dt) const;
+  // Forces of the tools on the nodes (n_nodes, 3) [N], added.
+  void add_forces(double* force) const;
+  // Depth of the deepest point in a tool, and which it is: a node, or n_nodes + cell.
+  template <class View>
+  double deepest(int tool, const View& sheet, int& point) const;
+  // A point that was pressed into a tool and then found out of its reach: it has gone through. -1: none.
+  int lost() const { return total_.lost == std::numeric_limits<int>::max() ? -1 : total_.lost; }
+
+  std::vector<double> dump() const;
+  void restore(const std::vector<double>& from);
+
+  std::vector<Tool> tools;
+
+ private:
+  static constexpr int width = pack_width, group = 8;
+  static constexpr double reach_awake = 0.9;  // of its gap a point sleeps
+  using Mask = Pack::Mask;
+
+  // A pack of points and a tool. The tangent plane is normal.x = offset in the tool's frame.
+  struct Touching {
+    Pack normal[3], offset;
+    Pack shear[3];  // friction on the sheet [N]
+    Pack left;      // slip until the surface is asked again [mm]
+    Pack pressed;   // [mm]; 0 off the tool
+    Pack viscous;   // damping force [N]
+    Pack wake;      // the tool's travel at which the point may touch
+  };
+  static constexpr int rows = sizeof(Touching) / sizeof(Pack);
+  struct Pairs {
+    std::vector<Touching> packs;
+    std::vector<int> hint;  // of each slot
+  };
+  enum Row { friction, damping, squeeze, force };
+  struct LaneSums {
+    double row[6][group] = {};
+    int lost = std::numeric_limits<int>::max();
+    void add(Row r, int slot, Pack x) {
+      for (int lane = 0; lane < width; ++lane) row[r][slot % group + lane] += x[lane];
+    }
+  };
+  struct Sums {
+    double friction = 0.0, damping = 0.0, squeeze = 0.0;
+    int lost = std::numeric_limits<int>::max();
+  };
+
+  // Slots: nodes, filled up to whole groups, then cells.
+  static int fill(int n) { return (n + group - 1) / group * group; }
+  int slot_of(int point) const { return point < n_nodes_ ? point : fill(n_nodes_) + point - n_nodes_; }
+  int point_of(int slot) const { return slot < fill(n_nodes_) ? slot : slot - fill(n_nodes_) + n_nodes_; }
+  int n_points(int tool) const { return n_nodes_ + (tools[tool].grip.cells ? n_cells_ : 0); }
+  double stiffness_factor(const Grip& grip) const { return (grip.cells ? 0.5 : 1.0) * grip.penalty; }
+  double stiffness(int tool, int point) const { return stiffness_factor(tools[tool].grip) * base_[slot_of(point)]; }
+  double value(int tool, int point, const Pack Touching::* row) const {
+    return (pairs_[tool].packs[slot_of(point) / width].*row)[slot_of(point) % width];
+  }
+  double shear_squared(int tool, int point) const;
+  static Pack load(const std::vector<double>& from, int slot) {
+    Pack x;
+    for (int lane = 0; lane < width; ++lane) x.set(lane, from[slot + lane]);
+    return x;
+  }
+  void open_chunk(int c, int first_tool) {
+    for (std::size_t t = first_tool; t < tools.size(); ++t) sums_[c * tools.size() + t] = {};
+  }
+
+  template <class View>
+  double half_thickness(int point, const View& sheet) const;
+  // Place and velocity of a point.
+  template <class View>
+  void locate(int point, const View& sheet, double x[4], double v[4]) const;  // the fourth: nothing
+  // A pack of points from a slot on, against all tools; false where none of them may touch.
+  template <class View>
+  bool visit_pack(int slot, int n_filled, const View& sheet, int first_tool, int c, Pack on_sheet[3]);
+  void set_half(int slot, const Pack& half);
+  void touch(int tool, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt, LaneSums& sums,
+             Pack on_sheet[3]);
+  void ask(const Tool& tool, Pairs& of, int slot, int lane, const Pack place[3], LaneSums& sums) const;
+
+  int n_nodes_, n_cells_;
+  std::vector<int> cell_start_, cell_node_;  // nodes of each cell
+  std::vector<int> node_start_, node_cell_;  // cells of each node
+  std::vector<double> base_, half_;          // of slots: mass/dt^2 [N/mm], half the thickness [mm]
+  std::vector<double> cell_force_;           // (n_cells, 3), on each of the cell's nodes
+  std::vector<std::uint8_t> cells_touch_;    // of chunks of cells
+  std::vector<Pairs> pairs_;
+  std::vector<LaneSums> sums_;  // (chunks, tools)
+  Sums total_;
+  double memory_, reach_, step_ = 0.0;
+  double external_ = 0.0, drag_ = 0.0;  // work of what moves the tools; lost in their drag
+  int started_ = 0, cycle_ = 0;
+  bool any_cells_ = false;
+};
+
+template <class View>
+double ToolContact::half_thickness(int point, const View& sheet) const {
+  if (point >= n_nodes_) return 0.5 * sheet.thickness(point - n_nodes_);
+  const int first = node_start_[point], last = node_start_[point + 1];
+  double sum = 0.0;
+  for (int s = first; s < last; ++s) sum += sheet.thickness(node_cell_[s]);
+  return last > first ? 0.5 * sum / (last - first) : 0.0;
+}
+
+template <class View>
+void ToolContact::locate(int point, const View& sheet, double x[4], double v[4]) const {
+  typedef double Four __attribute__((vector_size(32)));
+  Four place{}, speed{};
+  auto take = [&](int node) __attribute__((always_inline)) {
+    Four a;
+    std::memcpy(&a, sheet.position + 4 * std::size_t(node), sizeof a);
+    place += a;
+    const auto* motion = sheet.motion + 8 * std::size_t(node);
+    speed += Four{double(motion[0]), double(motion[1]), double(motion[2]), double(motion[3])};
+  };
+  if (point < n_nodes_) {
+    take(point);
+  } else {
+    const int cell = point - n_nodes_, first = cell_start_[cell], last = cell_start_[cell + 1];
+    for (int a = first; a < last; ++a) take(cell_node_[a]);
+    place *= 1.0 / (last - first), speed *= 1.0 / (last - first);
+  }
+  std::memcpy(x, &place, sizeof place), std::memcpy(v, &speed, sizeof speed);
+}
+
+template <class View>
+bool ToolContact::visit_pack(int slot, int n_filled, const View& sheet, int first_tool, int c, Pack on_sheet[3]) {
+  const int last = std::min(slot + width, n_filled) - 1;
+  if ((cycle_ + slot / width) % refresh_cycles == 0) {
+    Pack half(0.0);
+    for (int s = slot; s <= last; ++s) half.set(s - slot, half_thickness(point_of(s), sheet));
+    set_half(slot, half);
+  }
+  for (int i = 0; i < 3; ++i) on_sheet[i] = Pack(0.0);
+  bool located = false;
+  Pack x[4], v[4];
+  for (std::size_t t = first_tool; t < tools.size(); ++t) {
+    if (std::size_t(slot / width) >= pairs_[t].packs.size()) continue;
+    const Touching* pack = &pairs_[t].packs[slot / width];
+    for (int line = 0; line < static_cast<int>(sizeof(Touching) / 64); ++line)  // of the next but one
+      __builtin_prefetch(reinterpret_cast<const char*>(pack + 2) + 64 * line, 1);
+    const Mask awake = pack->wake.v <= Pack(tools[t].travel).v;
+    if (!any(awake)) continue;
+    if (!located) {
+      alignas(64) double at[2][width][4];
+      const double *places[width], *speeds[width];
+      for (int lane = 0; lane < width; ++lane) {
+        const int point = point_of(std::min(slot + lane, last));
+        if constexpr (std::is_same_v<decltype(sheet.motion), const double*>)
+          if (point < n_nodes_) {
+            places[lane] = sheet.position + 4 * std::size_t(point);
+            speeds[lane] = sheet.motion + 8 * std::size_t(point);
+            continue;
+          }
+        locate(point, sheet, at[0][lane], at[1][lane]);
+        places[lane] = at[0][lane], speeds[lane] = at[1][lane];
+      }
+      load_records<4>(places, x), load_records<4>(speeds, v);
+      located = true;
+    }
+    Pack dx[3];
+    for (int i = 0; i < 3; ++i) dx[i] = Pack(sheet.dt) * (v[i] - Pack(tools[t].velocity[i]));
+    touch(static_cast<int>(t), slot, awake, x, dx, sheet.dt, sums_[c * tools.size() + t], on_sheet);
+  }
+  return located;
+}
+
+template <class View>
+void ToolContact::visit_cells(int c, const View& sheet, int first_tool) {
+  open_chunk(node_chunks() + c, first_tool);
+  bool touches = false;
+  for (int first = c * chunk; first < std::min(n_cells_, (c + 1) * chunk); first += width) {
+    Pack on_sheet[3];
+    if (!visit_pack(fill(n_nodes_) + first, fill(n_nodes_) + n_cells_, sheet, first_tool, node_chunks() + c,
+                    on_sheet)) {
+      for (int cell = first; cell < std::min(n_cells_, first + width); ++cell)
+        for (int i = 0; i < 3; ++i) cell_force_[3 * std::size_t(cell) + i] = 0.0;
+      continue;
+    }
+    touches = true;
+    for (int cell = first; cell < std::min(n_cells_, first + width); ++cell) {
+      const double share = 1.0 / (cell_start_[cell + 1] - cell_start_[cell]);
+      for (int i = 0; i < 3; ++i) cell_force_[3 * std::size_t(cell) + i] = share * on_sheet[i][cell - first];
+    }
+  }
+  cells_touch_[c] = touches;
+}
+
+template <class View, class Real>
+void ToolContact::visit_nodes(int c, const View& sheet, Real* net, int first_tool) {
+  open_chunk(c, first_tool);
+  bool cells_touch = false;
+  for (int i = 0; i < cell_chunks(); ++i) cells_touch |= cells_touch_[i] != 0;
+  for (int first = c * chunk; first < std::min(n_nodes_, (c + 1) * chunk); first += width) {
+    Pack on_sheet[3];
+    const bool touches = visit_pack(first, n_nodes_, sheet, first_tool, c, on_sheet);
+    if (!touches && !cells_touch) continue;
+    for (int node = first; node < std::min(n_nodes_, first + width); ++node) {
+      double force[3];
+      for (int i = 0; i < 3; ++i) force[i] = on_sheet[i][node - first];
+      if (cells_touch)
+        for (int s = node_start_[node]; s < node_start_[node + 1]; ++s)
+          for (int i = 0; i < 3; ++i) force[i] += cell_force_[3 * std::size_t(node_cell_[s]) + i];
+      for (int i = 0; i < 3; ++i) net[6 * std::size_t(node) + i] -= static_cast<Real>(force[i]);
+    }
+  }
+}
+
+template <class View, class Real>
+void ToolContact::start(const View& sheet, Real* net) {
+  const int first = started_;
+  if (first == static_cast<int>(tools.size())) return;
+  if (first == 0)
+    for (int point = 0; point < n_nodes_ + n_cells_; ++point) half_[slot_of(point)] = half_thickness(point, sheet);
+  started_ = static_cast<int>(tools.size());
+  for (int c = 0; c < cell_chunks(); ++c) visit_cells(c, sheet, first);
+  for (int c = 0; c < node_chunks(); ++c) visit_nodes(c, sheet, net, first);
+  close_cycle(first);
+}
+
+template <class View>
+double ToolContact::deepest(int tool, const View& sheet, int& point) const {
+  double worst = 0.0;
+  for (int i = 0; i < n_points(tool); ++i) {
+    if (!(base_[slot_of(i)] > 0.0)) continue;
+    double x[4], v[4];
+    locate(i, sheet, x, v);
+    for (int k = 0; k < 3; ++k) x[k] -= tools[tool].displacement[k];
+    int hint = -1;
+    contact::Touch found;
+    if (!tools[tool].surface->nearest(x, reach_, hint, found)) continue;
+    const double depth = (tools[tool].grip.thickness ? half_thickness(i, sheet) : 0.0) - found.gap;
+    if (depth > worst) worst = depth, point = i;
+  }
+  return worst;
+}
+
+}  // namespace presswork::explicit_dynamics

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an explicit run refuses to start from."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+HEAVIEST = 1e-6
+"""Density [t/mm3] beyond which a unit must be wrong: 50 times that of osmium."""
+
+
+class ExplicitError(ValueError):
+    """Input that no run can start from, or a run that cannot go on."""
+
+
+def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float) -> None:
+    """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ExplicitError(f"points has shape {points.shape}: it must be (n_nodes, 3)")
+    if not np.isfinite(points).all():
+        raise ExplicitError(f"node {np.argwhere(~np.isfinite(points))[0, 0]} has a coordinate that is not a number")
+    if cells.ndim != 2 or cells.shape[1] != 4 or len(cells) == 0:
+        raise ExplicitError(f"connectivity has shape {cells.shape}: it must be (n, 4) with at least one shell")
+    outside = (cells < 0) | (cells >= len(points))
+    if outside.any():
+        shell, corner = np.argwhere(outside)[0]
+        raise ExplicitError(
+            f"shell {shell} names node {cells[shell, corner]}: nodes are numbered from 0 to {len(points) - 1}"
+        )
+    if not (thickness > 0).all():
+        worst = int(np.argmin(thickness > 0))
+        raise ExplicitError(f"thickness of shell {worst} is {thickness[worst]:g} mm: it must be above zero")
+    if not density > 0:
+        raise ExplicitError(f"density = {density:g}: it must be above zero; steel has 7.85e-9 t/mm3")
+    if density > HEAVIEST:
+        raise ExplicitError(f"density = {density:g} t/mm3 is beyond any metal: steel has 7.85e-9 t/mm3, not 7850")
+    corners = points[cells]
+    before, after = np.roll(corners, 1, axis=1) - corners, np.roll(corners, -1, axis=1) - corners
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    turn = (np.cross(after, before) * normal[:, None, :]).sum(axis=2)
+    concave = turn <= 1e-6 * (normal**2).sum(axis=1)[:, None]
+    if concave.any():
+        shell, corner = np.argwhere(concave)[0]
+        raise ExplicitError(
+            f"shell {shell} (nodes {cells[shell].tolist()}) is folded or without area at node {cells[shell, corner]}: "
+            "give its nodes in turn round it, all corners below 180 degrees"
+        )
