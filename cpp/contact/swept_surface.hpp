@@ -64,10 +64,12 @@ class SweptSurface {
   };
   struct PlanPlace {
     double s, outward[2];
-    double radius;  // of the curve of equal s through the point; infinite along straight sides
+    double radius;          // of the curve of equal s through the point; infinite along straight sides
+    double straight = 0.0;  // how far the side is straight
   };
   struct ProfilePlace {
     double gap, normal[2], bend;  // bend: derivative of the normal along the tangent
+    double to_end;                // of a line, from the foot
   };
 
   double slack() const { return 1e4 * tolerance_; }  // of drawings' dimensions
@@ -83,8 +85,10 @@ class SweptSurface {
       if (!(r > 0.0)) return {-plan_.corner_radius, {std::copysign(1.0, x), 0.0}, straight};
       return {r - plan_.corner_radius, {std::copysign(a / r, x), std::copysign(b / r, y)}, r};
     }
-    if (a >= b) return {a - plan_.corner_radius, {std::copysign(1.0, x), 0.0}, straight};
-    return {b - plan_.corner_radius, {0.0, std::copysign(1.0, y)}, straight};
+    constexpr double half_root = 0.7071067811865476;  // to the diagonal where the next side is as near
+    const double left = std::min(-std::min(a, b), half_root * std::abs(a - b));
+    if (a >= b) return {a - plan_.corner_radius, {std::copysign(1.0, x), 0.0}, straight, left};
+    return {b - plan_.corner_radius, {0.0, std::copysign(1.0, y)}, straight, left};
   }
 
   // Distance of (s, z) from the box of the profile, squared.
@@ -108,19 +112,19 @@ class SweptSurface {
     const int n = static_cast<int>(pieces_.size());
     for (int i = 0; i < n; ++i) {
       const Piece& p = pieces_[i];
-      double gap;
+      double gap, to_end = 0.0;
       if (p.turn == 0.0) {
         const double ds = s - p.start[0], dz = z - p.start[1];
         const double along = ds * p.tangent[0] + dz * p.tangent[1];
         if (along < -tolerance_ || along > p.length + tolerance_) continue;
-        gap = ds * p.normal[0] + dz * p.normal[1];
+        gap = ds * p.normal[0] + dz * p.normal[1], to_end = std::min(along, p.length - along);
       } else {
         const double ds = s - p.centre[0], dz = z - p.centre[1], r2 = ds * ds + dz * dz;
         const double middle = ds * p.bisector[0] + dz * p.bisector[1];
         if (middle * std::abs(middle) < p.cosine * std::abs(p.cosine) * r2 - tolerance_ * p.radius) continue;
         gap = p.turn * (p.radius - std::sqrt(r2));
       }
-      if (std::abs(gap) < bound) bound = std::abs(gap), place.gap = gap, found = i;
+      if (std::abs(gap) < bound) bound = std::abs(gap), place.gap = gap, place.to_end = to_end, found = i;
     }
     // 2. the corners, and the open ends, beyond which there is no tool
     for (int i = 0; i < static_cast<int>(corners_.size()); ++i) {
@@ -150,6 +154,9 @@ class SweptSurface {
     touch.normal[1] = place.normal[0] * plan.outward[1];
     touch.normal[2] = place.normal[1];
     for (int k = 0; k < 3; ++k) touch.point[k] = x[k] - place.gap * touch.normal[k];
+    const bool flat = found < n && pieces_[found].turn == 0.0, level = flat && pieces_[found].normal[0] == 0.0;
+    const double along = place.to_end - std::abs(place.gap);  // the next piece may rise
+    touch.flat = !flat ? 0.0 : level ? along : std::min(along, plan.straight - std::abs(place.gap));
     return true;
   }
 

@@ -8,6 +8,9 @@ struct Touch {
   double gap;        // signed distance [mm], positive off the tool; without a touch a bound, see ToolSurface
   double normal[3];  // unit vector out of the tool's metal
   double point[3];   // of the surface [mm]
+  // How far the point may move along the tangent plane until another part of the surface may be nearer [mm], as far as
+  // the flat part that it is nearest to and its neighbours tell; not above zero where it is nearest to no flat part.
+  double flat;
 };
 
 }  // namespace presswork::contact

@@ -284,7 +284,26 @@ bool Triangulation::nearest(const double x[3], double reach, int& hint, Touch& t
   const bool on_it = near.feature == 0 || distance < tolerance;
   const double scale = on_it ? 1.0 / std::sqrt(length2) : 1.0 / height;
   for (int i = 0; i < 3; ++i) touch.normal[i] = scale * (on_it ? normal[i] : from[i]), touch.point[i] = near.point[i];
+  touch.flat = near.feature == 0 ? distance_to_sides(near.triangle, near.point, distance) : 0.0;
   return true;
+}
+
+// How far a point at this distance above a place inside the triangle may move along it until it is as near to the
+// neighbour behind one of the sides, should that one rise.
+double Triangulation::distance_to_sides(int t, const double place[3], double distance) const {
+  const Triangle& tri = triangles_[t];
+  double d[3], both[3];
+  for (int k = 0; k < 3; ++k) d[k] = place[k] - tri.at[k], both[k] = tri.slope[0][k] + tri.slope[1][k];
+  const double v = dot(d, tri.slope[0]), w = dot(d, tri.slope[1]);
+  const double to_side[3] = {w / std::sqrt(dot(tri.slope[1], tri.slope[1])), (1.0 - v - w) / std::sqrt(dot(both, both)),
+                             v / std::sqrt(dot(tri.slope[0], tri.slope[0]))};
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const double* sum = &edge_normals_[9 * t + 3 * k];  // of the two unit normals: 2 cos of half the angle between them
+    const double length2 = dot(sum, sum), tangent2 = length2 > 0.0 ? std::max(0.0, 4.0 / length2 - 1.0) : 0.0;
+    least = std::min(least, to_side[k] - distance * std::sqrt(tangent2));
+  }
+  return least;
 }
 
 }  // namespace presswork::contact

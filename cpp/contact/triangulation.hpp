@@ -75,6 +75,7 @@ class Triangulation {
     }
     return distance2;
   }
+  double distance_to_sides(int triangle, const double place[3], double distance) const;
   void measure(int triangle, const double x[3], Near& near) const;
   void measure_leaf(int leaf, const float at[3], const double x[3], Near& near, float& bound) const;
   void search(const double x[3], int hint, Near& near) const;

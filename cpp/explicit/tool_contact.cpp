@@ -136,7 +136,7 @@ void ToolContact::ask(const Tool& tool, Pairs& of, int slot, int lane, const Pac
     p.left.set(lane, 0.0);
     return;
   }
-  p.left.set(lane, memory_);
+  p.left.set(lane, std::clamp(found.flat, memory_, 20.0 * memory_));
   for (int i = 0; i < 3; ++i) p.normal[i].set(lane, found.normal[i]);
   p.offset.set(lane, dot(found.normal, x) - found.gap);
 }

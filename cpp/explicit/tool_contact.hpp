@@ -11,9 +11,10 @@
 // step stays stable: w^2 dt^2 <= (0.9 x 2)^2 + 2 penalty < 4 for a node between two tools, if penalty < 0.38.
 //
 // Search. Beside the touch a pair of point and tool keeps the tangent plane there, and asks the surface anew after a
-// slip s of 0.5 % of the thickness: on a radius R the plane is then off by s^2/2R. A point off the tool sleeps until the
-// tool's `travel`, the sum of the largest relative speeds times dt, has grown by 0.9 of its gap: before that no point can
-// have reached the tool.
+// slip s of 0.5 % of the thickness (on a radius R the plane is then off by s^2/2R), or of up to 10 % where it says that
+// it is flat as far as that. A point off the tool sleeps until the
+// tool's `travel`, the sum of the largest relative speeds times dt, has grown by 0.9 of its gap: before that no point
+// can have reached the tool.
 //
 // Points are taken in packs of SIMD width; sums run over eight lanes whatever the width, chunk by chunk: they depend
 // neither on it nor on the number of threads.
