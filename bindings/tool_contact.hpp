@@ -124,9 +124,10 @@ void bind_tools(nb::class_<Loop>& loop) {
       .def(
           "restore_contact",
           [](Loop& self, Doubles from) {
-            auto& contact = contact_of(self);
-            contact.restore({from.data(), from.data() + from.size()});
-            self.set_contact_stiffness(contact.stiffness_step());
+            const std::vector<double> dump(from.data(), from.data() + from.size());
+            const double step = contact_of(self).step_of(dump);
+            self.set_contact_stiffness(step);  // as long as no point is pressed: no energy is booked
+            self.contact->restore(dump);
           },
           nb::arg("dump"), "Take over what dump_contact gave.");
 }

@@ -307,10 +307,14 @@ std::vector<double> ToolContact::dump() const {
   return to;
 }
 
-void ToolContact::restore(const std::vector<double>& from) {
+double ToolContact::step_of(const std::vector<double>& from) const {
   std::size_t size = 8 + half_.size();
   for (const Pairs& of : pairs_) size += 11 + (rows + 1) * of.hint.size();
   if (from.size() != size) throw std::invalid_argument("the dump's tools are not those of this run");
+  return from[size - 3];
+}
+
+void ToolContact::restore(const std::vector<double>& from) {
   const double* at = from.data();
   for (std::size_t t = 0; t < tools.size(); ++t) {
     Tool& tool = tools[t];

@@ -57,7 +57,6 @@ class ToolContact {
   void place(int tool, const double displacement[3]);
   // Take stiffness from masses (nodes; cells) [t] and step.
   void set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt);
-  double stiffness_step() const { return step_; }
 
   // Find the forces of tools that have been added since, at the present place: to be called before the first cycle.
   template <class View, class Real>
@@ -83,7 +82,9 @@ class ToolContact {
   int lost() const { return total_.lost == std::numeric_limits<int>::max() ? -1 : total_.lost; }
 
   std::vector<double> dump() const;
+  // Takes over what dump gave, once the stiffness is that of its step. Throws std::invalid_argument for other tools.
   void restore(const std::vector<double>& from);
+  double step_of(const std::vector<double>& dump) const;
 
   std::vector<Tool> tools;
 

@@ -323,7 +323,8 @@ class ExplicitShells(ToolsOfRun):
         scales = [np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale)]
         self._prepare_tools(scales[1])
         if self._reference is None:
-            self._reference = (self._sum(self._energies(damping, force_scale, velocity_scale)), 0.0)
+            start = self._sum(self._energies(damping, force_scale, velocity_scale))
+            self._reference = (start, abs(start))
         self._loop.advance(self.dt, *scales, damping=damping)
         self.cycle += n
         self.time += n * self.dt

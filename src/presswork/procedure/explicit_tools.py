@@ -73,9 +73,10 @@ class RigidTool:
             raise ExplicitError(f"tool {self.name!r}: damping = {damping:g} 1/s: it must not be negative")
         times, forces = force if isinstance(force, tuple) else ((0.0, 1.0), (force, force))
         self._refuse_second_motion("push")
+        unit = self._unit(direction)
         self._force = check_table(times, forces, f"tool {self.name!r}: force")
         self.mass = self._sheet_mass() if mass is None else mass
-        self._loop.push_tool(self.number, self._unit(direction).tolist(), self.mass, damping)
+        self._loop.push_tool(self.number, unit.tolist(), self.mass, damping)
 
     @property
     def position(self) -> Array:
