@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Share of contact in a cycle of the explicit loop: a sheet pressed between two tools, with and without them, in one run.
+"""Share of contact in a cycle of the explicit loop: a sheet pressed between two tools, with them and without, in turn.
 
     python benchmarks/explicit_contact.py
     python benchmarks/explicit_contact.py --sizes 100 --repeats 11

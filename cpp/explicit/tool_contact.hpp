@@ -201,7 +201,7 @@ void ToolContact::locate(int point, const View& sheet, double x[4], double v[4])
 template <class View>
 bool ToolContact::visit_pack(int slot, int n_filled, const View& sheet, int first_tool, int c, Pack on_sheet[3]) {
   const int last = std::min(slot + width, n_filled) - 1;
-  if ((cycle_ + slot / width) % refresh_cycles == 0) {
+  if ((cycle_ + slot / group) % refresh_cycles == 0) {
     Pack half(0.0);
     for (int s = slot; s <= last; ++s) half.set(s - slot, half_thickness(point_of(s), sheet));
     set_half(slot, half);
