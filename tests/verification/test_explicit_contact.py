@@ -285,6 +285,36 @@ def test_the_largest_penalty_keeps_the_step_stable(penalty: float, damping: floa
     assert abs(last.error_percent) < 3.0
 
 
+def floor_and_wall(size: float) -> _core.ToolSurface:
+    """Plane z = 0 from x = -30 to 20 mm and a wall there, 10 mm high, in triangles of a size [mm]."""
+    floor, wall = np.arange(-30.0, 20.0, size), np.arange(0.0, 10.0, size)
+    line = np.concatenate([np.column_stack([floor, 0 * floor]), np.column_stack([0 * wall + 20.0, wall])])
+    across, n = np.arange(-10.0, 21.0, size), len(line)
+    points = np.concatenate([np.column_stack([line[:, 0], 0 * line[:, 0] + y, line[:, 1]]) for y in across])
+    a = (np.arange(n - 1)[None, :] + n * np.arange(len(across) - 1)[:, None]).ravel()
+    halves = np.column_stack([a, a + 1, a + n + 1]), np.column_stack([a, a + n + 1, a + n])
+    return _core.ToolSurface.triangles(points, np.concatenate(halves).astype(np.int32))
+
+
+@pytest.mark.parametrize("size", [0.5, 5.0])
+def test_a_sheet_that_slides_into_a_wall_of_its_die_comes_back(size: float) -> None:
+    """Half its thickness before the wall, within 1 % of the thickness; with its speed, within 1 %."""
+    sheet = block()
+    sheet.add_tool("die", floor_and_wall(size), damping=0.0)
+    load(sheet, 0.0, 20.0)
+    press(sheet)
+    moving = sheet.velocity
+    moving[:, 0] += 3000.0
+    sheet.velocity = moving
+    farthest = 0.0
+    for _ in range(320):
+        sheet.advance(100)
+        farthest = max(farthest, sheet.position[:, 0].max())
+    assert 20.0 - 0.5 * THICKNESS < farthest < 20.0 - 0.49 * THICKNESS
+    assert sheet.velocity[:, 0].mean() == pytest.approx(-3000.0, rel=0.01)
+    assert abs(sheet.energies().error_percent) < 1.0
+
+
 def round_bar(radius: float) -> _core.ToolSurface:
     """Bar along y with its top at z = 0: triangles, 40 around."""
     turn = np.linspace(0.0, 2.0 * np.pi, 41)[:-1]
