@@ -32,6 +32,8 @@ template <Cell cell, int n_points, Tying tying, class T = Pack>
 struct Shell {
   using Table = ShellTable<cell, n_points, tying>;
   static constexpr int nodes = node_count(cell), freedoms = 6 * nodes;
+  static constexpr bool has_bubble = cell == Cell::tri3_bubble;  // the last "node": no position, and it does not turn
+  static constexpr int mesh_nodes = has_bubble ? nodes - 1 : nodes;
 
   struct Nodes {
     T x[nodes][3], u[nodes][3], d[nodes][3];  // position, displacement, director at t
@@ -229,8 +231,8 @@ struct Shell {
 
   // From directors to rotation vectors, in place: forces first, as the curvature of the rotation needs them
   static void take_rotations(const Nodes& n, T force[freedoms], T (*K)[freedoms]) {
-    T slope[nodes][3][3];
-    for (int a = 0; a < nodes; ++a) {
+    T slope[mesh_nodes][3][3];
+    for (int a = 0; a < mesh_nodes; ++a) {
       T* f = force + 6 * a + 3;
       const T moment[3] = {f[0], f[1], f[2]};
       n.turn[a].differentiate(slope[a]);
@@ -239,12 +241,12 @@ struct Shell {
       if (!K) continue;
       T second[3][3];
       n.turn[a].curve(moment, second);
-      for (int row = 0; row < freedoms; ++row) {
+      for (int row = 0; row < 6 * mesh_nodes; ++row) {
         T* k = &K[row][6 * a + 3];
         const T old[3] = {k[0], k[1], k[2]};
         for (int j = 0; j < 3; ++j) k[j] = old[0] * slope[a][0][j] + old[1] * slope[a][1][j] + old[2] * slope[a][2][j];
       }
-      for (int column = 0; column < freedoms; ++column) {
+      for (int column = 0; column < 6 * mesh_nodes; ++column) {
         const T old[3] = {K[6 * a + 3][column], K[6 * a + 4][column], K[6 * a + 5][column]};
         for (int i = 0; i < 3; ++i)
           K[6 * a + 3 + i][column] = old[0] * slope[a][0][i] + old[1] * slope[a][1][i] + old[2] * slope[a][2][i];

@@ -12,9 +12,11 @@ from presswork import _core, model
 _WORDS: dict[str, str] = {
     "shell3": "3-node degenerated shells, one point; they lock",
     "shell3_mitc": "3-node shells, tied transverse shear (MITC3)",
+    "shell3_mitc_plus": "3-node shells, tied transverse shear and a bubble of the directors (MITC3+)",
     "shell6": "6-node degenerated shells, 6 points",
     "shell6_selective": "6-node degenerated shells, transverse shear from 3 points",
     "shell6_reduced": "6-node degenerated shells, 3 points",
+    "shell6_mitc": "6-node shells, all strains tied (MITC6)",
     "shell4": "4-node degenerated shells, 2 x 2 points; they lock",
     "shell4_selective": "4-node degenerated shells, transverse shear from the centre",
     "shell4_reduced": "4-node degenerated shells, one point, no hourglass control",
