@@ -49,6 +49,7 @@ const ShellType shells[] = {
     shell<Cell::quad4, 4, Tying::selective>("shell4_selective"),
     shell<Cell::quad4, 1>("shell4_reduced"),
     shell<Cell::quad4, 4, Tying::mitc>("shell4_mitc"),
+    shell<Cell::quad4, 4, Tying::mitc_plus>("shell4_mitc_plus"),
     shell<Cell::quad8, 9>("shell8"),
     shell<Cell::quad8, 9, Tying::selective>("shell8_selective"),
     shell<Cell::quad8, 4>("shell8_reduced"),

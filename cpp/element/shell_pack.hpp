@@ -68,6 +68,7 @@ struct ShellPack {
   const Table& table = Table::get();
   int first, used, cells[width];
   typename Kernel::Nodes n;
+  typename Kernel::Forms forms{table, {}};
   T mid_x[nodes][3], mid_d[nodes][3], end_x[nodes][3], end_d[nodes][3];  // half-way and at t+dt
 
   ShellPack(const ShellView& v, const SheetLaw& l, int pack) : view(v), law(l), first(pack * width) {
@@ -179,14 +180,14 @@ struct ShellPack {
       T a[2][3], b[2][3], shear[2], D[2][2];
       auto folded = Kernel::measure_surface(table, q, n, surface) | Kernel::base_vectors(table, q, end_x, end_d, a, b);
       if (auto bad = find(folded, ShellFault::inside_out); bad.cell >= 0) return bad;
-      Kernel::differentiate(table, q, mid_x, mid_d, gradient);
+      Kernel::differentiate(forms, q, mid_x, mid_d, gradient);
       Kernel::measure(gradient, n, strain);
       clear(sum);
       if (auto bad = run_layers(q, surface, strain, K != nullptr, sum); bad.cell >= 0) return bad;
       run_shear(q, surface, strain.shear, penalty, shear, D);
-      Kernel::differentiate(table, q, end_x, end_d, gradient);
+      Kernel::differentiate(forms, q, end_x, end_d, gradient);
       Kernel::add_force(gradient, sum, shear, force);
-      if (K) Kernel::add_stiffness(table, q, gradient, sum, shear, D, K);
+      if (K) Kernel::add_stiffness(forms, q, gradient, sum, shear, D, K);
     }
     return {};
   }
@@ -223,6 +224,7 @@ struct ShellPack {
   }
 
   ShellFailure evaluate() {
+    forms.fit(n.x);
     // 1. directors, and the configuration half-way and at the end
     T turned(0.0);
     for (int a = 0; a < mesh_nodes; ++a) {

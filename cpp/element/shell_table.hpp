@@ -9,9 +9,9 @@
 //
 //   none        strains where they are integrated (Ahmad, Irons & Zienkiewicz 1970)
 //   selective   transverse shear from the points of the reduced rule
-//   mitc        quad4: Dvorkin & Bathe 1984; tri3 and tri6: Lee & Bathe 2004 (MITC3, MITC6a); quad9: Bucalem & Bathe
-//   1993
-//               (MITC9); tri3_bubble: Lee, Lee & Bathe 2014 (MITC3+)
+//   mitc        quad4: Dvorkin & Bathe 1984; tri3 and tri6: Lee & Bathe 2004 (MITC3, MITC6a); tri3_bubble: Lee, Lee &
+//               Bathe 2014 (MITC3+); quad9: Huang & Hinton 1986 (MITC9 with its points moved to the sides)
+//   mitc_plus   quad4: Ko, Lee & Bathe 2017 (MITC4+), with the curvatures tied as the membrane strains are
 //
 // The bubble of tri3_bubble has no position, x_4 = 0: it bends the field of directors alone (shell_bubble.hpp).
 #pragma once
@@ -20,7 +20,7 @@
 
 namespace presswork {
 
-enum class Tying { none, selective, mitc };
+enum class Tying { none, selective, mitc, mitc_plus };
 
 template <Cell cell, int n_points, Tying tying>
 struct ShellTable {
@@ -29,6 +29,8 @@ struct ShellTable {
   double x[n_points][2];
   double G[n_points][3][nodes][nodes];
   double H[n_points][2][nodes][nodes];
+  // mitc_plus: G + R[q][c] sum_k W_k M[k], with weights W_k of the cell's own
+  double M[5][nodes][nodes] = {}, R[n_points][3] = {};
 
   static const ShellTable& get() {
     static const ShellTable table;
@@ -49,6 +51,7 @@ struct ShellTable {
         if constexpr (cell == Cell::tri6) tie_tri6(r, s, in_plane, across);
         if constexpr (cell == Cell::quad9) tie_quad9(r, s, in_plane, across);
       }
+      if constexpr (tying == Tying::mitc_plus) tie_quad4(r, s, across), tie_membrane(q, r, s, in_plane);
       for (int a = 0; a < nodes; ++a)
         for (int b = 0; b < nodes; ++b) {
           for (int c = 0; c < 3; ++c) G[q][c][a][b] = in_plane[c].at[a][b];
@@ -128,6 +131,18 @@ struct ShellTable {
     across[1] = 0.5 * (1 - r) * shear(1, -1.0, 0.0) + 0.5 * (1 + r) * shear(1, 1.0, 0.0);
   }
 
+  // in-plane strains from the mid-sides and the centre; their bilinear part, of factors s s, r r and 2 r s, is R's
+  void tie_membrane(int q, double r, double s, Form in_plane[3]) {
+    const Form at[5] = {stretch(0, 0, 1), stretch(0, 0, -1), stretch(1, 1, 0), stretch(1, -1, 0), stretch(2, 0, 0)};
+    in_plane[0] = 0.5 * (1 + s) * at[0] + 0.5 * (1 - s) * at[1];
+    in_plane[1] = 0.5 * (1 + r) * at[2] + 0.5 * (1 - r) * at[3];
+    in_plane[2] = at[4] + 0.5 * r * (at[0] - at[1]) + 0.5 * s * (at[2] - at[3]);
+    R[q][0] = s * s - 1, R[q][1] = r * r - 1, R[q][2] = 2 * r * s;
+    for (int k = 0; k < 5; ++k)
+      for (int a = 0; a < nodes; ++a)
+        for (int b = 0; b < nodes; ++b) M[k][a][b] = at[k].at[a][b];
+  }
+
   // constant along each side, from the mid-sides (1/2, 0), (0, 1/2), (1/2, 1/2)
   static void tie_tri3(double r, double s, Form across[2]) {
     const Form one = shear(0, 0.5, 0.0), two = shear(1, 0.0, 0.5);
@@ -178,23 +193,21 @@ struct ShellTable {
     across[1] = f + r * g + s * h - r * (r * k + s * l);
   }
 
-  // 11 and 13: linear in r through +-1/sqrt 3, quadratic in s through -sqrt(3/5), 0, sqrt(3/5) for 11 and -1, 0, 1 for
-  // 13; 22 and 23 turned; 12: bilinear through the 2x2 points
+  // 11 and 13: linear in r through +-1/sqrt 3, quadratic in s through -1, 0, 1; 22 and 23 turned; 12: bilinear through
+  // the 2x2 points. MITC9 (Bucalem & Bathe 1993) has +-sqrt(3/5) for -1 and 1, inside: what neighbours then do not
+  // share makes too many constraints, and distorted thin meshes lock.
   static void tie_quad9(double r, double s, Form in_plane[3], Form across[2]) {
     const double g = std::sqrt(1.0 / 3);
     auto linear = [&](double at, double u) { return 0.5 * (1 + u * at / (g * g)); };
-    auto quadratic = [&](double at, double v, double h) {
-      return v == 0.0 ? 1 - at * at / (h * h) : 0.5 * (at / v) * (1 + at / v);
-    };
+    auto quadratic = [](double at, double v) { return v == 0.0 ? 1 - at * at : 0.5 * at * (at + v); };
     for (int c = 0; c < 3; ++c) in_plane[c] = Form();
     across[0] = across[1] = Form();
     for (double u : {-g, g}) {
-      for (double side : {-1.0, 0.0, 1.0}) {
-        const double h = std::sqrt(0.6), v = h * side;
-        in_plane[0].add(stretch(0, u, v), linear(r, u) * quadratic(s, v, h));
-        in_plane[1].add(stretch(1, v, u), linear(s, u) * quadratic(r, v, h));
-        across[0].add(shear(0, u, side), linear(r, u) * quadratic(s, side, 1.0));
-        across[1].add(shear(1, side, u), linear(s, u) * quadratic(r, side, 1.0));
+      for (double v : {-1.0, 0.0, 1.0}) {
+        in_plane[0].add(stretch(0, u, v), linear(r, u) * quadratic(s, v));
+        in_plane[1].add(stretch(1, v, u), linear(s, u) * quadratic(r, v));
+        across[0].add(shear(0, u, v), linear(r, u) * quadratic(s, v));
+        across[1].add(shear(1, v, u), linear(s, u) * quadratic(r, v));
       }
       for (double v : {-g, g}) in_plane[2].add(stretch(2, u, v), linear(r, u) * linear(s, v));
     }
