@@ -16,7 +16,20 @@ from typing import Any, Literal
 import numpy as np
 from problems import elastic
 from shell_problems import (
-    CLAMPED, RX, RY, RZ, X, Y, Z, fixing, join, patch, shell_model, solve_linear, straighten, symmetry,
+    CLAMPED,
+    RX,
+    RY,
+    RZ,
+    X,
+    Y,
+    Z,
+    fixing,
+    join,
+    patch,
+    shell_model,
+    solve_linear,
+    straighten,
+    symmetry,
 )  # fmt: skip
 
 from presswork.model import ElementName, FloatArray, Mesh
@@ -42,8 +55,8 @@ PLATES = {
     (5, "supported", "uniform"): 12.97, (5, "supported", "point"): 16.96,
     (5, "clamped", "uniform"): 2.604, (5, "clamped", "point"): 7.23,
 }  # fmt: skip
-"""Centre deflection over q b^4/D or P b^2/D, times 1e3, by aspect ratio (T, MH). Clamped, 5, uniform: MH print 2.56, the
-series of T's book converges to 2.604, that of a strip."""
+"""Centre deflection over q b^4/D or P b^2/D, times 1e3, by aspect ratio (T, MH). Clamped, 5,
+uniform: a strip's 1/384, which T's table has from aspect 2.5 on; MH print 2.56."""
 COOK = 23.96
 """(B); refined meshes of many elements."""
 HOOK = 4.9352
