@@ -53,7 +53,7 @@ def patch(
     u_lines: FloatArray,
     v_lines: FloatArray,
     *,
-    element: ElementName = "shell4_mitc",
+    element: ElementName = "shell4_mitc_plus",
     thickness: float = 1.0,
     points: int = 2,
     normal: Callable[[FloatArray, FloatArray], FloatArray] | None = None,
