@@ -109,13 +109,16 @@ def test_hemisphere_with_hole(element, n, tolerance) -> None:
     assert deviation(found, "hemisphere_18deg_hole", [1, 2]) < tolerance
 
 
-def cylinder(radius: float, length: float, thickness: float, cells: tuple[int, int]) -> Mesh:
+def cylinder(
+    radius: float, length: float, thickness: float, cells: tuple[int, int], element: str = "shell4_mitc_plus"
+) -> Mesh:
     """A quarter of a cylinder along y; u = 0 at the middle of its length, v = 0 at its crown."""
 
     def shape(u, v):
         return np.column_stack([radius * np.sin(v), u, radius * np.cos(v)])
 
-    return patch(shape, lines(length, cells[0]), lines(np.pi / 2, cells[1]), thickness=thickness,
+    return patch(shape, lines(length, cells[0]), lines(np.pi / 2, cells[1]), element=element,
+                 thickness=thickness,
                  normal=lambda u, v: np.column_stack([np.sin(v), 0 * u, np.cos(v)]))  # fmt: skip
 
 
