@@ -73,8 +73,11 @@ def main(n: int) -> None:
     """Print microseconds per cell, and the share of assembly in an iteration."""
     print(f"load of the machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores; packs of {_core.pack_width}")
     print_kernel()
-    for element in ("shell4_mitc", "shell3_mitc", "shell9_mitc", "shell4_reduced"):
-        size = n if element[5] not in "39" else n // 2
+    for element in (
+        "shell4_mitc", "shell4_mitc_plus", "shell4_reduced", "shell3_mitc", "shell3_mitc_plus", "shell6_mitc",
+        "shell9_mitc",
+    ):  # fmt: skip
+        size = n if element[5] == "4" else n // 2
         model = sheet(size, element)
         procedure = ImplicitProcedure(model, threads=1)
         cells = sum(len(b.connectivity) for b in model.mesh.blocks)

@@ -38,11 +38,12 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
           "points must have shape (n, 3), increment (n, 6)");
   require(layer_weight.size() == k && k > 0, "layer positions and weights must have the same length");
   require(h <= std::size_t(most_history), "the law keeps more values than a layer has room for");
-  const std::size_t sizes[5] = {q, 3 * q * k, h * q * k, 2 * q * k, 2 * q};
-  require(state_n.size() == 5 && state.size() == 5, "state: thickness, stress, history, direction, shear");
-  for (int i = 0; i < 5; ++i)
+  const std::size_t sizes[6] = {q, 3 * q * k, h * q * k, 2 * q * k, 2 * q, n * shell.internal};
+  require(state_n.size() == 6 && state.size() == 6, "state: thickness, stress, history, direction, shear, internal");
+  for (int i = 0; i < 6; ++i)
     require(state_n[i].size() == sizes[i] && state[i].size() == sizes[i],
-            "state must have shapes (n_cells, q), (n_cells, q, k, 3), (.., history_size), (.., 2), (n_cells, q, 2)");
+            "state must have shapes (n_cells, q), (n_cells, q, k, 3), (.., history_size), (.., 2), (n_cells, q, 2), "
+            "(n_cells, internal)");
   require(volume.size() == q * k, "volume must have shape (n_cells, q, k)");
   require(force.size() == packs * freedoms * pack_width, "force must have shape (n_packs, freedoms, pack_width)");
   require(!stiffness || stiffness->size() == packs * freedoms * freedoms * pack_width,
@@ -64,11 +65,13 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
                        state_n[2].data(),
                        state_n[3].data(),
                        state_n[4].data(),
+                       state_n[5].data(),
                        state[0].data(),
                        state[1].data(),
                        state[2].data(),
                        state[3].data(),
                        state[4].data(),
+                       state[5].data(),
                        volume.data(),
                        force.data(),
                        stiffness ? stiffness->data() : nullptr,
@@ -88,14 +91,16 @@ void bind_shell(nb::module_& m) {
       .value("none", ShellFault::none)
       .value("inside_out", ShellFault::inside_out)
       .value("turned_too_far", ShellFault::turned_too_far)
-      .value("law", ShellFault::law);
+      .value("law", ShellFault::law)
+      .value("bubble", ShellFault::bubble);
   m.def(
       "shell_sizes",
       [](const std::string& name) {
         const auto s = shell_named(name);
-        return std::make_tuple(s.nodes, s.points);
+        return std::make_tuple(s.nodes, s.points, s.internal);
       },
-      nb::arg("element"), "Number of nodes of a shell and of integration points in its plane.");
+      nb::arg("element"),
+      "Number of nodes of a shell, of integration points in its plane, and of values it keeps besides its points.");
   m.def("shell_shape", &tabulate, nb::arg("element"),
         "Shape functions (q, nodes), their slopes (q, nodes, 2) and weights (q) at a shell's points, and the slopes at "
         "its nodes (nodes, nodes, 2).");

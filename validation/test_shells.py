@@ -19,8 +19,11 @@ pytestmark = pytest.mark.validation
 
 
 def test_pinched_cylinder_with_diaphragms() -> None:
-    """It snaps through several wrinkles on the way; the same displacements pass where the table has its points."""
-    mesh = cylinder(100.0, 100.0, 1.0, (40, 40))
+    """It snaps through several wrinkles on the way; the same displacements pass where the table has its points.
+
+    Control by load may stop at a wrinkle's limit load, and does with MITC4+ at 77 %; MITC4 jumps over all of them.
+    """
+    mesh = cylinder(100.0, 100.0, 1.0, (40, 40), "shell4_mitc")
     held = [("left", symmetry(Y)), ("right", fixing(X, Z)), ("bottom", symmetry(X)), ("top", symmetry(Z))]
     model = shell_model(mesh, elastic(3e4, 0.3), held, forces=[("bottom_left", (0, 0, -3000.0))],
                         initial_increment=0.025, max_increment=0.025)  # fmt: skip

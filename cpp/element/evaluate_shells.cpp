@@ -15,11 +15,10 @@ void tabulate(double* N, double* dN, double* weight, double* dN_at_nodes) {
   std::memcpy(dN, table.dN, sizeof table.dN);
   std::memcpy(weight, table.weight, sizeof table.weight);
   constexpr int nodes = node_count(cell);
-  constexpr bool triangle = cell == Cell::tri3 || cell == Cell::tri6;
   constexpr double square[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
   constexpr double corner[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
   for (int a = 0; a < nodes; ++a) {
-    const double* at = triangle ? corner[a] : square[a];
+    const double* at = is_triangle(cell) ? corner[a] : square[a];
     double values[nodes];
     shape_functions<cell>(at[0], at[1], values, reinterpret_cast<double (*)[2]>(dN_at_nodes + 2 * nodes * a));
   }
@@ -27,20 +26,30 @@ void tabulate(double* N, double* dN, double* weight, double* dN_at_nodes) {
 
 template <Cell cell, int n_points, Tying tying = Tying::none>
 constexpr ShellType shell(std::string_view name) {
-  return {name, node_count(cell), n_points, &ShellPack<cell, n_points, tying, Pack>::evaluate_pack,
-          &tabulate<cell, n_points>};
+  using Evaluator = ShellPack<cell, n_points, tying, Pack>;
+  constexpr Cell mesh_cell = cell == Cell::tri3_bubble ? Cell::tri3 : cell;
+  return {name,
+          Evaluator::mesh_nodes,
+          n_points,
+          Evaluator::internal_values,
+          &Evaluator::evaluate_pack,
+          &tabulate<mesh_cell, n_points>};
 }
 
 const ShellType shells[] = {
     shell<Cell::tri3, 1>("shell3"),
     shell<Cell::tri3, 3, Tying::mitc>("shell3_mitc"),
+    shell<Cell::tri3_bubble, 3, Tying::mitc>("shell3_mitc_plus"),
     shell<Cell::tri6, 6>("shell6"),
+
+    shell<Cell::tri6, 3, Tying::mitc>("shell6_mitc"),
     shell<Cell::tri6, 6, Tying::selective>("shell6_selective"),
     shell<Cell::tri6, 3>("shell6_reduced"),
     shell<Cell::quad4, 4>("shell4"),
     shell<Cell::quad4, 4, Tying::selective>("shell4_selective"),
     shell<Cell::quad4, 1>("shell4_reduced"),
     shell<Cell::quad4, 4, Tying::mitc>("shell4_mitc"),
+    shell<Cell::quad4, 4, Tying::mitc_plus>("shell4_mitc_plus"),
     shell<Cell::quad8, 9>("shell8"),
     shell<Cell::quad8, 9, Tying::selective>("shell8_selective"),
     shell<Cell::quad8, 4>("shell8_reduced"),
@@ -60,14 +69,14 @@ std::optional<ShellType> find_shell(std::string_view name) {
 
 ShellFailure evaluate_shells(const ShellType& shell, const ShellView& view, const SheetLaw& law) {
   const int n_packs = (view.n_cells + pack_width - 1) / pack_width;
-  int failed = INT_MAX;  // 4 cell + fault
+  int failed = INT_MAX;  // shell_faults cell + fault
 #pragma omp parallel for schedule(static) reduction(min : failed)
   for (int pack = 0; pack < n_packs; ++pack) {
     const auto failure = shell.evaluate_pack(view, law, pack);
-    if (failure.cell >= 0) failed = std::min(failed, 4 * failure.cell + static_cast<int>(failure.fault));
+    if (failure.cell >= 0) failed = std::min(failed, shell_faults * failure.cell + static_cast<int>(failure.fault));
   }
   if (failed == INT_MAX) return {};
-  return {failed / 4, static_cast<ShellFault>(failed % 4)};
+  return {failed / shell_faults, static_cast<ShellFault>(failed % shell_faults)};
 }
 
 }  // namespace presswork

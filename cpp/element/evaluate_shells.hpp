@@ -13,6 +13,7 @@ struct ShellType {
   std::string_view name;
   int nodes;
   int points;
+  int internal;  // values that a cell keeps besides its points
   ShellFailure (*evaluate_pack)(const ShellView&, const SheetLaw&, int pack);
   // N (points, nodes), dN (points, nodes, 2), weights (points) of the rule, and dN at the nodes (nodes, nodes, 2)
   void (*tabulate)(double* N, double* dN, double* weight, double* dN_at_nodes);

@@ -32,6 +32,46 @@ template <Cell cell, int n_points, Tying tying, class T = Pack>
 struct Shell {
   using Table = ShellTable<cell, n_points, tying>;
   static constexpr int nodes = node_count(cell), freedoms = 6 * nodes;
+  static constexpr bool has_bubble = cell == Cell::tri3_bubble;  // the last "node": no position, and it does not turn
+  static constexpr int mesh_nodes = has_bubble ? nodes - 1 : nodes;
+
+  // The tables with what a cell's own shape adds to them (shell_table.hpp)
+  struct Forms {
+    const Table& table;
+    T bilinear[tying == Tying::mitc_plus ? nodes : 1][nodes];
+
+    T G(int q, int c, int a, int b) const {
+      if constexpr (tying == Tying::mitc_plus) return T(table.G[q][c][a][b]) + T(table.R[q][c]) * bilinear[a][b];
+      return T(table.G[q][c][a][b]);
+    }
+    T H(int q, int k, int a, int b) const { return T(table.H[q][k][a][b]); }
+
+    // Ko, Lee & Bathe's eqs. for the strain that is bilinear in the plane: x_d = c_r x_r + c_s x_s were the cell flat
+    void fit(const T x[][3]) {
+      if constexpr (tying == Tying::mitc_plus) {
+        T r[3], s[3], d[3], n[3], over_r[3], over_s[3], c_r, c_s;
+        for (int i = 0; i < 3; ++i) {
+          r[i] = x[1][i] + x[2][i] - x[0][i] - x[3][i];
+          s[i] = x[2][i] + x[3][i] - x[0][i] - x[1][i];
+          d[i] = x[0][i] + x[2][i] - x[1][i] - x[3][i];
+        }
+        cross3(r, s, n);
+        cross3(s, n, over_r), cross3(n, r, over_s);
+        const T over = T(1.0) / dot3(n, n);
+        c_r = dot3(d, over_r) * over, c_s = dot3(d, over_s) * over;
+        // below 1 in a convex quadrilateral; 1 where two corners meet
+        const T square = smaller(c_r * c_r + c_s * c_s, T(0.99));
+        const T scale = T(1.0) / (square - T(1.0)), half = T(0.5) * scale;
+        const T weight[5] = {half * c_r * (c_r - T(1.0)), half * c_r * (c_r + T(1.0)), half * c_s * (c_s - T(1.0)),
+                             half * c_s * (c_s + T(1.0)), scale * c_r * c_s};
+        for (int a = 0; a < nodes; ++a)
+          for (int b = 0; b < nodes; ++b) {
+            bilinear[a][b] = T(0.0);
+            for (int k = 0; k < 5; ++k) bilinear[a][b] += weight[k] * T(table.M[k][a][b]);
+          }
+      }
+    }
+  };
 
   struct Nodes {
     T x[nodes][3], u[nodes][3], d[nodes][3];  // position, displacement, director at t
@@ -60,22 +100,22 @@ struct Shell {
     T C[5][3][3];
   };
 
-  static void differentiate(const Table& table, int q, const T x[][3], const T d[][3], Gradient& g) {
+  static void differentiate(const Forms& forms, int q, const T x[][3], const T d[][3], Gradient& g) {
     for (int a = 0; a < nodes; ++a)
       for (int i = 0; i < 3; ++i) {
         for (int c = 0; c < 3; ++c) {
           T v(0.0), w(0.0);
           for (int b = 0; b < nodes; ++b) {
-            v += T(table.G[q][c][a][b]) * x[b][i];
-            w += T(table.G[q][c][a][b]) * d[b][i];
+            v += forms.G(q, c, a, b) * x[b][i];
+            w += forms.G(q, c, a, b) * d[b][i];
           }
           g.V[c][a][i] = v, g.W[c][a][i] = w;
         }
         for (int k = 0; k < 2; ++k) {
           T v(0.0), w(0.0);
           for (int b = 0; b < nodes; ++b) {
-            v += T(table.H[q][k][a][b]) * d[b][i];
-            w += T(table.H[q][k][b][a]) * x[b][i];
+            v += forms.H(q, k, a, b) * d[b][i];
+            w += forms.H(q, k, b, a) * x[b][i];
           }
           g.X[k][a][i] = v, g.Y[k][a][i] = w;
         }
@@ -181,7 +221,7 @@ struct Shell {
   }
 
   // Law and stress on second derivatives of strain, by nodal positions and directors: row = 6 node + (x | d) component
-  static void add_stiffness(const Table& table, int q, const Gradient& g, const Resultants& r, const T shear[2],
+  static void add_stiffness(const Forms& forms, int q, const Gradient& g, const Resultants& r, const T shear[2],
                             const T D[2][2], T (*K)[freedoms]) {
     for (int b = 0; b < nodes; ++b)
       for (int j = 0; j < 3; ++j) {
@@ -215,11 +255,11 @@ struct Shell {
       for (int b = 0; b < nodes; ++b) {
         T xx(0.0), xd(0.0), dd(0.0), dx;
         for (int c = 0; c < 3; ++c) {
-          T G(table.G[q][c][a][b]);
+          T G = forms.G(q, c, a, b);
           xx += G * r.S[0][c], xd += G * r.S[1][c], dd += G * r.S[2][c];
         }
         dx = xd;
-        for (int k = 0; k < 2; ++k) xd += T(table.H[q][k][a][b]) * shear[k], dx += T(table.H[q][k][b][a]) * shear[k];
+        for (int k = 0; k < 2; ++k) xd += forms.H(q, k, a, b) * shear[k], dx += forms.H(q, k, b, a) * shear[k];
         for (int i = 0; i < 3; ++i) {
           K[6 * a + i][6 * b + i] += xx, K[6 * a + i][6 * b + 3 + i] += xd;
           K[6 * a + 3 + i][6 * b + i] += dx, K[6 * a + 3 + i][6 * b + 3 + i] += dd;
@@ -229,8 +269,8 @@ struct Shell {
 
   // From directors to rotation vectors, in place: forces first, as the curvature of the rotation needs them
   static void take_rotations(const Nodes& n, T force[freedoms], T (*K)[freedoms]) {
-    T slope[nodes][3][3];
-    for (int a = 0; a < nodes; ++a) {
+    T slope[mesh_nodes][3][3];
+    for (int a = 0; a < mesh_nodes; ++a) {
       T* f = force + 6 * a + 3;
       const T moment[3] = {f[0], f[1], f[2]};
       n.turn[a].differentiate(slope[a]);
@@ -239,12 +279,12 @@ struct Shell {
       if (!K) continue;
       T second[3][3];
       n.turn[a].curve(moment, second);
-      for (int row = 0; row < freedoms; ++row) {
+      for (int row = 0; row < 6 * mesh_nodes; ++row) {
         T* k = &K[row][6 * a + 3];
         const T old[3] = {k[0], k[1], k[2]};
         for (int j = 0; j < 3; ++j) k[j] = old[0] * slope[a][0][j] + old[1] * slope[a][1][j] + old[2] * slope[a][2][j];
       }
-      for (int column = 0; column < freedoms; ++column) {
+      for (int column = 0; column < 6 * mesh_nodes; ++column) {
         const T old[3] = {K[6 * a + 3][column], K[6 * a + 4][column], K[6 * a + 5][column]};
         for (int i = 0; i < 3; ++i)
           K[6 * a + 3 + i][column] = old[0] * slope[a][0][i] + old[1] * slope[a][1][i] + old[2] * slope[a][2][i];

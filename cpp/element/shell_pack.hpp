@@ -5,10 +5,15 @@
 #include <algorithm>
 
 #include "element/shell.hpp"
+#include "element/shell_bubble.hpp"
 
 namespace presswork {
 
-enum class ShellFault : int { none = 0, inside_out = 1, turned_too_far = 2, law = 3 };
+enum class ShellFault : int { none = 0, inside_out = 1, turned_too_far = 2, law = 3, bubble = 4 };
+inline constexpr int shell_faults = 5;
+
+inline constexpr double bubble_tolerance = 1e-7;  // [rad] of Newton's last step; what it leaves is its square
+inline constexpr int bubble_steps = 12;
 
 // Views of one block of shells, C-contiguous. q points in the plane, k layers, h history values, m directors.
 struct ShellView {
@@ -21,12 +26,13 @@ struct ShellView {
   const double* layer_position;  // (k) in (-1, 1)
   const double* layer_weight;    // (k), sums to 2
   double dt, penalty;
-  const double *thickness_n, *stress_n, *history_n, *direction_n, *shear_n;
+  const double *thickness_n, *stress_n, *history_n, *direction_n, *shear_n, *internal_n;
   double* thickness;  // (n_cells, q) [mm]
   double* stress;     // (n_cells, q, k, 3) [MPa]
   double* history;    // (n_cells, q, k, h)
   double* direction;  // (n_cells, q, k, 2)
   double* shear;      // (n_cells, q, 2)
+  double* internal;   // (n_cells, internal_values)
   double* volume;     // (n_cells, q, k) [mm3] at t+dt
   double* force;      // (n_packs, 6 nodes, pack_width)
   double* stiffness;  // (n_packs, 6 nodes, 6 nodes, pack_width), or null
@@ -53,7 +59,8 @@ template <Cell cell, int n_points, Tying tying, class T>
 struct ShellPack {
   using Kernel = Shell<cell, n_points, tying, T>;
   using Table = typename Kernel::Table;
-  static constexpr int nodes = Kernel::nodes, freedoms = Kernel::freedoms;
+  static constexpr int nodes = Kernel::nodes, freedoms = Kernel::freedoms, mesh_nodes = Kernel::mesh_nodes;
+  static constexpr int internal_values = Kernel::has_bubble ? 2 : 0;
   static constexpr int width = std::is_same_v<T, double> ? 1 : pack_width;
 
   const ShellView& view;
@@ -61,13 +68,15 @@ struct ShellPack {
   const Table& table = Table::get();
   int first, used, cells[width];
   typename Kernel::Nodes n;
+  typename Kernel::Forms forms{table, {}};
+  T mid_x[nodes][3], mid_d[nodes][3], end_x[nodes][3], end_d[nodes][3];  // half-way and at t+dt
 
   ShellPack(const ShellView& v, const SheetLaw& l, int pack) : view(v), law(l), first(pack * width) {
     used = std::min(width, v.n_cells - first);
     for (int lane = 0; lane < width; ++lane) {
       cells[lane] = first + std::min(lane, used - 1);
-      for (int a = 0; a < nodes; ++a) {
-        const std::size_t at = static_cast<std::size_t>(cells[lane]) * nodes + a;
+      for (int a = 0; a < mesh_nodes; ++a) {
+        const std::size_t at = static_cast<std::size_t>(cells[lane]) * mesh_nodes + a;
         const int node = v.connectivity[at], director = v.director_of[at];
         for (int i = 0; i < 3; ++i) {
           lanes::set(n.x[a][i], lane, v.points[3 * node + i]);
@@ -97,9 +106,8 @@ struct ShellPack {
 
   // All layers of point q: their resultants, new thickness and volumes
   ShellFailure run_layers(int q, const typename Kernel::Surface& surface, const typename Kernel::Strain& strain,
-                          typename Kernel::Resultants& sum) const {
+                          bool with_modulus, typename Kernel::Resultants& sum) const {
     const std::size_t rows = static_cast<std::size_t>(n_points) * view.n_layers;
-    const bool with_modulus = view.stiffness != nullptr;
     T h, stretch(0.0);
     load(view.thickness_n, n_points, q, 1, &h);
     for (int k = 0; k < view.n_layers; ++k) {
@@ -135,7 +143,8 @@ struct ShellPack {
   }
 
   // Transverse shear of point q: force per area of the reference cell times the weight, and its stiffness
-  void run_shear(int q, const typename Kernel::Surface& surface, const T strain[2], T force[2], T D[2][2]) const {
+  void run_shear(int q, const typename Kernel::Surface& surface, const T strain[2], double penalty, T force[2],
+                 T D[2][2]) const {
     T h, p[2];
     load(view.thickness_n, n_points, q, 1, &h);
     load(view.shear_n, n_points, q, 2, p);
@@ -144,53 +153,97 @@ struct ShellPack {
     p[0] += stiffness * (inverse[0] * strain[0] + inverse[2] * strain[1]);
     p[1] += stiffness * (inverse[2] * strain[0] + inverse[1] * strain[1]);
     save(p, n_points, q, 2, view.shear);
-    T weight(table.shape.weight[q]), with_penalty = weight * stiffness * T(1.0 + view.penalty);
+    T weight(table.shape.weight[q]), with_penalty = weight * stiffness * T(1.0 + penalty);
     for (int k = 0; k < 2; ++k) force[k] = weight * p[k];
     D[0][0] = with_penalty * inverse[0], D[1][1] = with_penalty * inverse[1];
     D[0][1] = D[1][0] = with_penalty * inverse[2];
   }
 
-  ShellFailure evaluate() {
-    // 1. directors, and the configuration half-way and at the end
-    T mid_x[nodes][3], mid_d[nodes][3], end_x[nodes][3], end_d[nodes][3], turned(0.0);
-    for (int a = 0; a < nodes; ++a) {
-      const T theta[3] = {n.turn[a].theta[0], n.turn[a].theta[1], n.turn[a].theta[2]};
-      n.turn[a].turn(theta, n.d[a]);
-      turned = larger(turned, n.turn[a].s);
-      for (int i = 0; i < 3; ++i) {
-        mid_x[a][i] = n.x[a][i] + T(0.5) * n.u[a][i], mid_d[a][i] = n.d[a][i] + T(0.5) * n.turn[a].change[i];
-        end_x[a][i] = n.x[a][i] + n.u[a][i], end_d[a][i] = n.d[a][i] + n.turn[a].change[i];
-      }
+  void place(int a) {
+    for (int i = 0; i < 3; ++i) {
+      mid_x[a][i] = n.x[a][i] + T(0.5) * n.u[a][i], mid_d[a][i] = n.d[a][i] + T(0.5) * n.turn[a].change[i];
+      end_x[a][i] = n.x[a][i] + n.u[a][i], end_d[a][i] = n.d[a][i] + n.turn[a].change[i];
     }
-    if (auto bad = find(!(turned < T(largest_turn_squared)), ShellFault::turned_too_far); bad.cell >= 0) return bad;
+  }
 
-    // 2. point by point
-    T force[freedoms];
-    T(*K)[freedoms] = nullptr;
-    T matrix[freedoms][freedoms];
-    for (auto& f : force) f = T(0.0);
-    if (view.stiffness) {
-      K = matrix;
-      for (auto& row : matrix)
-        for (auto& k : row) k = T(0.0);
+  // Force and stiffness (null: not wanted) by positions and directors
+  ShellFailure run_points(double penalty, T force[freedoms], T (*K)[freedoms]) const {
+    for (int i = 0; i < freedoms; ++i) {
+      force[i] = T(0.0);
+      for (int j = 0; K && j < freedoms; ++j) K[i][j] = T(0.0);
     }
     for (int q = 0; q < n_points; ++q) {
       typename Kernel::Surface surface;
       typename Kernel::Gradient gradient;
       typename Kernel::Strain strain;
-      typename Kernel::Resultants sum = {};
+      typename Kernel::Resultants sum;
       T a[2][3], b[2][3], shear[2], D[2][2];
       auto folded = Kernel::measure_surface(table, q, n, surface) | Kernel::base_vectors(table, q, end_x, end_d, a, b);
       if (auto bad = find(folded, ShellFault::inside_out); bad.cell >= 0) return bad;
-      Kernel::differentiate(table, q, mid_x, mid_d, gradient);
+      Kernel::differentiate(forms, q, mid_x, mid_d, gradient);
       Kernel::measure(gradient, n, strain);
       clear(sum);
-      if (auto bad = run_layers(q, surface, strain, sum); bad.cell >= 0) return bad;
-      run_shear(q, surface, strain.shear, shear, D);
-      Kernel::differentiate(table, q, end_x, end_d, gradient);
+      if (auto bad = run_layers(q, surface, strain, K != nullptr, sum); bad.cell >= 0) return bad;
+      run_shear(q, surface, strain.shear, penalty, shear, D);
+      Kernel::differentiate(forms, q, end_x, end_d, gradient);
       Kernel::add_force(gradient, sum, shear, force);
-      if (K) Kernel::add_stiffness(table, q, gradient, sum, shear, D, K);
+      if (K) Kernel::add_stiffness(forms, q, gradient, sum, shear, D, K);
     }
+    return {};
+  }
+
+  // The same with the bubble in balance and condensed, for nodes 1 to 3. The bubble does not feel the penalty.
+  ShellFailure run_bubble(T force[freedoms], T K[freedoms][freedoms]) {
+    Bubble<T> bubble;
+    load(view.internal_n, 1, 0, internal_values, bubble.q_n);
+    for (int k = 0; k < 2; ++k) bubble.q[k] = bubble.q_n[k];
+    for (int i = 0; i < 3; ++i) n.x[mesh_nodes][i] = n.u[mesh_nodes][i] = T(0.0);
+    bubble.span(n.x, n.u);
+    auto run = [&](double penalty) {
+      bubble.direct(n.d[mesh_nodes], n.turn[mesh_nodes].change);
+      place(mesh_nodes);
+      auto failure = run_points(penalty, force, K);
+      bubble.reduce(force, K);
+      return failure;
+    };
+    typename Bubble<T>::Coupling coupling;
+    for (int step = 0;; ++step) {
+      if (auto bad = run(0.0); bad.cell >= 0) return bad;
+      coupling = bubble.couple(force, K);
+      Bubble<T> next = bubble;
+      const auto moving = find(!(next.step(coupling) < T(bubble_tolerance * bubble_tolerance)), ShellFault::bubble);
+      if (moving.cell < 0) break;
+      if (step == bubble_steps) return moving;
+      bubble = next;
+    }
+    save(bubble.q, 1, 0, internal_values, view.internal);
+    if (view.stiffness && view.penalty > 0.0)
+      if (auto bad = run(view.penalty); bad.cell >= 0) return bad;
+    bubble.condense(coupling, force, K);
+    return {};
+  }
+
+  ShellFailure evaluate() {
+    forms.fit(n.x);
+    // 1. directors, and the configuration half-way and at the end
+    T turned(0.0);
+    for (int a = 0; a < mesh_nodes; ++a) {
+      const T theta[3] = {n.turn[a].theta[0], n.turn[a].theta[1], n.turn[a].theta[2]};
+      n.turn[a].turn(theta, n.d[a]);
+      turned = larger(turned, n.turn[a].s);
+      place(a);
+    }
+    if (auto bad = find(!(turned < T(largest_turn_squared)), ShellFault::turned_too_far); bad.cell >= 0) return bad;
+
+    // 2. point by point
+    T force[freedoms], matrix[freedoms][freedoms];
+    T(*K)[freedoms] = view.stiffness ? matrix : nullptr;
+    ShellFailure failure;
+    if constexpr (Kernel::has_bubble)
+      failure = run_bubble(force, matrix);
+    else
+      failure = run_points(view.penalty, force, K);
+    if (failure.cell >= 0) return failure;
 
     // 3. from directors to rotations, and out
     Kernel::take_rotations(n, force, K);
@@ -213,12 +266,12 @@ struct ShellPack {
         array[(pack * per_pack + index) * pack_width + slot % pack_width] = lanes::get(value, lane);
       }
     };
-    for (int i = 0; i < freedoms; ++i) put(view.force, freedoms, i, force[i]);
+    constexpr int rows = 6 * mesh_nodes;
+    for (int i = 0; i < rows; ++i) put(view.force, rows, i, force[i]);
     if (!K) return;
-    for (int i = 0; i < freedoms; ++i)
-      for (int j = 0; j < freedoms; ++j)
-        put(view.stiffness, freedoms * freedoms, i * freedoms + j,
-            view.symmetric ? T(0.5) * (K[i][j] + K[j][i]) : K[i][j]);
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; j < rows; ++j)
+        put(view.stiffness, rows * rows, i * rows + j, view.symmetric ? T(0.5) * (K[i][j] + K[j][i]) : K[i][j]);
   }
 
   static ShellFailure evaluate_pack(const ShellView& view, const SheetLaw& law, int pack) {

@@ -10,12 +10,17 @@
 
 namespace presswork {
 
-enum class Cell : int { tri3, tri6, quad4, quad8, quad9 };
+// tri3_bubble: the corners and the cubic 27 z x y, which vanishes on the sides
+enum class Cell : int { tri3, tri3_bubble, tri6, quad4, quad8, quad9 };
+
+constexpr bool is_triangle(Cell cell) { return cell == Cell::tri3 || cell == Cell::tri3_bubble || cell == Cell::tri6; }
 
 constexpr int node_count(Cell cell) {
   switch (cell) {
     case Cell::tri3:
       return 3;
+    case Cell::tri3_bubble:
+      return 4;
     case Cell::tri6:
       return 6;
     case Cell::quad4:
@@ -36,10 +41,12 @@ void shape_functions(double x, double y, double* N, double (*dN)[2]) {
     dN[i][0] = nx;
     dN[i][1] = ny;
   };
-  if constexpr (cell == Cell::tri3) {
-    put(0, 1 - x - y, -1, -1);
+  if constexpr (cell == Cell::tri3 || cell == Cell::tri3_bubble) {
+    const double z = 1 - x - y;
+    put(0, z, -1, -1);
     put(1, x, 1, 0);
     put(2, y, 0, 1);
+    if constexpr (cell == Cell::tri3_bubble) put(3, 27 * z * x * y, 27 * y * (z - x), 27 * x * (z - y));
   } else if constexpr (cell == Cell::tri6) {
     const double z = 1 - x - y;
     put(0, z * (2 * z - 1), 1 - 4 * z, 1 - 4 * z);
@@ -134,7 +141,7 @@ struct ShapeTable {
   double weight[n_points];
 
   ShapeTable() {
-    if constexpr (cell == Cell::tri3 || cell == Cell::tri6)
+    if constexpr (is_triangle(cell))
       fill(triangle_rule<n_points>());
     else
       fill(gauss_square<n_points == 1 ? 1 : n_points == 4 ? 2 : 3>());

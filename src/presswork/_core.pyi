@@ -284,8 +284,12 @@ class ShellFault(enum.Enum):
 
     law = 3
 
-def shell_sizes(element: str) -> tuple[int, int]:
-    """Number of nodes of a shell and of integration points in its plane."""
+    bubble = 4
+
+def shell_sizes(element: str) -> tuple[int, int, int]:
+    """
+    Number of nodes of a shell, of integration points in its plane, and of values it keeps besides its points.
+    """
 
 def shell_shape(element: str) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """

@@ -28,9 +28,9 @@ SolidElement = Literal[
     "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
 ]
 ShellElement = Literal[
-    "shell3", "shell3_mitc",
-    "shell6", "shell6_selective", "shell6_reduced",
-    "shell4", "shell4_selective", "shell4_reduced", "shell4_mitc",
+    "shell3", "shell3_mitc", "shell3_mitc_plus",
+    "shell6", "shell6_selective", "shell6_reduced", "shell6_mitc",
+    "shell4", "shell4_selective", "shell4_reduced", "shell4_mitc", "shell4_mitc_plus",
     "shell8", "shell8_selective", "shell8_reduced",
     "shell9", "shell9_selective", "shell9_reduced", "shell9_mitc",
 ]  # fmt: skip

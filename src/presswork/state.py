@@ -34,6 +34,8 @@ class ShellArrays:
     """First covariant base vector in the lamina frame, which turns with the material (n_cells, q, k, 2), unit."""
     shear: list[FloatArray]
     """Transverse shear force per area of the reference cell, contravariant (n_cells, q, 2)."""
+    internal: list[FloatArray]
+    """What a cell keeps besides its points (n_cells, m): the bubble of shell3_mitc_plus."""
     fading: FloatArray
     """What loads and supports of the stage before still do when a stage begins, and cease to over it (n_points, 6)
     [N, N mm]."""
@@ -41,7 +43,7 @@ class ShellArrays:
     @classmethod
     def none(cls) -> ShellArrays:
         """Return those of a model without shells."""
-        return cls(np.zeros((0, 3)), [], [], [], [], np.zeros((0, 6)))
+        return cls(np.zeros((0, 3)), [], [], [], [], [], np.zeros((0, 6)))
 
 
 @dataclass

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from presswork.mesh import mesh_rectangle
+from presswork.mesh.topology import find_boundary_edges
 from presswork.model import (
     BodyForce,
     EdgeForce,
@@ -52,33 +53,82 @@ def patch(
     u_lines: FloatArray,
     v_lines: FloatArray,
     *,
-    element: ElementName = "shell4_mitc",
+    element: ElementName = "shell4_mitc_plus",
     thickness: float = 1.0,
     points: int = 2,
     normal: Callable[[FloatArray, FloatArray], FloatArray] | None = None,
-    distortion: float = 0.0,
+    distortion: float | Literal["graded"] = 0.0,
     pattern: str | None = None,
     **section: Any,
 ) -> Mesh:
     """Mesh the image of a rectangle in (u, v); sets are named as in it: left, right, bottom, top and the corners.
 
-    distortion: moves inner corners by that part of the cell size, at random but always the same.
+    distortion: moves inner corners by that part of the cell size, at random but always the same; "graded": straight
+    lines between sides cut in the ratio 1 : 2 : ... : n, running round the rectangle (the pattern of Bathe & Lee).
     """
     flat = FLAT[element[5]]
     plane = mesh_rectangle(u_lines, v_lines, element=flat, pattern=pattern)  # type: ignore[arg-type]
     u, v = plane.points.T
     if distortion:
-        rng = np.random.default_rng(7)
-        inner = np.ones(len(u), dtype=bool)
-        for side in ("left", "right", "bottom", "top"):
-            inner[plane.node_sets[side]] = False
-        cell = np.array([np.diff(u_lines).min(), np.diff(v_lines).min()])
-        moved = plane.points + rng.uniform(-distortion, distortion, (len(u), 2)) * cell * inner[:, None]
+        if distortion == "graded":
+            moved = _grade(plane.points, len(u_lines) - 1, len(v_lines) - 1)
+        else:
+            moved = _shake(plane, distortion, np.array([np.diff(u_lines).min(), np.diff(v_lines).min()]))
         _straighten(moved, plane.blocks[0].connectivity, 3 if flat.startswith("tri") else 4)
         u, v = moved.T
     block = replace(plane.blocks[0], element=element, section=Section(thickness, points, **section))
     normals = normal(u, v) if normal else None
     return replace(plane, points=np.ascontiguousarray(shape(u, v)), blocks=(block,), normals=normals)
+
+
+def _shake(plane: Mesh, distortion: float, cell: FloatArray) -> FloatArray:
+    """Move the inner points at random."""
+    rng = np.random.default_rng(7)
+    inner = np.ones(len(plane.points), dtype=bool)
+    for side in ("left", "right", "bottom", "top"):
+        inner[plane.node_sets[side]] = False
+    moved: FloatArray = plane.points + rng.uniform(-distortion, distortion, (len(inner), 2)) * cell * inner[:, None]
+    return moved
+
+
+def _grade(points: FloatArray, n: int, m: int) -> FloatArray:
+    """Move the points of a rectangle of n x m equal cells onto the graded pattern."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    r, s = ((points - low) / (high - low)).T
+
+    def growing(x: FloatArray, n: int) -> FloatArray:
+        result: FloatArray = x * (n * x + 1) / (n + 1)
+        return result
+
+    below, above = growing(r, n), 1 - growing(1 - r, n)
+    left, right = 1 - growing(1 - s, m), growing(s, m)
+    u = (below + (above - below) * left) / (1 - (above - below) * (right - left))
+    v = left + (right - left) * u
+    result: FloatArray = low + np.column_stack([u, v]) * (high - low)
+    return result
+
+
+def join(meshes: Sequence[Mesh]) -> Mesh:
+    """Return one mesh of several of the same element, without sets, points at the same place taken for one."""
+    points = np.concatenate([m.points for m in meshes])
+    _, first, number = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)
+    starts = np.cumsum([0, *(len(m.points) for m in meshes[:-1])])
+    cells = np.concatenate([m.blocks[0].connectivity + start for m, start in zip(meshes, starts, strict=True)])
+    cells = np.ascontiguousarray(number.reshape(-1)[cells], dtype=np.int32)
+    normals = [m.normals for m in meshes if m.normals is not None]
+    boundary = find_boundary_edges([cells])
+    return Mesh(
+        np.ascontiguousarray(points[first]), (replace(meshes[0].blocks[0], connectivity=cells),), {},
+        {"boundary": boundary}, boundary, np.concatenate(normals)[first] if normals else None,
+    )  # fmt: skip
+
+
+def straighten(mesh: Mesh) -> Mesh:
+    """Return the mesh with mid-sides and centres in the middle of their corners."""
+    points = mesh.points.copy()
+    connectivity = mesh.blocks[0].connectivity
+    _straighten(points, connectivity, 3 if connectivity.shape[1] in (3, 6) else 4)
+    return replace(mesh, points=points)
 
 
 def _straighten(points: FloatArray, cells: IntArray, corners: int) -> None:

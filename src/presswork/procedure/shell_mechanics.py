@@ -36,6 +36,7 @@ REASONS = {
     _core.ShellFault.inside_out: "turned inside out",
     _core.ShellFault.turned_too_far: "turned by more than 3 rad in one increment",
     _core.ShellFault.law: "found no stress on the yield surface",
+    _core.ShellFault.bubble: "found no balance of its bubble",
 }
 
 
@@ -104,16 +105,18 @@ class ShellMechanics:
         n = len(self._model.mesh.points)
         for name in ("displacement", "increment", "reaction", "external_force"):
             setattr(state, name, np.zeros((n, 6)))
-        shells = ShellArrays(self.directors.vectors.copy(), [], [], [], [], np.zeros((n, 6)))
+        shells = ShellArrays(self.directors.vectors.copy(), [], [], [], [], [], np.zeros((n, 6)))
         for i, (connectivity, section, law) in enumerate(
             zip(self._connectivity, self._sections, self._laws, strict=True)
         ):
-            cells, q = len(connectivity), _core.shell_sizes(self._model.mesh.blocks[i].element)[1]
+            cells = len(connectivity)
+            _, q, internal = _core.shell_sizes(self._model.mesh.blocks[i].element)
             k = section.points
             shells.thickness.append(np.full((cells, q), section.thickness))
             shells.history.append(np.zeros((cells, q, k, law.history_size)))
             shells.direction.append(np.repeat(self._first_directions(i)[:, :, None], k, axis=2))
             shells.shear.append(np.zeros((cells, q, 2)))
+            shells.internal.append(np.zeros((cells, internal)))
             state.stress.append(np.zeros((cells, q * k, 3)))
             state.eqps.append(np.zeros((cells, q * k)))
             state.volume.append(np.zeros((cells, q * k)))
@@ -286,6 +289,7 @@ def _arrays_of(state: State, block: int) -> list[FloatArray]:
         shells.history[block],
         shells.direction[block],
         shells.shear[block],
+        shells.internal[block],
     ]
 
 
