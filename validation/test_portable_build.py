@@ -79,5 +79,5 @@ def test_a_dump_of_one_variant_goes_on_in_another(package: Path, tmp_path: Path,
     for end in ends.values():
         assert end["scalars"][0] == 400
         np.testing.assert_allclose(end["position"], expected["position"], atol=tolerance)
-        scale = np.abs(expected["state"]).max(axis=0)
+        scale = np.maximum(np.abs(expected["state"]).max(axis=0), 1e-3)  # what rounding took has no digit in common
         np.testing.assert_allclose(end["state"] / scale, expected["state"] / scale, atol=100 * tolerance)
