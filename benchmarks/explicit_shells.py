@@ -28,7 +28,9 @@ RATE = 200.0
 """Stretching [1/s]; a step strains by 3e-5."""
 
 
-def stretched_sheet(n: int, law: _core.SheetLaw, options: ShellOptions, precision: Precision) -> ExplicitShells:
+def stretched_sheet(
+    n: int, law: _core.SheetLaw, options: ShellOptions, precision: Precision = "double"
+) -> ExplicitShells:
     """Return n x n shells of 1 mm, 0.8 mm thick, in uniform stretching, edges driven."""
     x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0))
     points = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
