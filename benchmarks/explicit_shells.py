@@ -6,9 +6,9 @@
     python benchmarks/explicit_shells.py --tables      what looking hardening up in a table saves, by law
 
 A flat sheet is stretched equally in both directions, five points through the thickness, Swift hardening, every point
-plastic in every cycle (checked), no contact, double precision. One thread: CPU time, which other processes on the
-machine disturb least; more threads: wall time. Each figure is the least of the repeats; the columns
-with one point, and with an elastic sheet, say what the layers and the plastic update cost.
+plastic in every cycle (checked), no contact; double precision but for the column that says single. One thread: CPU
+time, which other processes on the machine disturb least; more threads: wall time. Each figure is the least of the
+repeats; the columns with one point, and with an elastic sheet, say what the layers and the plastic update cost.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import time
 import numpy as np
 
 from presswork import _core
-from presswork.procedure.explicit import ExplicitShells, ShellOptions
+from presswork.procedure.explicit import ExplicitShells, Precision, ShellOptions
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
@@ -28,13 +28,15 @@ RATE = 200.0
 """Stretching [1/s]; a step strains by 3e-5."""
 
 
-def stretched_sheet(n: int, law: _core.SheetLaw, options: ShellOptions) -> ExplicitShells:
+def stretched_sheet(
+    n: int, law: _core.SheetLaw, options: ShellOptions, precision: Precision = "double"
+) -> ExplicitShells:
     """Return n x n shells of 1 mm, 0.8 mm thick, in uniform stretching, edges driven."""
     x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0))
     points = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
     first = (np.arange(n)[None, :] + (n + 1) * np.arange(n)[:, None]).ravel()
     cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1).astype(np.int32)
-    shells = ExplicitShells(points, cells, 0.8, law, 7.85e-9, options=options)
+    shells = ExplicitShells(points, cells, 0.8, law, 7.85e-9, options=options, precision=precision)
     velocity = np.zeros((len(points), 6))
     velocity[:, :2] = RATE * (points[:, :2] - n / 2)
     shells.velocity = velocity
@@ -44,11 +46,13 @@ def stretched_sheet(n: int, law: _core.SheetLaw, options: ShellOptions) -> Expli
     return shells
 
 
-def time_cycle(n: int, threads: int, law: _core.SheetLaw, options: ShellOptions, repeats: int) -> float:
+def time_cycle(
+    n: int, threads: int, repeats: int, law: _core.SheetLaw, options: ShellOptions, precision: Precision = "double"
+) -> float:
     """Return microseconds per shell and cycle, the least of the repeats."""
     _core.set_threads(threads)
     clock = time.process_time if threads == 1 else time.perf_counter
-    shells = stretched_sheet(n, law, options)
+    shells = stretched_sheet(n, law, options, precision)
     shells.advance(max(4, round(0.005 / RATE / shells.dt)))
     before = shells.equivalent_plastic_strain
     cycles = max(4, round(1.2e6 / n**2))
@@ -101,21 +105,24 @@ def main() -> None:
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--tables", action="store_true", help="compare hardening by formula and by table instead")
+    parser.add_argument("--columns", nargs="+", help="some of the columns")
     given = parser.parse_args()
     if given.tables:
         return print_gain_of_tables(given.repeats)
-    columns = {
+    columns: dict[str, tuple[_core.SheetLaw, ShellOptions] | tuple[_core.SheetLaw, ShellOptions, Precision]] = {
         "BT": (SWIFT, ShellOptions(warping=False)),
         "BWC": (SWIFT, ShellOptions()),
+        "BWC single": (SWIFT, ShellOptions(), "single"),
         "general law": (SWIFT, ShellOptions(tabulate=False)),
         "elastic": (ELASTIC, ShellOptions()),
         "one point": (SWIFT, ShellOptions(n_points=1)),
     }
-    print(f"packs of {_core.pack_width}; microseconds per shell and cycle")
+    columns = {name: columns[name] for name in given.columns or columns}
+    print(f"{_core.architecture}, packs of {_core.pack_width}; microseconds per shell and cycle")
     print(f"{'shells':>9} {'threads':>8} " + " ".join(f"{name:>12}" for name in columns))
     for n in given.sizes:
         for threads in given.threads:
-            figures = [time_cycle(n, threads, law, options, given.repeats) for law, options in columns.values()]
+            figures = [time_cycle(n, threads, given.repeats, *what) for what in columns.values()]
             print(f"{n * n:9,} {threads:8} " + " ".join(f"{figure:12.4f}" for figure in figures), flush=True)
 
 

@@ -22,6 +22,7 @@ NB_MODULE(_core, m) {
   using namespace presswork::bindings;
   m.doc() = "Compiled kernels: elements, materials, contact and assembly.";
   m.attr("pack_width") = presswork::pack_width;
+  m.attr("architecture") = PRESSWORK_ARCHITECTURE;  // it was compiled for
   m.def("set_threads", [](int n) { omp_set_num_threads(n); }, nb::arg("n"), "Set the number of threads of every loop.");
   m.def("max_threads", [] { return omp_get_max_threads(); }, "Number of threads that loops use.");
   bind_kinematics(m);

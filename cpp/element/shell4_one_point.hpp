@@ -42,9 +42,27 @@ namespace shell4 {
 
 inline constexpr double shear_factor = 5.0 / 6.0;
 // rows of an element's state: thickness, inverse reference sides (2x2), transverse shear stress xz, yz, hourglass
-// forces (membrane x, y, deflection, rotations x, y), work, hourglass work; then the layers
-enum Row { thickness = 0, reference = 1, shear_xz = 5, shear_yz = 6, hourglass = 7, work = 12, hourglass_work = 13 };
-inline constexpr int head_rows = 14;
+// forces (membrane x, y, deflection, rotations x, y), work, hourglass work, rounding of the thickness; then the layers
+enum Row {
+  thickness = 0,
+  reference = 1,
+  shear_xz = 5,
+  shear_yz = 6,
+  hourglass = 7,
+  work = 12,
+  hourglass_work = 13,
+  thickness_rounding = 14
+};
+inline constexpr int head_rows = 15;
+
+// Adds an increment of thickness strain. What rounding takes is added to the next increment (Kahan 1965): steps of 1e-6
+// are 16 units in the last place of a float, all rounded the same way, and would drift.
+template <class T>
+[[gnu::always_inline]] inline void change_thickness(T strain, T* state) {
+  const T before = state[thickness], change = before * strain + state[thickness_rounding];
+  state[thickness] = before + change;
+  state[thickness_rounding] = change - (state[thickness] - before);
+}
 
 template <class T>
 [[gnu::always_inline]] inline T dot(const T a[3], const T b[3]) {
@@ -362,7 +380,7 @@ template <bool warped, class T, class Law>
   }
   state[work] += g.area * r.work;
   state[hourglass_work] += lost;
-  state[thickness] = t + t * r.thickness_strain;
+  change_thickness(r.thickness_strain, state);
   // 5. nodal forces
   spread<warped>(g, r, shear, Q, force);
 }

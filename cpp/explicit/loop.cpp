@@ -160,44 +160,50 @@ void ShellLoop<Real>::advance_elements(double dt) {
 }
 
 template <class Real>
-void ShellLoop<Real>::next_velocity(int node, double dt, double damping, double force_scale, double velocity_scale,
-                                    double after[6], double outer[6]) const {
+void ShellLoop<Real>::next_velocity(int node, const Step& step, double after[freedoms], double outer[freedoms]) const {
   const std::size_t at = std::size_t(freedoms) * node;
   const Real* motion = nodes.motion.data() + std::size_t(nodes.motion_stride) * node;
-  const double kept = (1.0 - 0.5 * damping * dt) / (1.0 + 0.5 * damping * dt), push = dt / (1.0 + 0.5 * damping * dt);
+  const double inverse[freedoms] = {motion[6], motion[6], motion[6], motion[7], motion[7], motion[7]};
   for (int i = 0; i < freedoms; ++i) {
-    const double inverse = motion[i < 3 ? 6 : 7], v = motion[i], internal = internal_force[at + i];
-    outer[i] = force_scale * force[at + i];
-    after[i] = kept * v + push * inverse * (outer[i] - internal);
-    if (fixed[at + i]) {  // the outer force is the one that gives the prescribed velocity
-      after[i] = velocity_scale * prescribed[at + i];
-      outer[i] = internal + (inverse > 0.0 ? (after[i] - kept * v) / (push * inverse) : 0.0);
-    }
+    outer[i] = step.force_scale * force[at + i];
+    after[i] = step.kept * motion[i] + step.push * inverse[i] * (outer[i] - internal_force[at + i]);
   }
+  const std::uint8_t* held = &fixed[at];
+  if (held[0] | held[1] | held[2] | held[3] | held[4] | held[5])
+    for (int i = 0; i < freedoms; ++i)
+      if (held[i]) {  // the outer force is the one that gives the prescribed velocity
+        after[i] = step.velocity_scale * prescribed[at + i];
+        outer[i] = internal_force[at + i] +
+                   (inverse[i] > 0.0 ? (after[i] - step.kept * motion[i]) / (step.push * inverse[i]) : 0.0);
+      }
 }
 
 template <class Real>
-typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, double dt, double damping,
-                                                           double force_scale, double velocity_scale) {
-  Sums sums;
+typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, const Step& step) {
+  double external[freedoms] = {}, damped[freedoms] = {}, fastest = 0.0;
   for (int node = first; node < last; ++node) {
     double after[freedoms], outer[freedoms];
-    next_velocity(node, dt, damping, force_scale, velocity_scale, after, outer);
+    next_velocity(node, step, after, outer);
     Real* motion = nodes.motion.data() + std::size_t(nodes.motion_stride) * node;
     double* x = nodes.position.data() + std::size_t(nodes.position_stride) * node;
-    for (int i = 0; i < freedoms; ++i) {
-      const double mean = 0.5 * (motion[i] + after[i]), inverse = motion[i < 3 ? 6 : 7];
-      sums.external += outer[i] * mean;
-      if (damping > 0.0 && inverse > 0.0) sums.damping += mean * mean / inverse;
-      motion[i] = static_cast<Real>(after[i]);
-    }
+    for (int i = 0; i < freedoms; ++i) external[i] += outer[i] * (motion[i] + after[i]);
+    if (step.damping > 0.0)
+      for (int i = 0; i < freedoms; ++i) {
+        const double mean = 0.5 * (motion[i] + after[i]), inverse = motion[i < 3 ? 6 : 7];
+        if (inverse > 0.0) damped[i] += mean * mean / inverse;
+      }
+    for (int i = 0; i < freedoms; ++i) motion[i] = static_cast<Real>(after[i]);
     // by the velocity as it is kept: what moves a node is what strains its elements
     double squared = 0.0;
-    for (int i = 0; i < 3; ++i) x[i] += dt * motion[i], squared += double(motion[i]) * motion[i];
-    sums.fastest = std::max(sums.fastest, squared);
+    for (int i = 0; i < 3; ++i) x[i] += step.dt * motion[i], squared += double(motion[i]) * motion[i];
+    fastest = std::max(fastest, squared);
   }
-  sums.external *= dt;
-  sums.damping *= dt * damping;
+  Sums sums;
+  sums.fastest = fastest;
+  for (int i = 0; i < freedoms; ++i) {
+    sums.external += 0.5 * step.dt * external[i];
+    sums.damping += step.dt * step.damping * damped[i];
+  }
   return sums;
 }
 
@@ -211,10 +217,9 @@ void ShellLoop<Real>::advance(int n, double dt, double damping, const double* fo
   {
     AlignedArray<Real> scratch(scratch_size_);
     for (int cycle = 0; cycle < n; ++cycle) {
+      const Step step{dt, damping, force_scale[cycle], velocity_scale[cycle]};
 #pragma omp for schedule(static)
-      for (int c = 0; c < n_chunks; ++c)
-        sums[c] = move_nodes(c * chunk, std::min(nodes.n, (c + 1) * chunk), dt, damping, force_scale[cycle],
-                             velocity_scale[cycle]);
+      for (int c = 0; c < n_chunks; ++c) sums[c] = move_nodes(c * chunk, std::min(nodes.n, (c + 1) * chunk), step);
 #pragma omp master
       {
         double fastest = 0.0;
@@ -274,9 +279,10 @@ Energies ShellLoop<Real>::energies(double dt, double damping, double force_scale
   Energies e;
   e.external = work[0];
   e.damping = work[1];
+  const Step step{dt, damping, force_scale, velocity_scale};
   for (int node = 0; node < nodes.n; ++node) {
     double after[freedoms], outer[freedoms];
-    next_velocity(node, dt, damping, force_scale, velocity_scale, after, outer);
+    next_velocity(node, step, after, outer);
     const Real* motion = nodes.motion.data() + std::size_t(nodes.motion_stride) * node;
     for (int i = 0; i < freedoms; ++i) {
       const double inverse = motion[i < 3 ? 6 : 7], v = motion[i];

@@ -79,6 +79,10 @@ class ShellLoop {
     double external = 0.0, damping = 0.0;
     double fastest = 0.0;  // speed of a node, squared
   };
+  struct Step {
+    double dt, damping, force_scale, velocity_scale;
+    double kept = (1.0 - 0.5 * damping * dt) / (1.0 + 0.5 * damping * dt), push = dt / (1.0 + 0.5 * damping * dt);
+  };
   struct Tile {
     ElementBlock<Real>* block;
     int first, last;              // packs
@@ -88,10 +92,9 @@ class ShellLoop {
   void make_tiles();
   void advance_tile(const Tile& tile, double dt, Real* scratch);
   void close_rims(int first, int last);
-  Sums move_nodes(int first, int last, double dt, double damping, double force_scale, double velocity_scale);
+  Sums move_nodes(int first, int last, const Step& step);
   // Velocity half a step on of one node, and its outer force at present.
-  void next_velocity(int node, double dt, double damping, double force_scale, double velocity_scale, double after[6],
-                     double outer[6]) const;
+  void next_velocity(int node, const Step& step, double after[6], double outer[6]) const;
 
   std::vector<Tile> tiles_;
   std::size_t scratch_size_ = 0;  // of the largest tile

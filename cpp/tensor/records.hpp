@@ -43,6 +43,36 @@ template <int size, class P>
   static_assert(size <= 16);
 }
 
+// A pack of the records of R numbers at from[0], from[R], from[2 R], ...: by inserts in registers, since a load of what
+// several narrower stores have just written waits for all of them.
+template <int R, class Real>
+[[gnu::always_inline]] inline PackOf<Real> join(const Real* const* from) {
+  using P = PackOf<Real>;
+#if PRESSWORK_VECTOR_BYTES == 64
+  if constexpr (R * sizeof(Real) == 32) {
+    const auto part = [&](int i) { return _mm256_loadu_ps(reinterpret_cast<const float*>(from[i * R])); };
+    const __m512 pair = _mm512_castps256_ps512(part(0));
+    return P(std::bit_cast<typename P::Vector>(_mm512_insertf32x8(pair, part(1), 1)));
+  } else if constexpr (R * sizeof(Real) == 16) {
+    const auto part = [&](int i) { return _mm_loadu_ps(reinterpret_cast<const float*>(from[i * R])); };
+    __m512 all = _mm512_castps128_ps512(part(0));
+    all = _mm512_insertf32x4(all, part(1), 1);
+    all = _mm512_insertf32x4(all, part(2), 2);
+    all = _mm512_insertf32x4(all, part(3), 3);
+    return P(std::bit_cast<typename P::Vector>(all));
+  }
+#elif PRESSWORK_VECTOR_BYTES == 32
+  if constexpr (R * sizeof(Real) == 16) {
+    const auto part = [&](int i) { return _mm_loadu_ps(reinterpret_cast<const float*>(from[i * R])); };
+    return P(std::bit_cast<typename P::Vector>(_mm256_insertf128_ps(_mm256_castps128_ps256(part(0)), part(1), 1)));
+  }
+#endif
+  P joined;
+  for (int group = 0; group < P::width / R; ++group)
+    for (int i = 0; i < R; ++i) joined.v[group * R + i] = from[group * R][i];
+  return joined;
+}
+
 }  // namespace records
 
 template <int R, class Real>
@@ -55,12 +85,7 @@ template <int R, class Real>
       records::transpose<width>(out + chunk);
     }
   } else {
-    for (int i = 0; i < R; ++i) {
-      alignas(sizeof(P)) Real row[width];
-      for (int group = 0; group < width / R; ++group)
-        std::memcpy(row + group * R, from[group * R + i], R * sizeof(Real));
-      std::memcpy(&out[i], row, sizeof(P));
-    }
+    for (int i = 0; i < R; ++i) out[i] = records::join<R>(from + i);
     records::transpose<R>(out);
   }
 }

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
+import presswork.simd  # noqa: F401  loads presswork._core, and so comes first
 from presswork.case import Case, CaseError, ShellCase, build_model
 from presswork.results import OutputError, Result
 from presswork.run import Outcome, run_model

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 pack_width: int = 8
 
+architecture: str = 'native'
+
 def set_threads(n: int) -> None:
     """Set the number of threads of every loop."""
 

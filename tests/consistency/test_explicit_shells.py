@@ -77,15 +77,16 @@ def test_a_run_restarted_from_a_dump_gives_the_same_bits(precision: str) -> None
 
 @pytest.mark.parametrize("tabulate", [True, False])
 def test_single_precision_follows_double(tabulate: bool) -> None:
-    """3000 plastic cycles, displacements of 3 mm: position to 5e-6 mm, stress to 1e-5 of 460 MPa, strain to 2e-6."""
+    """Plastic cycles, displacements of 3 mm: position to 5e-6 mm, stress to 1e-5 of 460 MPa, strain to 2e-6,
+    thickness to 2e-7 mm."""
     double, single = (make_run(precision, tabulate=tabulate) for precision in ("double", "single"))
     for shells in (double, single):
-        shells.advance(3000)
-    assert double.equivalent_plastic_strain.max() > 0.1
+        shells.advance(3000 if tabulate else 800)
+    assert double.equivalent_plastic_strain.max() > 0.03
     assert 0 < np.abs(single.position - double.position).max() < 5e-6
     np.testing.assert_allclose(single.stress, double.stress, atol=1e-5 * 460)
     np.testing.assert_allclose(single.equivalent_plastic_strain, double.equivalent_plastic_strain, atol=2e-6)
-    np.testing.assert_allclose(single.thickness, double.thickness, atol=1e-5)
+    np.testing.assert_allclose(single.thickness, double.thickness, atol=2e-7)
     assert single.energies().error_percent == pytest.approx(double.energies().error_percent, abs=1e-4)
 
 

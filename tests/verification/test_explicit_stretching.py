@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Large plastic stretching of a distorted patch of explicit shells against the closed forms of von Mises and Swift."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from explicit_problems import DENSITY, POISSON, YOUNG, grid, mises
 
-from presswork.procedure.explicit import ExplicitShells
+from presswork.procedure.explicit import ExplicitShells, Precision
 
 K, E0, N = 565.0, 0.02, 0.6  # hardens fast enough not to neck before a strain of one half (Considere)
 SIDE, THICKNESS, STRAIN = 4.0, 0.8, 0.5
@@ -29,10 +31,10 @@ def closed_form(path: str) -> tuple[float, float, float]:
     return stress, p, THICKNESS * np.exp(plastic_z - POISSON * stress * (1 + stress_ratio) / YOUNG)
 
 
-def stretch(path: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def stretch(path: str, precision: Precision = "double") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Stress along x, equivalent plastic strain and thickness of every shell after stretching to log strain 0.5."""
     points, cells = grid(4, 4, SIDE, SIDE, distort=0.2)
-    shells = ExplicitShells(points, cells, THICKNESS, mises("swift", (K, E0, N)), DENSITY)
+    shells = ExplicitShells(points, cells, THICKNESS, mises("swift", (K, E0, N)), DENSITY, precision=precision)
     speed, ratio = 2000.0, PATHS[path]
     start = np.zeros((len(points), 6))
     for i, letter in enumerate("uv"[: 1 if ratio is None else 2]):
@@ -52,10 +54,11 @@ def stretch(path: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return shells.stress[:, :, 0], shells.equivalent_plastic_strain, shells.thickness
 
 
+@pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize("path", PATHS)
-def test_stretching_to_log_strain_one_half(path: str) -> None:
+def test_stretching_to_log_strain_one_half(path: str, precision: Precision) -> None:
     """Every shell of the distorted mesh: 1e-4; plane strain 1e-3, its elastic part takes another path."""
-    stress, p, thickness = stretch(path)
+    stress, p, thickness = stretch(path, precision)
     expected = closed_form(path)
     rtol = 1e-3 if path == "plane strain" else 1e-4
     np.testing.assert_allclose(stress, expected[0], rtol=rtol)
@@ -64,6 +67,6 @@ def test_stretching_to_log_strain_one_half(path: str) -> None:
 
 
 if __name__ == "__main__":
-    for name in PATHS:
-        ratios = [found / exact for found, exact in zip(stretch(name), closed_form(name), strict=True)]
-        print(name, *(f"{r.min():.5f} {r.max():.5f}" for r in ratios))
+    for name, which in product(PATHS, ("double", "single")):
+        ratios = [found / exact for found, exact in zip(stretch(name, which), closed_form(name), strict=True)]
+        print(name, which, *(f"{r.min():.6f} {r.max():.6f}" for r in ratios))

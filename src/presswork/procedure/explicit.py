@@ -28,6 +28,7 @@ Array = npt.NDArray[np.float64]
 FREEDOMS = "uvwpqr"
 SAFETY = 0.9
 """Time step over the bound of the stable one."""
+Precision = Literal["double", "single"]
 LOOPS: dict[str, type[_core.ShellLoop] | type[_core.ShellLoopSingle]] = {
     "double": _core.ShellLoop,
     "single": _core.ShellLoopSingle,
@@ -161,7 +162,7 @@ class ExplicitShells(ToolsOfRun):
         *,
         axis: npt.ArrayLike = (1.0, 0.0, 0.0),
         options: ShellOptions | None = None,
-        precision: Literal["double", "single"] = "double",
+        precision: Precision = "double",
     ) -> None:
         options = options or ShellOptions()
         if precision not in LOOPS:
