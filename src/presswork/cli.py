@@ -17,7 +17,7 @@ from presswork import CaseError, OutputError, Result, __version__, build_model
 from presswork.case import describe, json_schema, read_case
 from presswork.examples import copy_example, list_examples
 from presswork.material.commands import add_commands as add_material_commands
-from presswork.model import Model
+from presswork.model_stamping import AnyModel
 from presswork.run import NotHeldError, Outcome, check_start, run_model
 from presswork.run import Progress as RunProgress
 from presswork.study.commands import add_commands
@@ -41,7 +41,7 @@ Settings = Annotated[
 ]
 
 
-def _load(case_file: Path, settings: list[str] | None) -> Model:
+def _load(case_file: Path, settings: list[str] | None) -> AnyModel:
     try:
         return build_model(read_case(case_file, overrides=settings or []))
     except CaseError as error:
@@ -82,7 +82,7 @@ def run(
         raise typer.Exit(GAVE_UP if outcome.status == "gave_up" else INTERRUPTED)
 
 
-def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
+def _compute(model: AnyModel, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

@@ -17,9 +17,10 @@ from typing import Literal
 import numpy as np
 
 from presswork import __version__
-from presswork.model import Model
+from presswork.model_stamping import AnyModel, StampingModel
 from presswork.procedure.implicit_recording import ImplicitRecording
 from presswork.procedure.recording import GaveUpError, Recording, Report
+from presswork.procedure.stamping import ExplicitStamping
 from presswork.procedure.supports import NotHeldError
 from presswork.results import (
     History,
@@ -66,7 +67,7 @@ class Outcome:
 
 
 def run_model(
-    model: Model,
+    model: AnyModel,
     folder: Path | str,
     *,
     overwrite: bool = False,
@@ -92,17 +93,19 @@ def run_model(
     return run.complete(on_increment)
 
 
-def check_start(model: Model) -> None:
+def check_start(model: AnyModel) -> None:
     """Raise NotHeldError if the workpiece is free to move as a rigid body, or a pushed tool has nothing before it."""
     _begin(model, threads=1)
 
 
-def _begin(model: Model, threads: int) -> Recording:
+def _begin(model: AnyModel, threads: int) -> Recording:
     """Make the procedure that a model asks for."""
+    if isinstance(model, StampingModel):
+        return ExplicitStamping(model, threads=threads)
     return ImplicitRecording(model, threads=threads)
 
 
-def fingerprint(model: Model) -> str:
+def fingerprint(model: AnyModel) -> str:
     """Return a digest of what a checkpoint depends on: everything but the title and the output settings."""
     digest = hashlib.sha256()
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):

@@ -173,7 +173,12 @@ class Result:
     @property
     def is_shell(self) -> bool:
         """Whether the body is a sheet in space."""
-        return self.info.get("analysis") == "shell"
+        return self.is_stamping or self.info.get("analysis") == "shell"
+
+    @property
+    def is_stamping(self) -> bool:
+        """Whether it is a blank between tools in space."""
+        return self.info.get("analysis") == "stamping"
 
     @property
     def _dimension(self) -> int:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
-from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_history
+from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_energies, plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
 from presswork.view.shell_plot import plot_shell
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 FIELDS = ("effective_stress", "equivalent_plastic_strain")
 SHELL_FIELDS = (*FIELDS, "thickness_strain", "major_strain_top", "minor_strain_top")
+STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain")
 _PNG_BYTES = 200_000
 
 
@@ -35,13 +36,15 @@ def plot_all(
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
     space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
-    surface. `fields` are by default FIELDS, of a shell SHELL_FIELDS; `out_dir` is the folder "plots" in the output
-    folder. Raises ResultError for an unknown field or step before anything is written.
+    surface. Of dynamics: energies against time. `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping
+    STAMPING_FIELDS; `out_dir` is the folder "plots" in the output folder.
+    Raises ResultError for an unknown field or step before anything is written.
     """
     require_matplotlib()
     folder = result.folder / "plots" if out_dir is None else Path(out_dir)
     chosen = [-1] if steps == "last" else list(steps)
-    fields = fields or (SHELL_FIELDS if result.is_shell else FIELDS)
+    if fields is None:
+        fields = STAMPING_FIELDS if result.is_stamping else SHELL_FIELDS if result.is_shell else FIELDS
     count = len(result.times)
     for step in chosen:
         for field in fields:
@@ -57,7 +60,12 @@ def plot_all(
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
             paths.append(_save(contours, folder / f"contours_{field}_{step:03d}.png"))
             paths.append(_save(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
-    return [*paths, *_plot_forces(result, folder), *_plot_interfaces(result, folder, steps)]
+    return [
+        *paths,
+        *_plot_forces(result, folder),
+        *_plot_energies(result, folder),
+        *_plot_interfaces(result, folder, steps),
+    ]
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:
@@ -73,6 +81,16 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
         plot_history(result, y=f"{tool}.torque", ax=figure.subplots())
         paths.append(_save(figure, folder / f"torque_{tool}.png"))
     return paths
+
+
+def _plot_energies(result: Result, folder: Path) -> list[Path]:
+    """Write the energies against time, if a run has them and has come as far as its first row."""
+    history = result.history
+    if "kinetic_energy" not in history or len(history["time"]) == 0:
+        return []
+    figure = _new_figure()
+    plot_energies(result, figure.subplots())
+    return [_save(figure, folder / "energies.png")]
 
 
 def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequence[int]) -> list[Path]:

@@ -55,6 +55,24 @@ def plot_history(
     return ax
 
 
+def plot_energies(result: Result, ax: Axes | None = None) -> Axes:
+    """Draw the energies [J] of a dynamic run against time, and 5 % of the internal one: kinetic should lie below."""
+    require_matplotlib()
+    ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
+    history = result.history
+    time = 1e3 * history["time"]
+    for column in (name for name in history if name.endswith("_energy")):
+        ax.plot(time, 1e-3 * history[column], label=column.removesuffix("_energy"), linewidth=1.6)
+    ax.plot(time, 0.05e-3 * history["internal_energy"], "k--", linewidth=0.9, label="5 % of internal")
+    ax.set_xlabel("time [ms]")
+    ax.set_ylabel("energy [J]")
+    ax.set_title(str(result.info.get("title", "")))
+    ax.legend(frameon=False, fontsize="small")
+    ax.margins(x=0.02)
+    clean_axes(ax)
+    return ax
+
+
 def find_moving_tools(history: dict[str, NDArray[Any]]) -> list[str]:
     """Return the tools whose stroke is not zero throughout."""
     tools = [name.removesuffix(".stroke") for name in history if name.endswith(".stroke")]
