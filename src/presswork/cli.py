@@ -18,7 +18,7 @@ from presswork.case import describe, json_schema, read_case
 from presswork.examples import copy_example, list_examples
 from presswork.material.commands import add_commands as add_material_commands
 from presswork.model_stamping import AnyModel
-from presswork.run import NotHeldError, Outcome, check_start, run_model
+from presswork.run import Outcome, StartError, check_start, run_model
 from presswork.run import Progress as RunProgress
 from presswork.study.commands import add_commands
 
@@ -74,7 +74,7 @@ def run(
         outcome = _compute(model, folder, overwrite, resume, threads, quiet)
         if plot:
             _draw(outcome.result, None, quiet=quiet)
-    except (OutputError, NotHeldError) as error:
+    except (OutputError, StartError) as error:
         raise _refuse(str(error)) from error
     if outcome.status != "completed":
         console.print(f"{outcome.status.replace('_', ' ')}: {outcome.reason}", style="red", markup=False)
@@ -134,7 +134,7 @@ def check(case: CaseFile, set_: Settings = None) -> None:
     typer.echo(describe(model))
     try:
         check_start(model)
-    except NotHeldError as error:
+    except StartError as error:
         raise _refuse(str(error)) from error
 
 

@@ -11,21 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray, IntArray, Material, Mesh, Model, PrescribedDisplacement, Support
 
 ToolKind = Literal["punch", "die", "holder"]
-
-
-@dataclass(frozen=True)
-class SweptShape:
-    """A profile of lines and arcs carried round a rectangle with round corners in x, y, about the tool's origin."""
-
-    half_width: tuple[float, float]
-    """Of the plan along x and y [mm]; infinite along y for a strip."""
-    corner_radius: float
-    """Of the plan [mm]; a circle where it is both half widths."""
-    segments: FloatArray
-    """In (s, z), s the distance outwards from the plan's outline; shape (n, 7) as in model.Tool, metal on the right."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +33,7 @@ class StampingTool:
 
     name: str
     kind: ToolKind
-    shape: SweptShape | MeshedShape
+    shape: SweptTool | MeshedShape
     position: tuple[float, float, float]
     """Of its own origin at the start [mm]."""
     mu: float

@@ -19,7 +19,7 @@ import numpy as np
 from presswork import __version__
 from presswork.model_stamping import AnyModel, StampingModel
 from presswork.procedure.implicit_recording import ImplicitRecording
-from presswork.procedure.recording import GaveUpError, Recording, Report
+from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
 from presswork.procedure.stamping import ExplicitStamping
 from presswork.procedure.supports import NotHeldError
 from presswork.results import (
@@ -36,7 +36,7 @@ from presswork.results import (
 )
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
 
-__all__ = ["NotHeldError", "Outcome", "Progress", "check_start", "fingerprint", "run_model"]
+__all__ = ["NotHeldError", "Outcome", "Progress", "StartError", "check_start", "fingerprint", "run_model"]
 
 Status = Literal["completed", "gave_up", "interrupted"]
 _NOT_COMPUTED_WITH = ("title", "output", "case_text", "mesh")
@@ -79,7 +79,8 @@ def run_model(
 
     A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C and a solver
     that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError if the
-    folder cannot be used or written, NotHeldError if the workpiece is free to move as a rigid body.
+    folder cannot be used or written, StartError if nothing can be computed from this start: as NotHeldError if the
+    workpiece is free to move as a rigid body.
     """
     recording = _begin(model, threads)
     path = open_output_folder(folder, overwrite=overwrite, resume=resume)
@@ -94,7 +95,7 @@ def run_model(
 
 
 def check_start(model: AnyModel) -> None:
-    """Raise NotHeldError if the workpiece is free to move as a rigid body, or a pushed tool has nothing before it."""
+    """Raise StartError if nothing can be computed: the workpiece is free to move, or lies in a tool, for instance."""
     _begin(model, threads=1)
 
 
@@ -200,6 +201,7 @@ class _Run:
             tool_centre=now.tool_centre,
             tool_displacement=now.tool_displacement,
             tool_angle=now.tool_angle,
+            surfaces=now.surfaces,
             info=now.info,
         )
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,8 @@ def pull(**changes: Any) -> dict[str, Any]:
                   "symmetry": ["x", "y"]},
         "materials": {"steel": {"young": "206 GPa", "poisson": 0.3,
                                 "hardening": {"law": "swift", "K": 565.32, "e0": 0.007117, "n": 0.2589}}},
-        "stages": [{"name": "pull", "velocity": "0.5 m/s", "displacement": [{"set": "right", "component": "x", "value": 1}]}],
+        "stages": [{"name": "pull", "velocity": "0.5 m/s",
+                    "displacement": [{"set": "right", "component": "x", "value": 1}]}],
         "output": {"rows": 20, "steps": 2, "checkpoint_every": 7},
         **changes,
     }  # fmt: skip
@@ -105,8 +107,6 @@ def test_a_step_beyond_stability_ends_with_a_reason_and_the_last_good_state(tmp_
     """Without the safety of the step the run breaks down: told, and the checkpoint is finite."""
     case = StampingCase.model_validate(pull())
     model = build_model(case)
-    from dataclasses import replace
-
     wild = replace(model, explicit=replace(model.explicit, safety=3.0))
     outcome = run_model(wild, tmp_path / "out")
     assert outcome.status == "gave_up"

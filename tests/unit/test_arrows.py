@@ -22,7 +22,7 @@ CPP_ROOMS = {
 
 PYTHON_ROOMS = {
     "model": set(),
-    "model_stamping": {"model"},
+    "model_stamping": {"model", "mesh"},
     "pose": {"model"},
     "mesh": {"model"},
     "state": {"model"},

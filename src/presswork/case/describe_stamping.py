@@ -8,7 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork.case.describe_material import describe_material
-from presswork.model_stamping import StampingModel, StampingStage, StampingTool, SweptShape
+from presswork.mesh.swept_tool import SweptTool
+from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 
 SECONDS = 0.25e-6
 """Of one core for an element and a cycle with contact, about."""
@@ -58,8 +59,8 @@ def _shortest_side(problem: StampingModel) -> float:
 
 def _describe_tool(tool: StampingTool) -> str:
     x, y, z = tool.position
-    if isinstance(tool.shape, SweptShape):
-        widths = " x ".join(f"{2 * w:g}" for w in tool.shape.half_width)
+    if isinstance(tool.shape, SweptTool):
+        widths = " x ".join(f"{2 * w:g}" for w in tool.shape.half_widths)
         radii = tool.shape.segments[tool.shape.segments[:, 6] != 0]
         edge = np.hypot(*(radii[0, :2] - radii[0, 4:6])) if len(radii) else 0.0
         shape = f"{widths} mm, corners {tool.shape.corner_radius:g} mm, edge radius {edge:g} mm"

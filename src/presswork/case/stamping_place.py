@@ -9,8 +9,9 @@ from presswork.case.errors import Problem
 from presswork.case.stamping import StampingCase
 from presswork.case.stamping_shapes import draw_shape
 from presswork.case.stamping_tools import Tool, ToolFile
+from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray, Mesh
-from presswork.model_stamping import MeshedShape, StampingTool, SweptShape
+from presswork.model_stamping import MeshedShape, StampingTool
 
 BEYOND = 1.5
 """Times the blank's radius: as far as a face reaches that is given no width."""
@@ -36,7 +37,7 @@ def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[StampingTool, ...
     return tuple(tools), problems
 
 
-def _make_shape(name: str, tool: Tool, depth: float, reach: float) -> SweptShape | MeshedShape | Problem:
+def _make_shape(name: str, tool: Tool, depth: float, reach: float) -> SweptTool | MeshedShape | Problem:
     if isinstance(tool, ToolFile):
         return Problem(f"tools.{name}.shape", "tools from files cannot be read yet", "draw the tool", "file")
     width = getattr(tool, "face_width", None)
@@ -44,7 +45,7 @@ def _make_shape(name: str, tool: Tool, depth: float, reach: float) -> SweptShape
 
 
 def _place(
-    name: str, tool: Tool, shape: SweptShape | MeshedShape, case: StampingCase, mesh: Mesh
+    name: str, tool: Tool, shape: SweptTool | MeshedShape, case: StampingCase, mesh: Mesh
 ) -> tuple[float, float, float] | Problem:
     """Return where the tool's origin starts."""
     if tool.position is not None:
@@ -60,9 +61,9 @@ def _place(
     return (0.0, 0.0, height)
 
 
-def _face(tool: Tool, shape: SweptShape | MeshedShape) -> float:
+def _face(tool: Tool, shape: SweptTool | MeshedShape) -> float:
     """Return how high the working face lies over the tool's origin."""
-    if isinstance(shape, SweptShape):
+    if isinstance(shape, SweptTool):
         return 0.0
     z: FloatArray = shape.points[:, 2]
     return float(z.max() if tool.kind == "die" else z.min())

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray, Mesh
+from presswork.model import FloatArray, IntArray, Mesh
 from presswork.procedure.timing import Timing
 
 Row = dict[str, float | int | str]
@@ -19,6 +19,10 @@ Meta = dict[str, float | int | str]
 
 class GaveUpError(Exception):
     """The procedure cannot go on; the state of the last report is kept."""
+
+
+class StartError(Exception):
+    """Nothing can be computed from this start; said before the output folder is touched."""
 
 
 class Report(Protocol):
@@ -46,6 +50,7 @@ class Snapshot:
     tool_centre: Mapping[str, FloatArray] = field(default_factory=dict)
     tool_displacement: Mapping[str, FloatArray] = field(default_factory=dict)
     tool_angle: Mapping[str, float] = field(default_factory=dict)
+    surfaces: Mapping[str, tuple[FloatArray, IntArray]] = field(default_factory=dict)
 
 
 class Recording(Protocol):

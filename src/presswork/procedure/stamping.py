@@ -28,8 +28,8 @@ from presswork.procedure.explicit import (
     ShellOptions,
 )
 from presswork.procedure.explicit_fields import OnePointFields
-from presswork.procedure.motion import mean_speeds
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot
+from presswork.procedure.stage_motion import mean_speeds
 from presswork.procedure.timing import Timing
 from presswork.sheet_law import make_sheet_law
 

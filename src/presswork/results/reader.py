@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray
+from presswork.model import FloatArray, IntArray
 from presswork.pose import ToolPose, place_segments
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
 from presswork.results.history import read_history
@@ -113,6 +113,20 @@ class Result:
         """Each tool's profile where it started, shape (n_segments, 7) as in model.Tool; empty if not saved."""
         with self._open() as file:
             return {name: tool["segments"][()] for name, tool in file["presswork"].get("tools", {}).items()}
+
+    @cached_property
+    def surfaces(self) -> dict[str, tuple[FloatArray, IntArray]]:
+        """Points (n, 3) and triangles (n, 3) of the tools in space, where they started."""
+        with self._open() as file:
+            saved = file["presswork"].get("surfaces", {})
+            return {name: (tool["points"][()], tool["triangles"][()]) for name, tool in saved.items()}
+
+    def surface_displacement(self, tool: str, step: int = -1) -> FloatArray:
+        """Return how far a tool in space has moved since the start [mm], shape (3,)."""
+        self._require(tool, self.surfaces, "tool")
+        with self._open() as file:
+            saved = file[f"presswork/surfaces/{tool}/displacement"]
+            return np.asarray(saved[self._index(step, len(saved))], dtype=np.float64)
 
     @cached_property
     def field_names(self) -> dict[str, str]:
