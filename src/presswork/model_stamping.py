@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from presswork import _core
 from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray, IntArray, Material, Mesh, Model, PrescribedDisplacement, Support
 
@@ -25,6 +26,10 @@ class MeshedShape:
     """(n, 3) [mm]."""
     triangles: IntArray
     """(n, 3)."""
+
+    def surface(self) -> _core.ToolSurface:
+        """Return the surface that contact asks. Raises ValueError where the triangles are no surface."""
+        return _core.ToolSurface.triangles(self.points, self.triangles)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ import numpy as np
 
 from presswork import __version__
 from presswork.model_stamping import AnyModel, StampingModel
+from presswork.procedure.explicit_input import ExplicitError
 from presswork.procedure.implicit_recording import ImplicitRecording
 from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
 from presswork.procedure.stamping import ExplicitStamping
@@ -102,7 +103,10 @@ def check_start(model: AnyModel) -> None:
 def _begin(model: AnyModel, threads: int) -> Recording:
     """Make the procedure that a model asks for."""
     if isinstance(model, StampingModel):
-        return ExplicitStamping(model, threads=threads)
+        try:
+            return ExplicitStamping(model, threads=threads)
+        except ExplicitError as error:
+            raise StartError(str(error)) from error
     return ImplicitRecording(model, threads=threads)
 
 

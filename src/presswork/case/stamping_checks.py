@@ -15,7 +15,8 @@ from presswork.case.units import LENGTH, unit_factor
 from presswork.model import Mesh
 from presswork.model_stamping import StampingTool
 
-MOST_CELLS = 5_000_000
+CLEAR = 0.01
+"""Part of the thickness by which a tool may start in the blank."""
 
 
 def check_names(case: StampingCase) -> list[Problem]:
@@ -94,8 +95,12 @@ def check_tools(case: StampingCase) -> list[Problem]:
             least = thickness if die.kind == "die" else 0.0
             if gap < least * (1 - 1e-9) or gap < 0:
                 problems.append(_explain_clearance(punch_name, die_name, die.kind, gap, thickness))
+    moved = {name for stage in case.stages for name, action in stage.tools.items() if action.stroke is not None}
     for index, stage in enumerate(case.stages):
         for name, action in stage.tools.items():
+            if action.force is not None and name in moved:
+                fault = "the tool is moved by a stroke in one stage and pushed by a force in another"
+                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, "give it one or the other"))
             opposite = "die" if case.tools[name].kind != "die" else "holder"
             if action.force is not None and not any(t.kind == opposite for t in case.tools.values()):
                 fault = f"the {case.tools[name].kind} is pushed, but no {opposite} lies on the other side of the blank"
@@ -128,4 +133,21 @@ def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -
             problems.append(
                 Problem(f"tools.{name}.face_width", text, "make the face wider or the blank smaller", width)
             )
-    return problems
+    return problems + [problem for tool in tools if (problem := _check_clear(case, mesh, tool)) is not None]
+
+
+def _check_clear(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where the tool starts in the blank."""
+    half = 0.5 * case.blank.thickness
+    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0] - half
+    worst = int(np.argmin(gap))
+    if gap[worst] >= -CLEAR * case.blank.thickness:
+        return None
+    x, y, z = mesh.points[worst]
+    text = (
+        f"the tool starts in the blank: {int((gap < 0).sum())} nodes lie in it, half the thickness counted, the "
+        f"deepest {-gap[worst]:.4g} mm at ({x:.4g}, {y:.4g}, {z:.4g})"
+    )
+    given = case.tools[tool.name].position
+    key = f"tools.{tool.name}.position" if given is not None else f"tools.{tool.name}"
+    return Problem(key, text, "move it off, or leave position out: then it just touches the blank")

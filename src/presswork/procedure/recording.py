@@ -113,3 +113,8 @@ class Recording(Protocol):
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says beyond status and wall time; "warnings" lists what a user should know."""
+
+
+def find_never_touched(tools: list[str], history: Mapping[str, NDArray[Any]]) -> list[str]:
+    """Return the tools that no force of the workpiece has ever reached."""
+    return [name for name in tools if not any(np.any(history[f"{name}.force_{axis}"]) for axis in "xyz")]

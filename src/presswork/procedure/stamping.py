@@ -28,15 +28,17 @@ from presswork.procedure.explicit import (
     ShellOptions,
 )
 from presswork.procedure.explicit_fields import OnePointFields
-from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot
-from presswork.procedure.stage_motion import mean_speeds
+from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
+from presswork.procedure.stamping_tools import StampingTools, mean_speeds
 from presswork.procedure.timing import Timing
 from presswork.sheet_law import make_sheet_law
 
 STAGE, ROW, CYCLES, ADDED_MASS = range(4)
 ELEMENT_CYCLES_A_CALL = 2_000_000
 """Between two looks at the keyboard: about a second."""
-ENERGIES = ("kinetic", "internal", "hourglass", "external", "damping")
+SAMPLES = 10
+"""Of the tools' forces in a row, at least: single cycles are noisy."""
+ENERGIES = ("kinetic", "internal", "hourglass", "contact", "friction", "damping", "external")
 WORTH_A_WARNING = 5.0
 """Per cent of the internal energy."""
 FORMED = 0.1
@@ -85,7 +87,9 @@ class ExplicitStamping:
         self._mass = float(self.shells.mass[:, 0].sum())
         if model.explicit.target_step is not None:
             self._scale_mass(model.explicit.target_step)
+        self.tools = StampingTools(model, self.shells)
         self._begin_stage()
+        self.shells.advance(0)  # contact is found, and refused where the sheet starts in a tool
 
     # --- the way through ---------------------------------------------------------------------------------------------
 
@@ -109,10 +113,11 @@ class ExplicitStamping:
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
         n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
         self.shells.dt = (end - begin) / n
-        speeds = mean_speeds(begin, end, n, stage.duration, stage.ramp)
-        most = max(1, ELEMENT_CYCLES_A_CALL // len(self.model.mesh.blocks[0].connectivity))
-        for part in np.split(speeds, range(most, n, most)):
+        most = min(ELEMENT_CYCLES_A_CALL // len(self.model.mesh.blocks[0].connectivity), n // SAMPLES) or 1
+        self.tools.begin_row()
+        for part in np.split(mean_speeds(stage, begin, end, n), range(most, n, most)):
             self.shells.advance(len(part), velocity_scale=part, damping=self.model.explicit.damping)
+            self.tools.sample()
         energies = self._energies(stage, end)
         self._progress[[ROW, CYCLES]] += (1, n)
         if row + 1 == rows:
@@ -157,11 +162,12 @@ class ExplicitStamping:
         if number < len(self.model.stages):
             for p in self.model.stages[number].prescribed:
                 self.shells.fix(sets[p.node_set], FREEDOMS[p.component], velocity=p.value)
+        self.tools.begin_stage(number)
 
     def _energies(self, stage: StampingStage, time: float) -> EnergyBalance:
         """Return the energies; the next half step goes on with the present speed."""
         dt = self.shells.dt
-        speed = float(mean_speeds(time - dt, time, 1, stage.duration, stage.ramp)[0])
+        speed = float(mean_speeds(stage, time - dt, time, 1)[0])
         return self.shells.energies(damping=self.model.explicit.damping, velocity_scale=speed)
 
     def remaining(self) -> float:
@@ -188,7 +194,7 @@ class ExplicitStamping:
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        first = ["time", "stage", "increment", "cycles"]
+        first = ["time", "stage", "increment", "cycles", *self.tools.row()]
         return [*first, "time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent"]
 
     @property
@@ -219,7 +225,7 @@ class ExplicitStamping:
 
     def progress_text(self, report: RowReport) -> str:
         """Name stage and cycle."""
-        return f"{report.stage}: cycle {int(self._progress[CYCLES])}"
+        return f"{report.stage}: cycle {int(self._progress[CYCLES])}  {self.tools.text()}"
 
     def row(self, report: RowReport) -> Row:
         """Return the row of the history."""
@@ -228,6 +234,7 @@ class ExplicitStamping:
             "stage": report.stage,
             "increment": report.number,
             "cycles": int(self._progress[CYCLES]),
+            **self.tools.row(),
             "time_step": report.step,
             "added_mass_percent": float(self._progress[ADDED_MASS]),
             **{f"{e}_energy": getattr(report.energies, e) for e in ENERGIES},
@@ -246,11 +253,14 @@ class ExplicitStamping:
                 "displacement": points - mesh.points,
                 "reaction_force": reaction[:, :3],
                 "reaction_moment": reaction[:, 3:],
+                "contact_force": shells.contact_force,
             },
             cell_data=self._fields.cell_fields(
                 points, shells.thickness, shells.stress, shells.equivalent_plastic_strain
             ),
             info={"title": self.model.title, "analysis": "stamping", "symmetry": planes},
+            surfaces=self.tools.surfaces(),
+            tool_displacement=self.tools.displacement(),
         )
 
     def _held(self) -> NDArray[np.bool_]:
@@ -290,6 +300,7 @@ class ExplicitStamping:
         fields = self.snapshot().cell_data
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         cycles = int(self._progress[CYCLES])
+        names_of_tools = [t.name for t in self.model.tools]
         return {
             "increments": self.number,
             "cycles": cycles,
@@ -299,7 +310,10 @@ class ExplicitStamping:
             "mass": {"blank_t": self._mass, "added_percent": float(self._progress[ADDED_MASS])},
             "energy": {e: float(history[f"{e}_energy"][-1]) for e in ENERGIES} if len(history["time"]) else {},
             "time_simulated": shells.time,
-            "warnings": warn_of_energies(history),
+            "warnings": [
+                *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
+                *warn_of_energies(history),
+            ],
         }
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, cast
 
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
 from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_energies, plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
+from presswork.view.section_plot import plot_section
 from presswork.view.shell_plot import plot_shell
 from presswork.view.style import DPI, require_matplotlib
 
@@ -36,8 +37,9 @@ def plot_all(
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
     space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
-    surface. Of dynamics: energies against time. `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping
-    STAMPING_FIELDS; `out_dir` is the folder "plots" in the output folder.
+    surface. Of dynamics: energies against time; of a stamping the section along x, and the whole part, mirrored by its
+    symmetry planes. `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping STAMPING_FIELDS; `out_dir` is
+    the folder "plots" in the output folder.
     Raises ResultError for an unknown field or step before anything is written.
     """
     require_matplotlib()
@@ -51,7 +53,13 @@ def plot_all(
             result.field(field, step)
     _create(folder)
     paths = []
+    if result.is_stamping and not mirror:
+        mirror = cast(Mirror, result.info.get("symmetry", ""))
     for step in (step % count for step in chosen):
+        if result.is_stamping:
+            figure = plot_section(result, 0.0, step, figure=_new_figure())
+            figure.set_size_inches(7.0, 6.0)
+            paths.append(_save(figure, folder / f"section_{step:03d}.png"))
         for field in fields:
             if result.is_shell:
                 figure = plot_shell(result, field, step, mirror=mirror, figure=_new_figure())

@@ -94,8 +94,12 @@ def _choose_columns(
         ways = [f"{tool}.{way}" for way in ("angle", "stroke") if f"{tool}.{way}" in history]
         pairs = [(x or [*ways, "time"][0], y)]
     else:
+        moving = find_moving_tools(history)
+        if result.is_stamping and moving:  # holders hardly move: all over the stroke of the one that does
+            main = max(moving, key=lambda tool: float(np.abs(history[f"{tool}.stroke"]).max()))
+            return [(x or f"{main}.stroke", f"{tool}.force") for tool in moving]
         turning = [(x or f"{tool}.angle", f"{tool}.force") for tool in find_turning_tools(history)]
-        pairs = turning or [(x or f"{tool}.stroke", f"{tool}.force") for tool in find_moving_tools(history)]
+        pairs = turning or [(x or f"{tool}.stroke", f"{tool}.force") for tool in moving]
     if not pairs:
         raise ResultError(f"{result.folder}: no tool has moved, there is no force-stroke curve; choose x and y")
     for name in {name for pair in pairs for name in pair}:
