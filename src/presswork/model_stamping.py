@@ -11,25 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from presswork import _core
 from presswork.mesh.swept_tool import SweptTool
-from presswork.model import FloatArray, IntArray, Material, Mesh, Model, PrescribedDisplacement, Support
+from presswork.mesh.tool_file import TriangulatedTool
+from presswork.model import FloatArray, Material, Mesh, Model, PrescribedDisplacement, Support
 
 ToolKind = Literal["punch", "die", "holder"]
-
-
-@dataclass(frozen=True)
-class MeshedShape:
-    """Triangles whose normals point out of the metal."""
-
-    points: FloatArray
-    """(n, 3) [mm]."""
-    triangles: IntArray
-    """(n, 3)."""
-
-    def surface(self) -> _core.ToolSurface:
-        """Return the surface that contact asks. Raises ValueError where the triangles are no surface."""
-        return _core.ToolSurface.triangles(self.points, self.triangles)
 
 
 @dataclass(frozen=True)
@@ -38,7 +24,7 @@ class StampingTool:
 
     name: str
     kind: ToolKind
-    shape: SweptTool | MeshedShape
+    shape: SweptTool | TriangulatedTool
     position: tuple[float, float, float]
     """Of its own origin at the start [mm]."""
     mu: float
@@ -82,6 +68,8 @@ class ExplicitSettings:
     """Time step over the bound of the stable one."""
     damping: float = 0.0
     """Mass damping [1/s]."""
+    precision: Literal["double", "single"] = "double"
+    """Of shells and velocities; positions and energies are always double."""
 
 
 @dataclass(frozen=True)

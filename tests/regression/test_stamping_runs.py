@@ -112,3 +112,16 @@ def test_a_step_beyond_stability_ends_with_a_reason_and_the_last_good_state(tmp_
     assert outcome.status == "gave_up"
     assert "left for infinity" in outcome.reason
     assert np.isfinite(outcome.result.field("displacement")).all()
+
+
+@pytest.mark.parametrize(("explicit", "column"), [
+    ({"precision": "single"}, "internal_energy"),
+    ({"damping": 2e3}, "damping_energy"),
+    ({"safety": 0.5}, "time_step"),
+])  # fmt: skip
+def test_every_setting_of_the_explicit_procedure_changes_the_run_and_not_the_answer(
+    pulled, tmp_path, explicit, column
+) -> None:
+    changed = run_model(build_model(StampingCase.model_validate(pull(explicit=explicit))), tmp_path / "out").result
+    assert (changed.history[column] != pulled.history[column]).any()
+    np.testing.assert_allclose(changed.field("thickness_strain"), pulled.field("thickness_strain"), rtol=5e-3)

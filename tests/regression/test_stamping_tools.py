@@ -139,3 +139,35 @@ def test_examples_begin_well(name, tmp_path) -> None:
     outcome = run_model(build_model(read_case(tmp_path / f"{name}.toml", short)), tmp_path / "out", threads=1)
     assert outcome.status == "completed", outcome.reason
     assert outcome.result.history["punch.force"][-1] > 50
+
+
+def write_stl(path: Path, points: np.ndarray, triangles: np.ndarray) -> None:
+    facets = (
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join(f"vertex {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in points[triangle])
+        + "endloop\nendfacet\n"
+        for triangle in triangles
+    )
+    path.write_text("solid tool\n" + "".join(facets) + "endsolid tool\n")
+
+
+def test_a_punch_from_a_file_does_what_the_drawn_one_does(drawn, tmp_path) -> None:
+    """Its STL file in inches, high above the blank: it is brought down to it, and forces differ by its facets alone."""
+    case = cup("x", "y")
+    model = build_model(case)
+    points, triangles = model.tools[0].shape.triangulate(0.02)
+    write_stl(tmp_path / "punch.stl", (points + np.array([0, 0, 100])) / 25.4, triangles)
+    file = {"kind": "punch", "shape": "file", "path": str(tmp_path / "punch.stl"), "unit": "inch"}
+    data = case.model_dump(exclude_none=True)
+    from_file = build_model(StampingCase.model_validate({**data, "tools": {**data["tools"], "punch": file}}))
+    assert from_file.tools[0].position[2] == pytest.approx(0.5 - 100)
+    result = run_model(from_file, tmp_path / "out", threads=1).result
+    late = drawn.history["punch.stroke"] > 2
+    np.testing.assert_allclose(result.history["punch.force"][late], drawn.history["punch.force"][late], rtol=0.05)
+
+
+def test_a_tool_file_that_is_not_there_is_named(tmp_path) -> None:
+    data = cup("x", "y").model_dump(exclude_none=True)
+    data["tools"]["punch"] = {"kind": "punch", "shape": "file", "path": "punsch.stl"}
+    with pytest.raises(CaseError, match=r"tools.punch.path = .punsch.stl.*no such file"):
+        build_model(StampingCase.model_validate(data))

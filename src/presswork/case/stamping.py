@@ -122,6 +122,9 @@ class Explicit(Part):
     )
     safety: Number = Field(default=_EXPLICIT.safety, gt=0, le=1, description="time step over its stable bound")
     damping: Rate = Field(default=_EXPLICIT.damping, ge=0, description="mass damping [1/s]")
+    precision: Literal["double", "single"] = Field(
+        default=_EXPLICIT.precision, description="single: about half the time and memory, seven digits"
+    )
 
 
 class StampingOutput(Part):

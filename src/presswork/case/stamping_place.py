@@ -3,15 +3,23 @@
 
 from __future__ import annotations
 
+import logging
+from pathlib import Path
+
 import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.case.stamping import StampingCase
 from presswork.case.stamping_shapes import draw_shape
 from presswork.case.stamping_tools import Tool, ToolFile
+from presswork.case.units import LENGTH, unit_factor
+from presswork.mesh import MeshError
 from presswork.mesh.swept_tool import SweptTool
+from presswork.mesh.tool_file import TriangulatedTool, read_tool
 from presswork.model import FloatArray, Mesh
-from presswork.model_stamping import MeshedShape, StampingTool
+from presswork.model_stamping import StampingTool
+
+logger = logging.getLogger(__name__)
 
 BEYOND = 1.5
 """Times the blank's radius: as far as a face reaches that is given no width."""
@@ -22,9 +30,10 @@ def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[StampingTool, ...
     reach = BEYOND * float(np.linalg.norm(mesh.points[:, :2], axis=1).max())
     strokes = [abs(a.stroke) for stage in case.stages for a in stage.tools.values() if a.stroke]
     depth = sum(strokes) + 10.0 * case.blank.thickness
+    folder = case.source.parent if case.source is not None else Path()
     tools, problems = [], []
     for name, tool in case.tools.items():
-        shape = _make_shape(name, tool, depth, reach)
+        shape = _make_shape(name, tool, depth, reach, folder)
         if isinstance(shape, Problem):
             problems.append(shape)
             continue
@@ -37,15 +46,25 @@ def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[StampingTool, ...
     return tuple(tools), problems
 
 
-def _make_shape(name: str, tool: Tool, depth: float, reach: float) -> SweptTool | MeshedShape | Problem:
-    if isinstance(tool, ToolFile):
-        return Problem(f"tools.{name}.shape", "tools from files cannot be read yet", "draw the tool", "file")
-    width = getattr(tool, "face_width", None)
-    return draw_shape(tool, depth, reach if width is None else width)
+def _make_shape(
+    name: str, tool: Tool, depth: float, reach: float, folder: Path
+) -> SweptTool | TriangulatedTool | Problem:
+    """Draw or read a tool."""
+    if not isinstance(tool, ToolFile):
+        width = getattr(tool, "face_width", None)
+        return draw_shape(tool, depth, reach if width is None else width)
+    facing = (0.0, 0.0, 1.0 if tool.kind == "die" else -1.0)
+    try:
+        read, notes = read_tool(folder / tool.path, scale=unit_factor(tool.unit, LENGTH), facing=facing)
+    except MeshError as error:
+        return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
+    for note in notes:
+        logger.warning("tools.%s.path = %s: %s", name, tool.path, note)
+    return read
 
 
 def _place(
-    name: str, tool: Tool, shape: SweptTool | MeshedShape, case: StampingCase, mesh: Mesh
+    name: str, tool: Tool, shape: SweptTool | TriangulatedTool, case: StampingCase, mesh: Mesh
 ) -> tuple[float, float, float] | Problem:
     """Return where the tool's origin starts."""
     if tool.position is not None:
@@ -61,7 +80,7 @@ def _place(
     return (0.0, 0.0, height)
 
 
-def _face(tool: Tool, shape: SweptTool | MeshedShape) -> float:
+def _face(tool: Tool, shape: SweptTool | TriangulatedTool) -> float:
     """Return how high the working face lies over the tool's origin."""
     if isinstance(shape, SweptTool):
         return 0.0

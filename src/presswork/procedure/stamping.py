@@ -80,6 +80,7 @@ class ExplicitStamping:
             material.density,
             axis=model.rolling_direction,
             options=ShellOptions(n_points=section.points, rule=section.rule),
+            precision=model.explicit.precision,
         )
         self._fields = OnePointFields(model.mesh, section, np.asarray(model.rolling_direction), model.symmetry)
         self._thickness = section.thickness
