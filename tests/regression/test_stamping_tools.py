@@ -119,7 +119,13 @@ def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(drawn, tmp_pa
 
 def test_pictures_show_part_section_forces_and_energies(drawn, tmp_path) -> None:
     names = {p.name for p in plot_all(drawn, tmp_path)}
-    assert names >= {"section_002.png", "force_stroke.png", "energies.png", "shell_thickness_strain_002.png"}
+    assert names >= {
+        "section_002.png",
+        "draw_in.png",
+        "force_stroke.png",
+        "energies.png",
+        "shell_thickness_strain_002.png",
+    }
     assert all(p.stat().st_size > 10_000 for p in tmp_path.iterdir())
 
 

@@ -12,7 +12,7 @@ from presswork.results.whole_file import explain_write_error, replace_whole
 from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_energies, plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
-from presswork.view.section_plot import plot_section
+from presswork.view.section_plot import plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell
 from presswork.view.style import DPI, require_matplotlib
 
@@ -37,9 +37,9 @@ def plot_all(
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
     space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
-    surface. Of dynamics: energies against time; of a stamping the section along x, and the whole part, mirrored by its
-    symmetry planes. `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping STAMPING_FIELDS; `out_dir` is
-    the folder "plots" in the output folder.
+    surface. Of dynamics: energies against time; of a stamping the section along x, draw-in, and the whole part,
+    mirrored by its symmetry planes. `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping
+    STAMPING_FIELDS; `out_dir` is the folder "plots" in the output folder.
     Raises ResultError for an unknown field or step before anything is written.
     """
     require_matplotlib()
@@ -68,12 +68,10 @@ def plot_all(
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
             paths.append(_save(contours, folder / f"contours_{field}_{step:03d}.png"))
             paths.append(_save(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
-    return [
-        *paths,
-        *_plot_forces(result, folder),
-        *_plot_energies(result, folder),
-        *_plot_interfaces(result, folder, steps),
-    ]
+    paths += [*_plot_forces(result, folder), *_plot_energies(result, folder)]
+    if result.surfaces and count > 1:
+        paths.append(_save(plot_draw_in(result, figure=_new_figure()), folder / "draw_in.png"))
+    return [*paths, *_plot_interfaces(result, folder, steps)]
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:

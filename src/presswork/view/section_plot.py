@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of a stamping along a section: sheet between tools, thickness from the middle to the edge."""
+"""Pictures of a stamping along a section: sheet between tools, thickness from the middle to the edge; draw-in."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.post.section import cut_sheet, cut_tool
+from presswork.post.section import cut_sheet, cut_tool, measure_draw_in
 from presswork.results import Result
 from presswork.view.style import clean_axes, describe_step, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_DRAW_IN_ANGLES = (0.0, 45.0, 90.0)
 _TOOL_COLOURS = ("0.45", "#8a5a2b", "#2b6a8a", "#5a8a2b")
 
 
@@ -52,4 +53,24 @@ def plot_section(result: Result, angle: float = 0.0, step: int = -1, *, figure: 
     lower.set_ylabel("thickness strain [–]")
     lower.set_xlim(left=0.0)
     clean_axes(lower)
+    return figure
+
+
+def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
+    """Draw how far the edge of the blank has come in along x, y and the diagonal against the stroke."""
+    require_matplotlib()
+    figure = new_figure(6.4, 4.2) if figure is None else figure
+    ax = figure.subplots()
+    steps = range(len(result.times))
+    way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
+    tool = max(way, key=lambda name: way[name])
+    stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]
+    for angle in _DRAW_IN_ANGLES:
+        come_in = [measure_draw_in(result, float(np.radians(angle)), step) for step in steps]
+        ax.plot(stroke, come_in, ".-", label=f"at {angle:g} degrees", linewidth=1.6)
+    ax.set_xlabel(f"{tool} stroke [mm]")
+    ax.set_ylabel("draw-in [mm]")
+    ax.set_title(str(result.info.get("title", "")))
+    ax.legend(frameon=False)
+    clean_axes(ax)
     return figure
