@@ -129,6 +129,20 @@ def test_pictures_show_part_section_forces_and_energies(drawn, tmp_path) -> None
     assert all(p.stat().st_size > 10_000 for p in tmp_path.iterdir())
 
 
+def test_a_punch_that_goes_back_leaves_the_part(tmp_path) -> None:
+    case = cup("x", "y").model_dump(exclude_none=True)
+    case["stages"] = [{"name": "press", "tools": {"punch": {"stroke": 3}, "holder": {"force": 4000}}},
+                      {"name": "lift", "tools": {"punch": {"stroke": -4}}}]  # fmt: skip
+    result = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "out", threads=1).result
+    h = result.history
+    assert set(h["stage"]) == {"press", "lift"}
+    assert h["punch.stroke"].max() == pytest.approx(3, rel=1e-9)
+    assert h["punch.stroke"][-1] == pytest.approx(-1, rel=1e-9)
+    assert h["punch.force"][-10:] == pytest.approx(0.0, abs=1e-9)
+    assert h["holder.force"][-1] == pytest.approx(4000, rel=0.1), "a holder that no stage names goes on pushing"
+    assert -3.3 < result.points()[:, 2].min() < -2, "the part keeps its depth but for springback"
+
+
 def test_a_tool_that_starts_in_the_blank_is_refused() -> None:
     case = cup("x", "y")
     punch = case.tools["punch"].model_copy(update={"position": (0.0, 0.0, 0.2)})

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.part import Part
-from presswork.case.units import Angle, Length, Point
+from presswork.case.units import Angle, Length, Point, fault
 
 _SECTION = model.Section(1.0)
 
@@ -43,12 +43,26 @@ class RectangularBlank(_MeshedBlank):
     shape: Literal["rectangle"] = Field(description="a rectangle about the origin")
     size: Point = Field(description="length along x and y of the whole blank [mm]")
 
+    @model_validator(mode="after")
+    def _check_size(self) -> Self:
+        if min(self.size) <= 0:
+            raise fault("expected two values > 0", "give [x, y], both positive", key="size")
+        return self
+
+    def half_size(self) -> tuple[float, float]:
+        """Return half the width along x and y [mm]."""
+        return 0.5 * self.size[0], 0.5 * self.size[1]
+
 
 class CircularBlank(_MeshedBlank):
     """A circle about the origin."""
 
     shape: Literal["circle"] = Field(description="a circle about the origin")
     diameter: Length = Field(gt=0, description="diameter of the whole blank [mm]")
+
+    def half_size(self) -> tuple[float, float]:
+        """Return half the width along x and y [mm]."""
+        return 0.5 * self.diameter, 0.5 * self.diameter
 
 
 class BlankFile(_Blank):

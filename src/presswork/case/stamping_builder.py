@@ -21,6 +21,7 @@ from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
 from presswork.model_stamping import ExplicitSettings, StampingModel, StampingOutput, ToolAction
 from presswork.model_stamping import StampingStage as StageModel
@@ -93,18 +94,22 @@ def _read_mesh(
     case: StampingCase, blank: BlankFile, section: model.Section, material: int, symmetry: list[bool]
 ) -> model.Mesh:
     """Read the mesh of a blank, and find its nodes in the symmetry planes."""
-    folder = case.source.parent if case.source is not None else Path()
-    scale = unit_factor(blank.unit, LENGTH)
+    path = (case.source.parent if case.source is not None else Path()) / blank.path
     try:
-        mesh, notes = read_shell_mesh(
-            folder / blank.path, element=ELEMENT, section=section, scale=scale, material=material
-        )
+        kinds = set(read_raw(path).cells)
+        if kinds - {"quad4"}:
+            raise MeshError(
+                f"the cells are not quadrilaterals alone: {', '.join(sorted(kinds))}", "mesh with 4-node cells"
+            )
+        scale = unit_factor(blank.unit, LENGTH)
+        mesh, notes = read_shell_mesh(path, element="shell4_mitc", section=section, scale=scale, material=material)
     except MeshError as error:
         raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
     for note in notes:
         logger.warning("blank.path = %s: %s", blank.path, note)
     tolerance = 1e-6 * float(np.ptp(mesh.points, axis=0).max())
     node_sets = dict(mesh.node_sets)
+    outline = mesh.boundary_edges
     for axis, name in enumerate(SYMMETRY_SETS):
         if not symmetry[axis]:
             continue
@@ -113,7 +118,9 @@ def _read_mesh(
         if at.min() < -tolerance or len(node_sets[name]) < 2:
             fault = f"the mesh does not end at the symmetry plane {'xy'[axis]} = 0: it reaches from {at.min():g} mm"
             raise CaseError([Problem("blank.symmetry", fault, "cut the mesh there", blank.symmetry)], case.source)
-    return replace(mesh, node_sets=node_sets)
+        outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
+    node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
+    return dress_blank(replace(mesh, node_sets=node_sets), ELEMENT, section, material)
 
 
 def build_stage(stage: StampingStage) -> StageModel:

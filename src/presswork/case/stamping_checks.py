@@ -15,6 +15,7 @@ from presswork.case.units import LENGTH, unit_factor
 from presswork.model import Mesh
 from presswork.model_stamping import StampingTool
 
+MOST_CELLS = 5_000_000
 CLEAR = 0.01
 """Part of the thickness by which a tool may start in the blank."""
 
@@ -25,6 +26,12 @@ def check_names(case: StampingCase) -> list[Problem]:
     if case.blank.material not in case.materials:
         remedy = suggest(case.blank.material, [*case.materials, *list_keys()], "materials, of the case and the library")
         problems.append(Problem("blank.material", "no such material", remedy, case.blank.material))
+    if not isinstance(case.blank, BlankFile):
+        cuts = 2 ** len(set(case.blank.symmetry))
+        n_cells = 4 * float(np.prod(np.array(case.blank.half_size()) / case.blank.element_size)) / cuts
+        if n_cells > MOST_CELLS:
+            fault, remedy = f"about {n_cells:.2g} elements, more than memory will hold", "make it larger"
+            problems.append(Problem("blank.element_size", fault, remedy, case.blank.element_size))
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
     if isinstance(case.blank, BlankFile):
         units["blank.unit"] = case.blank.unit

@@ -100,6 +100,7 @@ def test_times_follow_from_velocity_duration_and_ramp() -> None:
 @pytest.mark.parametrize(("path", "value", "fragments"), [
     ("blank.thickness", 0, ["blank.thickness", "> 0"]),
     ("blank.diameter", "100 kg", ["blank.diameter", "a length", "mass"]),
+    ("blank.element_size", 0.001, ["blank.element_size", "elements, more than memory will hold"]),
     ("blank.shape", "cirle", ["blank.shape", "circle"]),
     ("blank.material", "stel", ["blank.material", "did you mean `steel`"]),
     ("blank.symmetry", ["z"], ["blank.symmetry", "x"]),
@@ -187,3 +188,33 @@ def test_library_materials_and_overrides_work(tmp_path: Path) -> None:
     assert model.stages[0].actions["punch"].stroke == 5
     assert model.materials[model.mesh.blocks[0].material].young == pytest.approx(70e3)
     assert "stroke = 5" in model.case_text
+
+
+def write_blank(path: Path, height: float = 0.0, low: float = 0.0) -> None:
+    x, y = np.meshgrid(np.linspace(low, 30, 4), np.linspace(0, 30, 4))
+    rows = "\n".join(
+        f"{i + 1}, {a}, {b}, {height * a * a}" for i, (a, b) in enumerate(zip(x.flat, y.flat, strict=True))
+    )
+    cells = [(i, i + 1, i + 5, i + 4) for j in range(3) for i in range(4 * j + 1, 4 * j + 4)]
+    lines = "\n".join(f"{k + 1}, {a}, {b}, {c}, {d}" for k, (a, b, c, d) in enumerate(cells))
+    path.write_text(f"*NODE, NSET=all_nodes\n{rows}\n*ELEMENT, TYPE=S4\n{lines}\n")
+
+
+def test_a_blank_from_a_file_is_cut_where_its_mesh_ends(tmp_path: Path) -> None:
+    write_blank(tmp_path / "blank.inp")
+    blank = {k: v for k, v in CUP["blank"].items() if k not in ("diameter", "element_size")}
+    blank |= {"shape": "file", "path": str(tmp_path / "blank.inp")}
+    model = build(blank=blank)
+    assert len(model.mesh.blocks[0].connectivity) == 9
+    assert [s.node_set for s in model.supports] == ["symmetry_x", "symmetry_y"]
+    assert len(model.mesh.node_sets["symmetry_x"]) == 4
+    assert len(model.mesh.node_sets["edge"]) == 7
+    (tmp_path / "blank.inp").write_text("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3\n1, 1, 2, 3\n")
+    with pytest.raises(CaseError, match=r"blank.path.*not quadrilaterals alone: tri3"):
+        build(blank=blank)
+    write_blank(tmp_path / "blank.inp", low=-3)
+    with pytest.raises(CaseError, match=r"blank.symmetry.*symmetry plane x = 0: it reaches from -3 mm"):
+        build(blank=blank)
+    write_blank(tmp_path / "blank.inp", height=0.001)
+    with pytest.raises(CaseError, match=r"tools.punch: the blank is not flat.*position"):
+        build(blank=blank)
