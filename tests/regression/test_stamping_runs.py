@@ -12,6 +12,7 @@ import pytest
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
+from presswork.procedure.explicit import ExplicitShells
 from presswork.run import run_model
 from presswork.view.all_plots import plot_all
 
@@ -88,6 +89,23 @@ def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(pulled, tmp_p
         for name in pulled.field_names:
             for step in range(3):
                 np.testing.assert_array_equal(Result(tmp_path / other).field(name, step), pulled.field(name, step))
+
+
+def test_ctrl_c_within_a_row_goes_back_to_its_beginning(pulled, tmp_path, monkeypatch) -> None:
+    model, advance, calls = build_model(StampingCase.model_validate(pull())), ExplicitShells.advance, iter(range(10**6))
+
+    def interrupted(self: ExplicitShells, *args: Any, **kwargs: Any) -> None:
+        advance(self, *args, **kwargs)
+        if next(calls) == 57:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ExplicitShells, "advance", interrupted)
+        outcome = run_model(model, tmp_path / "out", threads=1)
+    assert outcome.status == "interrupted"
+    assert 0 < len(outcome.result.history["time"]) < 20
+    assert run_model(model, tmp_path / "out", threads=1, resume=True).status == "completed"
+    assert (tmp_path / "out" / "history.csv").read_bytes() == (pulled.folder / "history.csv").read_bytes()
 
 
 def test_mass_added_for_a_longer_step_is_told_and_warned_of(pulled, tmp_path) -> None:

@@ -221,7 +221,8 @@ class ExplicitStamping:
         return [
             f"row {report.number}, stage {report.stage} at {report.fraction:.4f}, {report.cycles} cycles of "
             f"{report.step:.4g} s, kinetic {e.kinetic:.3g}, internal {e.internal:.3g}, hourglass {e.hourglass:.3g} "
-            f"N mm, balance off by {e.error_percent:.2g} %"
+            f"N mm, balance off by {e.error_percent:.2g} %",
+            *(f"warning: {warning}" for warning in e.warnings()),
         ]
 
     def progress_text(self, report: RowReport) -> str:
