@@ -13,6 +13,8 @@ from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 
 SECONDS = 0.25e-6
 """Of one core for an element and a cycle with contact, about."""
+ELEMENTS_ROUND_AN_EDGE = 3
+"""Of a quarter turn: the fewest that bend a sheet round it without large errors."""
 WAVE = 0.85
 """Stable step over shortest side/wave speed, about."""
 
@@ -38,6 +40,7 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
     for tool in problem.tools:
         yield f"tool {tool.name}: {_describe_tool(tool)}"
+    yield from _hint_at_coarse_mesh(problem)
     for support in problem.supports:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)
         yield f"support: {support.node_set} held in {', '.join(names)}"
@@ -52,6 +55,28 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, about {seconds:.2g} s on one core (an estimate)"
 
 
+def _hint_at_coarse_mesh(problem: StampingModel) -> Iterator[str]:
+    """Say where a sheet is bent round a radius by too few elements."""
+    corners = problem.mesh.points[problem.mesh.blocks[0].connectivity]
+    size = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
+    for tool in problem.tools:
+        if isinstance(tool.shape, SweptTool) and tool.kind != "holder":
+            radius = _edge_radius(tool.shape)
+            count = 0.5 * np.pi * radius / size
+            if count < ELEMENTS_ROUND_AN_EDGE:
+                wanted = 0.5 * np.pi * radius / ELEMENTS_ROUND_AN_EDGE
+                yield (
+                    f"hint: {count:.2g} elements round the edge of {tool.name}; elements of {wanted:.2g} mm would be "
+                    f"{ELEMENTS_ROUND_AN_EDGE}"
+                )
+
+
+def _edge_radius(shape: SweptTool) -> float:
+    """Return the radius of the profile's first arc [mm]; 0 without one."""
+    arcs = shape.segments[shape.segments[:, 6] != 0]
+    return float(np.hypot(*(arcs[0, :2] - arcs[0, 4:6]))) if len(arcs) else 0.0
+
+
 def _shortest_side(problem: StampingModel) -> float:
     corners = problem.mesh.points[problem.mesh.blocks[0].connectivity]
     return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min())
@@ -61,8 +86,7 @@ def _describe_tool(tool: StampingTool) -> str:
     x, y, z = tool.position
     if isinstance(tool.shape, SweptTool):
         widths = " x ".join(f"{2 * w:g}" for w in tool.shape.half_widths)
-        radii = tool.shape.segments[tool.shape.segments[:, 6] != 0]
-        edge = np.hypot(*(radii[0, :2] - radii[0, 4:6])) if len(radii) else 0.0
+        edge = _edge_radius(tool.shape)
         shape = f"{widths} mm, corners {tool.shape.corner_radius:g} mm, edge radius {edge:g} mm"
     else:
         shape = f"{len(tool.shape.triangles)} triangles"

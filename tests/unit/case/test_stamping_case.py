@@ -69,6 +69,8 @@ def test_model_holds_what_the_case_says() -> None:
     words = describe(model)
     for part in ("0.8 mm of steel", "edge radius 5 mm", "holder pushes with 10000 N", "those of the whole", "cycles"):
         assert part in words
+    assert "elements round the edge of punch; elements of 2.6 mm would be 3" in words
+    assert "hint" not in describe(build(blank__element_size=2.5))
 
 
 def test_the_density_is_that_of_a_metal_with_this_modulus() -> None:
