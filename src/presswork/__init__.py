@@ -16,18 +16,29 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 import presswork.simd  # noqa: F401  loads presswork._core, and so comes first
-from presswork.case import Case, CaseError, ShellCase, build_model
+from presswork.case import Case, CaseError, ShellCase, StampingCase, build_model
 from presswork.results import OutputError, Result
 from presswork.run import Outcome, run_model
 
 if TYPE_CHECKING:
     from presswork.run import Progress
 
-__all__ = ["Case", "CaseError", "Outcome", "OutputError", "Result", "ShellCase", "build_model", "run", "run_model"]
+__all__ = [
+    "Case",
+    "CaseError",
+    "Outcome",
+    "OutputError",
+    "Result",
+    "ShellCase",
+    "StampingCase",
+    "build_model",
+    "run",
+    "run_model",
+]
 
 
 def run(
-    case: Case | ShellCase,
+    case: Case | ShellCase | StampingCase,
     folder: Path | str,
     *,
     overwrite: bool = False,

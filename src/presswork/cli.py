@@ -17,8 +17,8 @@ from presswork import CaseError, OutputError, Result, __version__, build_model
 from presswork.case import describe, json_schema, read_case
 from presswork.examples import copy_example, list_examples
 from presswork.material.commands import add_commands as add_material_commands
-from presswork.model import Model
-from presswork.run import NotHeldError, Outcome, check_start, run_model
+from presswork.model_stamping import AnyModel
+from presswork.run import Outcome, StartError, check_start, run_model
 from presswork.run import Progress as RunProgress
 from presswork.study.commands import add_commands
 
@@ -41,7 +41,7 @@ Settings = Annotated[
 ]
 
 
-def _load(case_file: Path, settings: list[str] | None) -> Model:
+def _load(case_file: Path, settings: list[str] | None) -> AnyModel:
     try:
         return build_model(read_case(case_file, overrides=settings or []))
     except CaseError as error:
@@ -74,7 +74,7 @@ def run(
         outcome = _compute(model, folder, overwrite, resume, threads, quiet)
         if plot:
             _draw(outcome.result, None, quiet=quiet)
-    except (OutputError, NotHeldError) as error:
+    except (OutputError, StartError) as error:
         raise _refuse(str(error)) from error
     if outcome.status != "completed":
         console.print(f"{outcome.status.replace('_', ' ')}: {outcome.reason}", style="red", markup=False)
@@ -82,7 +82,7 @@ def run(
         raise typer.Exit(GAVE_UP if outcome.status == "gave_up" else INTERRUPTED)
 
 
-def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
+def _compute(model: AnyModel, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -134,7 +134,7 @@ def check(case: CaseFile, set_: Settings = None) -> None:
     typer.echo(describe(model))
     try:
         check_start(model)
-    except NotHeldError as error:
+    except StartError as error:
         raise _refuse(str(error)) from error
 
 

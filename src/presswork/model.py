@@ -34,7 +34,8 @@ ShellElement = Literal[
     "shell8", "shell8_selective", "shell8_reduced",
     "shell9", "shell9_selective", "shell9_reduced", "shell9_mitc",
 ]  # fmt: skip
-ElementName = Literal[SolidElement, ShellElement]
+ExplicitElement = Literal["shell4_one_point"]
+ElementName = Literal[SolidElement, ShellElement, ExplicitElement]
 ThicknessRule = Literal["gauss", "lobatto", "simpson"]
 HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table", "swift_voce", "monotone_table"]
 Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
@@ -164,6 +165,8 @@ class Material:
     """Young's modulus after large plastic strain [MPa], and the rate at which it gets there."""
     umat: Umat | None = None
     """Of a solid: the law, instead of hardening."""
+    density: float = 0.0
+    """[t/mm3]; only dynamics asks for it."""
 
 
 @dataclass(frozen=True)

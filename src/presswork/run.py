@@ -17,9 +17,11 @@ from typing import Literal
 import numpy as np
 
 from presswork import __version__
-from presswork.model import Model
+from presswork.model_stamping import AnyModel, StampingModel
+from presswork.procedure.explicit_input import ExplicitError
 from presswork.procedure.implicit_recording import ImplicitRecording
-from presswork.procedure.recording import GaveUpError, Recording, Report
+from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
+from presswork.procedure.stamping import ExplicitStamping
 from presswork.procedure.supports import NotHeldError
 from presswork.results import (
     History,
@@ -35,7 +37,7 @@ from presswork.results import (
 )
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
 
-__all__ = ["NotHeldError", "Outcome", "Progress", "check_start", "fingerprint", "run_model"]
+__all__ = ["NotHeldError", "Outcome", "Progress", "StartError", "check_start", "fingerprint", "run_model"]
 
 Status = Literal["completed", "gave_up", "interrupted"]
 _NOT_COMPUTED_WITH = ("title", "output", "case_text", "mesh")
@@ -66,7 +68,7 @@ class Outcome:
 
 
 def run_model(
-    model: Model,
+    model: AnyModel,
     folder: Path | str,
     *,
     overwrite: bool = False,
@@ -78,7 +80,8 @@ def run_model(
 
     A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C and a solver
     that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError if the
-    folder cannot be used or written, NotHeldError if the workpiece is free to move as a rigid body.
+    folder cannot be used or written, StartError if nothing can be computed from this start: as NotHeldError if the
+    workpiece is free to move as a rigid body.
     """
     recording = _begin(model, threads)
     path = open_output_folder(folder, overwrite=overwrite, resume=resume)
@@ -92,17 +95,22 @@ def run_model(
     return run.complete(on_increment)
 
 
-def check_start(model: Model) -> None:
-    """Raise NotHeldError if the workpiece is free to move as a rigid body, or a pushed tool has nothing before it."""
+def check_start(model: AnyModel) -> None:
+    """Raise StartError if nothing can be computed: the workpiece is free to move, or lies in a tool, for instance."""
     _begin(model, threads=1)
 
 
-def _begin(model: Model, threads: int) -> Recording:
+def _begin(model: AnyModel, threads: int) -> Recording:
     """Make the procedure that a model asks for."""
+    if isinstance(model, StampingModel):
+        try:
+            return ExplicitStamping(model, threads=threads)
+        except ExplicitError as error:
+            raise StartError(str(error)) from error
     return ImplicitRecording(model, threads=threads)
 
 
-def fingerprint(model: Model) -> str:
+def fingerprint(model: AnyModel) -> str:
     """Return a digest of what a checkpoint depends on: everything but the title and the output settings."""
     digest = hashlib.sha256()
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
@@ -197,6 +205,7 @@ class _Run:
             tool_centre=now.tool_centre,
             tool_displacement=now.tool_displacement,
             tool_angle=now.tool_angle,
+            surfaces=now.surfaces,
             info=now.info,
         )
 

@@ -23,21 +23,22 @@ CPP_ROOMS = {
 PYTHON_ROOMS = {
     "simd": set(),
     "model": set(),
+    "model_stamping": {"model", "mesh"},
     "pose": {"model"},
     "mesh": {"model"},
     "state": {"model"},
     "umat": {"model"},
     "sheet_law": {"model"},
-    "case": {"model", "mesh", "sheet_law", "umat"},
+    "case": {"model", "model_stamping", "mesh", "sheet_law", "umat"},
     "examples": {"case"},
     "results": {"model", "mesh", "state", "pose"},
-    "procedure": {"model", "mesh", "state", "pose", "results", "sheet_law", "umat"},
+    "procedure": {"model", "model_stamping", "mesh", "state", "pose", "results", "sheet_law", "umat"},
     "post": {"mesh", "model", "results"},
     "view": {"model", "results", "post"},
-    "run": {"model", "procedure", "results"},
+    "run": {"model", "model_stamping", "procedure", "results"},
     "study": {"case", "model", "run", "results", "view", "post"},
     "material": {"case", "model", "umat", "view"},
-    "cli": {"case", "examples", "material", "model", "results", "run", "study", "view"},
+    "cli": {"case", "examples", "material", "model", "model_stamping", "results", "run", "study", "view"},
 }
 """Room: the rooms it may import from, beside itself and _core. case may name examples in errors, never import them."""
 

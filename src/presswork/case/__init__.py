@@ -34,6 +34,7 @@ from presswork.case.shell import (
     ShellWorkpiece,
 )
 from presswork.case.shell_material import ShellMaterial
+from presswork.case.stamping import StampingCase
 from presswork.case.workpiece import MeshFile, Rectangle, Workpiece, Zone
 
 __all__ = [
@@ -69,6 +70,7 @@ __all__ = [
     "ShellWorkpiece",
     "Solver",
     "Stage",
+    "StampingCase",
     "Swift",
     "SwiftVoce",
     "Table",

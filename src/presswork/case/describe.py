@@ -10,7 +10,10 @@ import numpy as np
 
 from presswork import model
 from presswork.case.crossing import bound_segments
+from presswork.case.describe_material import describe_material
 from presswork.case.describe_shell import describe_sheet, describe_sheet_loads, estimate_sheet_memory
+from presswork.case.describe_stamping import describe_stamping
+from presswork.model_stamping import AnyModel, StampingModel
 
 _ELEMENTS: dict[str, str] = {
     "tri3": "3-node triangles, constant strain",
@@ -34,10 +37,12 @@ _FACTOR_BYTES_PER_FREEDOM = 2500.0
 """Of a sparse direct factorisation in 2D at 100,000 freedoms; grows with the logarithm of their number."""
 
 
-def describe(problem: model.Model) -> str:
-    """Describe a Model in words, a line per fact, with an estimate of the memory that computing it takes."""
+def describe(problem: AnyModel) -> str:
+    """Describe a Model in words, a line per fact, with an estimate of what computing it takes."""
+    if isinstance(problem, StampingModel):
+        return "\n".join([problem.title, *describe_stamping(problem)])
     lines = [problem.title, *_describe_body(problem)]
-    lines += [f"material {material.name}: {_describe_material(material)}" for material in problem.materials]
+    lines += [f"material {material.name}: {describe_material(material)}" for material in problem.materials]
     lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.tools]
     lines += [f"contact {contact.name}: {_describe_contact(problem, contact)}" for contact in problem.contacts]
     lines += [_describe_support(support, problem.mesh) for support in problem.supports]
@@ -71,62 +76,6 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
     yield f"nodes: {n_points}, freedoms: {2 * n_points} before supports, boundary edges: {len(mesh.boundary_edges)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     yield f"edge sets: {', '.join(f'{name} ({len(edges)})' for name, edges in sorted(mesh.edge_sets.items()))}"
-
-
-def _describe_material(material: model.Material) -> str:
-    if material.umat:
-        umat = material.umat
-        return (
-            f"UMAT of {umat.library}, {len(umat.props)} props, {umat.n_state} state variables; "
-            f"at first E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}"
-        )
-    assert material.hardening is not None
-    parts = [f"E = {material.young:g} MPa", f"Poisson's ratio {material.poisson:g}"]
-    if material.young_decrease:
-        saturated, rate = material.young_decrease
-        parts[0] += f" falling to {saturated:g} MPa as exp(-{rate:g} e)"
-    parts += [material.yield_function.law if material.yield_function else "von Mises"]
-    parts += [_describe_hardening(material.hardening)]
-    if material.kinematic:
-        parts += [_describe_kinematic(material.kinematic)]
-    if material.rate:
-        a, b = material.rate.parameters
-        names = ("D", "q") if material.rate.law == "cowper_symonds" else ("C", "reference rate")
-        parts += [f"{material.rate.law} rate: {names[0]} = {a:g}, {names[1]} = {b:g}"]
-    return ", ".join(parts)
-
-
-def _describe_kinematic(kinematic: model.Kinematic) -> str:
-    p = kinematic.parameters
-    if kinematic.law == "chaboche":
-        pairs = zip(p[: len(p) // 2], p[len(p) // 2 :], strict=True)
-        return "back stresses " + " and ".join(f"C = {C:g} MPa, gamma = {gamma:g}" for C, gamma in pairs)
-    names = ("B", "C", "m", "b", "Rsat", "h")
-    return "Yoshida-Uemori " + ", ".join(f"{name} = {value:g}" for name, value in zip(names, p, strict=True))
-
-
-def _describe_hardening(hardening: model.Hardening) -> str:
-    p = [float(value) for value in hardening.parameters]
-    match hardening.law:
-        case "linear":
-            return f"linear hardening: {p[0]:g} + {p[1]:g} e MPa"
-        case "swift":
-            return f"Swift hardening: {p[0]:g} ({p[1]:g} + e)^{p[2]:g} MPa"
-        case "ludwik":
-            return f"Ludwik hardening: {p[0]:g} + {p[1]:g} e^{p[2]:g} MPa"
-        case "voce":
-            return f"Voce hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e) MPa"
-        case "hockett_sherby":
-            return f"Hockett-Sherby hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e^{p[3]:g}) MPa"
-        case "swift_voce":
-            return (
-                f"Swift-Voce hardening: {1 - p[0]:g} x {p[1]:g} ({p[2]:g} + e)^{p[3]:g} + "
-                f"{p[0]:g} x ({p[5]:g} - {p[5] - p[4]:g} exp(-{p[6]:g} e)) MPa"
-            )
-        case "monotone_table":
-            return f"smooth hardening table of {len(p) // 3} points: {p[1]:g} MPa at 0 to {p[-2]:g} MPa at {p[-3]:g}"
-        case "table":
-            return f"hardening table of {len(p) // 2} points: {p[1]:g} MPa at 0 to {p[-1]:g} MPa at {p[-2]:g}"
 
 
 def _describe_tool(tool: model.Tool) -> str:

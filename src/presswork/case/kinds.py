@@ -12,19 +12,22 @@ from typing import Any, get_args
 
 from pydantic.json_schema import models_json_schema
 
-from presswork import model
 from presswork.case import schema
 from presswork.case.builder import build_solid_model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.reader import apply_overrides, read_toml
 from presswork.case.shell import ShellCase
 from presswork.case.shell_builder import build_shell_model
+from presswork.case.stamping import StampingCase
+from presswork.case.stamping_builder import build_stamping_model
+from presswork.model_stamping import AnyModel
 
-AnyCase = schema.Case | ShellCase
+AnyCase = schema.Case | ShellCase | StampingCase
 
-KINDS: dict[str, tuple[type[AnyCase], Callable[[Any], model.Model]]] = {
+KINDS: dict[str, tuple[type[AnyCase], Callable[[Any], AnyModel]]] = {
     "solid": (schema.Case, build_solid_model),
     "shell": (ShellCase, build_shell_model),
+    "stamping": (StampingCase, build_stamping_model),
 }
 """Case class and builder by the name that `presswork schema` knows."""
 
@@ -46,7 +49,7 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
     return kinds.get(str(analysis), schema.Case).from_toml(path, overrides)
 
 
-def build_model(case: AnyCase) -> model.Model:
+def build_model(case: AnyCase) -> AnyModel:
     """Build the Model of a case of any kind; raises CaseError with every problem of the first kind that is found.
 
     The kinds of problem are, in this order: names that do not exist and values that do not go together; the mesh; sets,

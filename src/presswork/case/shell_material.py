@@ -48,9 +48,12 @@ class ShellMaterial(SheetLaws):
         return schema
 
 
-def add_library_materials(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a case's data in which a workpiece's material that only the library knows is among the materials."""
-    piece, materials = data.get("workpiece"), data.get("materials", {})
+def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:
+    """Return a case's data in which a material that only the library knows is among the materials.
+
+    part: the table that names the material.
+    """
+    piece, materials = data.get(part), data.get("materials", {})
     name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
     if not isinstance(materials, Mapping) or not isinstance(name, str) or name in materials or name not in list_keys():
         return dict(data)

@@ -36,6 +36,9 @@ STIFFNESS = Dimension("a stiffness", "N/mm", "2 kN/mm")
 MOMENT = Dimension("a moment", "N*mm", "2 N*m")
 LINE_FORCE = Dimension("a force per length", "N/mm", "3 kN/m")
 BODY_FORCE = Dimension("a force per volume", "N/mm^3", "77 kN/m^3")
+VELOCITY = Dimension("a velocity", "mm/s", "2 m/s")
+DENSITY = Dimension("a density", "t/mm^3", "7850 kg/m^3")
+RATE = Dimension("a rate", "1/s", "100 1/s")
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3")
 
 
@@ -145,10 +148,14 @@ Time = Annotated[float, *_scalar(TIME)]
 Force = Annotated[float, *_scalar(FORCE)]
 Angle = Annotated[float, *_scalar(ANGLE)]
 Stiffness = Annotated[float, *_scalar(STIFFNESS)]
+Velocity = Annotated[float, *_scalar(VELOCITY)]
+Density = Annotated[float, *_scalar(DENSITY)]
+Rate = Annotated[float, *_scalar(RATE)]
 Number = Annotated[float, *_scalar(PURE_NUMBER)]
 Point = Annotated[tuple[float, float], *_pair(LENGTH)]
 ForceVector = Annotated[tuple[float, float], *_pair(FORCE)]
 Direction = Annotated[tuple[float, float], *_pair(PURE_NUMBER)]
+Point3 = Annotated[tuple[float, float, float], *_triple(LENGTH)]
 Force3 = Annotated[tuple[float, float, float], *_triple(FORCE)]
 Moment3 = Annotated[tuple[float, float, float], *_triple(MOMENT)]
 EdgeForceVector = Annotated[tuple[float, float, float], *_triple(LINE_FORCE)]

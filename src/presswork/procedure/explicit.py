@@ -288,6 +288,12 @@ class ExplicitShells(ToolsOfRun):
             self._prescribed[np.asarray(nodes), FREEDOMS.index(letter)] = velocity
         self._loop.prescribe(self._fixed[self._nodes], self._prescribed[self._nodes])
 
+    def release(self) -> None:
+        """Let every freedom go that fix has prescribed."""
+        self._fixed[:] = 0
+        self._prescribed[:] = 0.0
+        self._loop.prescribe(self._fixed, self._prescribed)
+
     def stable_step(self) -> float:
         """Give the bound of the stable time step [s] of the shells as they are now."""
         return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))
@@ -295,16 +301,20 @@ class ExplicitShells(ToolsOfRun):
     def scale_mass(self, target_step: float) -> MassScaling:
         """Add mass to shells whose stable step is below the target [s], take the target as the step; report the mass.
 
-        The safety factor is kept: the shells' bound becomes target_step/0.9. Mass once added stays.
+        The safety factor is kept: the shells' bound becomes target_step/0.9. Mass once added stays. The kinetic energy
+        that it brings is no error of the balance.
         """
         if not target_step > 0:
             raise ExplicitError(f"target_step = {target_step}: it must be above zero")
+        before = self._loop.energies(self.dt).kinetic
         factor = self._loop.bound_frequencies() * (0.5 * target_step / SAFETY) ** 2
         now = self._loop.element_mass * np.maximum(factor, 1.0)
         self._loop.element_mass = now
         self.dt = target_step
-        self._reference = None
         self._contact_step = 0.0
+        if self._reference:
+            start, largest = self._reference
+            self._reference = (start + self._loop.energies(self.dt).kinetic - before, largest)
         return MassScaling(float(self._mass.sum()), float((now - self._mass).sum()), int((now > self._mass).sum()))
 
     def advance(

@@ -54,7 +54,7 @@ class ImplicitProcedure:
         threads = threads or (os.cpu_count() or 1 if freedoms > ENOUGH_FOR_THREADS else 1)
         _core.set_threads(threads)
         self.model = model
-        self.timing = Timing()
+        self.timing = Timing("assembly", "contact", "analysis", "solve")
         self.mechanics = make_mechanics(model, self.timing)
         self.contact = Contact(model)
         self.equilibrium = Equilibrium(model, self.mechanics, self.contact, self.timing, threads)

@@ -22,7 +22,7 @@ from presswork.procedure.implicit import (
     IncrementReport,
 )
 from presswork.procedure.penetration import Penetration
-from presswork.procedure.recording import Meta, Row, Snapshot
+from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.tool_quantities import ToolQuantities, measure_tools
 from presswork.results import history_columns
 
@@ -218,8 +218,3 @@ def _warn(contact: Mapping[str, Any]) -> list[str]:
             "is at nodes, refine the mesh where tools are curved or narrow"
         )
     return warnings
-
-
-def find_never_touched(tools: list[str], history: Mapping[str, NDArray[Any]]) -> list[str]:
-    """Return the tools that no force of the workpiece has ever reached."""
-    return [name for name in tools if not any(np.any(history[f"{name}.force_{axis}"]) for axis in "xyz")]

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray, Mesh
+from presswork.model import FloatArray, IntArray, Mesh
 from presswork.procedure.timing import Timing
 
 Row = dict[str, float | int | str]
@@ -19,6 +19,10 @@ Meta = dict[str, float | int | str]
 
 class GaveUpError(Exception):
     """The procedure cannot go on; the state of the last report is kept."""
+
+
+class StartError(Exception):
+    """Nothing can be computed from this start; said before the output folder is touched."""
 
 
 class Report(Protocol):
@@ -46,6 +50,7 @@ class Snapshot:
     tool_centre: Mapping[str, FloatArray] = field(default_factory=dict)
     tool_displacement: Mapping[str, FloatArray] = field(default_factory=dict)
     tool_angle: Mapping[str, float] = field(default_factory=dict)
+    surfaces: Mapping[str, tuple[FloatArray, IntArray]] = field(default_factory=dict)
 
 
 class Recording(Protocol):
@@ -108,3 +113,8 @@ class Recording(Protocol):
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says beyond status and wall time; "warnings" lists what a user should know."""
+
+
+def find_never_touched(tools: list[str], history: Mapping[str, NDArray[Any]]) -> list[str]:
+    """Return the tools that no force of the workpiece has ever reached."""
+    return [name for name in tools if not any(np.any(history[f"{name}.force_{axis}"]) for axis in "xyz")]

@@ -12,13 +12,14 @@ import numpy as np
 
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.procedure.contact import Constraints
+from presswork.procedure.recording import StartError
 from presswork.state import State
 
 SAME = 1e-6
 """Sine of the angle below which an axis lies in the plane of others."""
 
 
-class NotHeldError(Exception):
+class NotHeldError(StartError):
     """Nothing holds the workpiece in some direction: it would move as a rigid body."""
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Wall time by phase: assembly, contact, solve, output."""
+"""Wall time by phase."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from time import perf_counter
 class Timing:
     """Sums of wall time [s] by phase."""
 
-    def __init__(self) -> None:
-        self.seconds = {"assembly": 0.0, "contact": 0.0, "analysis": 0.0, "solve": 0.0, "output": 0.0}
+    def __init__(self, *phases: str) -> None:
+        self.seconds = dict.fromkeys((*phases, "output"), 0.0)
         self._started = perf_counter()
 
     def add(self, phase: str, started: float) -> None:

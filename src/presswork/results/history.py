@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswork.results.whole_file import OutputError, explain_write_error, replace_whole
 
-INTEGERS = ("increment", "iterations")
+INTEGERS = ("increment", "iterations", "cycles")
 TEXTS = ("stage",)
 
 

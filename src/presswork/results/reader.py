@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray
+from presswork.model import FloatArray, IntArray
 from presswork.pose import ToolPose, place_segments
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
 from presswork.results.history import read_history
@@ -115,6 +115,20 @@ class Result:
             return {name: tool["segments"][()] for name, tool in file["presswork"].get("tools", {}).items()}
 
     @cached_property
+    def surfaces(self) -> dict[str, tuple[FloatArray, IntArray]]:
+        """Points (n, 3) and triangles (n, 3) of the tools in space, where they started."""
+        with self._open() as file:
+            saved = file["presswork"].get("surfaces", {})
+            return {name: (tool["points"][()], tool["triangles"][()]) for name, tool in saved.items()}
+
+    def surface_displacement(self, tool: str, step: int = -1) -> FloatArray:
+        """Return how far a tool in space has moved since the start [mm], shape (3,)."""
+        self._require(tool, self.surfaces, "tool")
+        with self._open() as file:
+            saved = file[f"presswork/surfaces/{tool}/displacement"]
+            return np.asarray(saved[self._index(step, len(saved))], dtype=np.float64)
+
+    @cached_property
     def field_names(self) -> dict[str, str]:
         """The saved fields, each with "point" or "cell"."""
         with self._open() as file:
@@ -173,7 +187,12 @@ class Result:
     @property
     def is_shell(self) -> bool:
         """Whether the body is a sheet in space."""
-        return self.info.get("analysis") == "shell"
+        return self.is_stamping or self.info.get("analysis") == "shell"
+
+    @property
+    def is_stamping(self) -> bool:
+        """Whether it is a blank between tools in space."""
+        return self.info.get("analysis") == "stamping"
 
     @property
     def _dimension(self) -> int:

@@ -80,12 +80,28 @@ def sheet_effective_stress(stress: FloatArray) -> FloatArray:
 
 
 def _block_fields(state: State, block: int, g: ShellGeometry) -> dict[str, FloatArray]:
-    k = len(g.layers)
-    stress = state.stress[block].reshape(len(g.connectivity), -1, k, 3)
+    stress = state.stress[block].reshape(len(g.connectivity), -1, len(g.layers), 3)
     eqps = state.eqps[block].reshape(stress.shape[:3])
-    direction = state.shells.direction[block]
-    thickness = state.shells.thickness[block]
-    now = g.points + state.displacement[:, :3]
+    shells, now = state.shells, g.points + state.displacement[:, :3]
+    return layer_fields(g, now, shells.director, shells.thickness[block], shells.direction[block], stress, eqps)
+
+
+def layer_fields(
+    g: ShellGeometry,
+    now: FloatArray,
+    director: FloatArray,
+    thickness: FloatArray,
+    direction: FloatArray,
+    stress: FloatArray,
+    eqps: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return the cell means of one block of shells.
+
+    now (n_points, 3) and director (n_directors, 3): where the nodes are, and their unit directors. thickness (n_cells,
+    q) [mm]; direction (n_cells, q, k, 2): the first base vector in the frame of the stress; stress xx, yy, xy
+    (n_cells, q, k, 3) [MPa]; eqps (n_cells, q, k).
+    """
+    k = len(g.layers)
     fields = {
         "thickness": thickness.mean(axis=1),
         "thickness_strain": np.log(thickness / g.thickness).mean(axis=1),
@@ -96,7 +112,7 @@ def _block_fields(state: State, block: int, g: ShellGeometry) -> dict[str, Float
         own = _points_at(place, k)
         position = float(g.layers[own].mean())
         lamina = stress[:, :, own].mean(axis=2)
-        base = g.base_vectors(now, state.shells.director, 0.5 * position * thickness)
+        base = g.base_vectors(now, director, 0.5 * position * thickness)
         frame = _lamina_frame(base, direction[:, :, own[0]])
         start = g.base_vectors(g.points, g.director, np.full_like(thickness, 0.5 * position * g.thickness))
         strain, major, minor = _logarithmic_strain(start, base)

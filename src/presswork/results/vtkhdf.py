@@ -20,7 +20,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray, Mesh
+from presswork.model import FloatArray, IntArray, Mesh
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
 VTK_TYPES = {
@@ -69,6 +69,7 @@ def append_step(
     tool_centre: Mapping[str, FloatArray] | None = None,
     tool_displacement: Mapping[str, FloatArray] | None = None,
     tool_angle: Mapping[str, float] | None = None,
+    surfaces: Mapping[str, tuple[FloatArray, IntArray]] | None = None,
     info: Mapping[str, str | float] | None = None,
 ) -> None:
     """Append one saved step; the first one creates the file.
@@ -77,8 +78,9 @@ def append_step(
     (n_cells, k), cells in the order of the blocks; displacement is (n_points, 3), stress (n_cells, 6) as xx, yy, zz,
     xy, yz, xz. The same fields come at every step. `tools` holds each tool's segments, shape (n_segments, 7) as in
     model.Tool, `tool_centre` the point about which it turns, `tool_displacement` its displacement, shape (2,) [mm],
-    and `tool_angle` its angle [rad]; a tool not named has not moved. `tools`, `tool_centre` and `info` (title, analysis
-    and the like, stored as attributes) are stored with the first step only.
+    and `tool_angle` its angle [rad]; a tool not named has not moved. `surfaces` holds the points (n, 3) and triangles
+    (n, 3) of tools in space, whose displacement has shape (3,). `tools`, `tool_centre`, `surfaces` and `info` (title,
+    analysis and the like, stored as attributes) are stored with the first step only.
     Raises OutputError if the file cannot be written, ValueError if an array has the wrong shape.
     """
     path = Path(path)
@@ -93,7 +95,8 @@ def append_step(
         with write_hdf5(temporary, "w" if is_new else "r+") as file:
             if is_new:
                 _write_geometry(file, mesh)
-                _write_extras(file, mesh, tools or {}, tool_centre or {}, info or {})
+                _write_extras(file, mesh, info or {})
+                _write_tools(file, tools or {}, tool_centre or {}, surfaces or {})
             _check_same_mesh(file, mesh, path)
             for kind, fields in data.items():
                 _append_fields(file, kind, fields)
@@ -178,14 +181,8 @@ def _write_geometry(file: h5py.File, mesh: Mesh) -> None:
         steps.create_group(f"{kind}DataOffsets")
 
 
-def _write_extras(
-    file: h5py.File,
-    mesh: Mesh,
-    tools: Mapping[str, FloatArray],
-    centres: Mapping[str, FloatArray],
-    info: Mapping[str, str | float],
-) -> None:
-    """Write what VTK has no place for: the blocks, the boundary edges and the tools."""
+def _write_extras(file: h5py.File, mesh: Mesh, info: Mapping[str, str | float]) -> None:
+    """Write what VTK has no place for: the blocks and the boundary edges."""
     extras = file.create_group("presswork")
     extras.attrs.update(info)
     extras["boundary_edges"] = mesh.boundary_edges
@@ -193,12 +190,25 @@ def _write_extras(
     blocks["element"] = [block.element for block in mesh.blocks]
     blocks["n_cells"] = [len(block.connectivity) for block in mesh.blocks]
     blocks["material"] = [block.material for block in mesh.blocks]
+
+
+def _write_tools(
+    file: h5py.File,
+    tools: Mapping[str, FloatArray],
+    centres: Mapping[str, FloatArray],
+    surfaces: Mapping[str, tuple[FloatArray, IntArray]],
+) -> None:
+    """Write the tools where they start: profiles, or triangles in space."""
     for name, segments in tools.items():
-        tool = extras.create_group(f"tools/{name}")
+        tool = file.create_group(f"presswork/tools/{name}")
         tool["segments"] = np.asarray(segments, dtype=np.float64)
         tool["centre"] = np.asarray(centres.get(name, (0.0, 0.0)), dtype=np.float64)
         tool.create_dataset("displacement", (0, 2), np.float64, maxshape=(None, 2), chunks=(256, 2))
         tool.create_dataset("angle", (0,), np.float64, maxshape=(None,), chunks=(256,))
+    for name, (points, triangles) in surfaces.items():
+        tool = file.create_group(f"presswork/surfaces/{name}")
+        tool["points"], tool["triangles"] = points, triangles
+        tool.create_dataset("displacement", (0, 3), np.float64, maxshape=(None, 3), chunks=(256, 3))
 
 
 def _check_same_mesh(file: h5py.File, mesh: Mesh, path: Path) -> None:
@@ -244,12 +254,14 @@ def _append_time(file: h5py.File, time: float) -> None:
 
 def _append_tool_positions(file: h5py.File, displacement: Mapping[str, FloatArray], angle: Mapping[str, float]) -> None:
     """Append where every tool is."""
-    tools = file["presswork"].get("tools", {})
-    unknown = (set(displacement) | set(angle)) - set(tools)
+    tools, surfaces = (file["presswork"].get(group, {}) for group in ("tools", "surfaces"))
+    unknown = (set(displacement) | set(angle)) - set(tools) - set(surfaces)
     if unknown:
-        raise ValueError(f"position of {sorted(unknown)}, but the file's tools are {sorted(tools)}")
+        raise ValueError(f"position of {sorted(unknown)}, but the file's tools are {sorted([*tools, *surfaces])}")
+    for name, tool in [*tools.items(), *surfaces.items()]:
+        size = tool["displacement"].shape[1]
+        _append_rows(tool["displacement"], np.asarray(displacement.get(name, (0.0,) * size), float).reshape(1, size))
     for name, tool in tools.items():
-        _append_rows(tool["displacement"], np.asarray(displacement.get(name, (0.0, 0.0)), dtype=float).reshape(1, 2))
         _append_rows(tool["angle"], np.array([angle.get(name, 0.0)]))
 
 
@@ -273,4 +285,6 @@ def _truncate(file: h5py.File, n: int) -> None:
     for tool in file["presswork"].get("tools", {}).values():
         tool["displacement"].resize(n, axis=0)
         tool["angle"].resize(n, axis=0)
+    for tool in file["presswork"].get("surfaces", {}).values():
+        tool["displacement"].resize(n, axis=0)
     steps.attrs["NSteps"] = n

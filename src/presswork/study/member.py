@@ -16,7 +16,7 @@ from typing import Literal
 
 from presswork.case import Case, CaseError, build_model
 from presswork.results import OutputError
-from presswork.run import NotHeldError, Progress, run_model
+from presswork.run import Progress, StartError, run_model
 
 Mode = Literal["new", "overwrite", "resume"]
 
@@ -44,7 +44,7 @@ def main() -> None:
             threads=1,
             on_increment=_tell_progress,
         )
-    except (CaseError, NotHeldError) as error:
+    except (CaseError, StartError) as error:
         _tell(status="bad_input", reason=str(error))
     except OutputError as error:
         _tell(status="failed", reason=str(error))

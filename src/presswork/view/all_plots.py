@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, cast
 
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
-from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_history
+from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_energies, plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
+from presswork.view.section_plot import plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell
 from presswork.view.style import DPI, require_matplotlib
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 FIELDS = ("effective_stress", "equivalent_plastic_strain")
 SHELL_FIELDS = (*FIELDS, "thickness_strain", "major_strain_top", "minor_strain_top")
+STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain")
 _PNG_BYTES = 200_000
 
 
@@ -35,20 +37,29 @@ def plot_all(
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
     space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
-    surface. `fields` are by default FIELDS, of a shell SHELL_FIELDS; `out_dir` is the folder "plots" in the output
-    folder. Raises ResultError for an unknown field or step before anything is written.
+    surface. Of dynamics: energies against time; of a stamping the section along x, draw-in, and the whole part,
+    mirrored by its symmetry planes. `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping
+    STAMPING_FIELDS; `out_dir` is the folder "plots" in the output folder.
+    Raises ResultError for an unknown field or step before anything is written.
     """
     require_matplotlib()
     folder = result.folder / "plots" if out_dir is None else Path(out_dir)
     chosen = [-1] if steps == "last" else list(steps)
-    fields = fields or (SHELL_FIELDS if result.is_shell else FIELDS)
+    if fields is None:
+        fields = STAMPING_FIELDS if result.is_stamping else SHELL_FIELDS if result.is_shell else FIELDS
     count = len(result.times)
     for step in chosen:
         for field in fields:
             result.field(field, step)
     _create(folder)
     paths = []
+    if result.is_stamping and not mirror:
+        mirror = cast(Mirror, result.info.get("symmetry", ""))
     for step in (step % count for step in chosen):
+        if result.is_stamping:
+            figure = plot_section(result, 0.0, step, figure=_new_figure())
+            figure.set_size_inches(7.0, 6.0)
+            paths.append(_save(figure, folder / f"section_{step:03d}.png"))
         for field in fields:
             if result.is_shell:
                 figure = plot_shell(result, field, step, mirror=mirror, figure=_new_figure())
@@ -57,7 +68,10 @@ def plot_all(
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
             paths.append(_save(contours, folder / f"contours_{field}_{step:03d}.png"))
             paths.append(_save(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
-    return [*paths, *_plot_forces(result, folder), *_plot_interfaces(result, folder, steps)]
+    paths += [*_plot_forces(result, folder), *_plot_energies(result, folder)]
+    if result.surfaces and count > 1:
+        paths.append(_save(plot_draw_in(result, figure=_new_figure()), folder / "draw_in.png"))
+    return [*paths, *_plot_interfaces(result, folder, steps)]
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:
@@ -73,6 +87,16 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
         plot_history(result, y=f"{tool}.torque", ax=figure.subplots())
         paths.append(_save(figure, folder / f"torque_{tool}.png"))
     return paths
+
+
+def _plot_energies(result: Result, folder: Path) -> list[Path]:
+    """Write the energies against time, if a run has them and has come as far as its first row."""
+    history = result.history
+    if "kinetic_energy" not in history or len(history["time"]) == 0:
+        return []
+    figure = _new_figure()
+    plot_energies(result, figure.subplots())
+    return [_save(figure, folder / "energies.png")]
 
 
 def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequence[int]) -> list[Path]:

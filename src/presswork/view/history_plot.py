@@ -55,6 +55,24 @@ def plot_history(
     return ax
 
 
+def plot_energies(result: Result, ax: Axes | None = None) -> Axes:
+    """Draw the energies [J] of a dynamic run against time, and 5 % of the internal one: kinetic should lie below."""
+    require_matplotlib()
+    ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
+    history = result.history
+    time = 1e3 * history["time"]
+    for column in (name for name in history if name.endswith("_energy")):
+        ax.plot(time, 1e-3 * history[column], label=column.removesuffix("_energy"), linewidth=1.6)
+    ax.plot(time, 0.05e-3 * history["internal_energy"], "k--", linewidth=0.9, label="5 % of internal")
+    ax.set_xlabel("time [ms]")
+    ax.set_ylabel("energy [J]")
+    ax.set_title(str(result.info.get("title", "")))
+    ax.legend(frameon=False, fontsize="small")
+    ax.margins(x=0.02)
+    clean_axes(ax)
+    return ax
+
+
 def find_moving_tools(history: dict[str, NDArray[Any]]) -> list[str]:
     """Return the tools whose stroke is not zero throughout."""
     tools = [name.removesuffix(".stroke") for name in history if name.endswith(".stroke")]
@@ -76,8 +94,12 @@ def _choose_columns(
         ways = [f"{tool}.{way}" for way in ("angle", "stroke") if f"{tool}.{way}" in history]
         pairs = [(x or [*ways, "time"][0], y)]
     else:
+        moving = find_moving_tools(history)
+        if result.is_stamping and moving:  # holders hardly move: all over the stroke of the one that does
+            main = max(moving, key=lambda tool: float(np.abs(history[f"{tool}.stroke"]).max()))
+            return [(x or f"{main}.stroke", f"{tool}.force") for tool in moving]
         turning = [(x or f"{tool}.angle", f"{tool}.force") for tool in find_turning_tools(history)]
-        pairs = turning or [(x or f"{tool}.stroke", f"{tool}.force") for tool in find_moving_tools(history)]
+        pairs = turning or [(x or f"{tool}.stroke", f"{tool}.force") for tool in moving]
     if not pairs:
         raise ResultError(f"{result.folder}: no tool has moved, there is no force-stroke curve; choose x and y")
     for name in {name for pair in pairs for name in pair}:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from presswork.model import FloatArray
+from presswork.post.section import cut_tool
 from presswork.results import Result, ResultError
 from presswork.results.reader import IN_PLANE
 from presswork.view.cells import outline_cells
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d import Axes3D
 
+_TOOL_GREYS = ("0.2", "#8a5a2b", "#2b6a8a", "#5a8a2b")
+_TOOL_SECTIONS = (0.0, 90.0, 180.0, 270.0)
+"""Half planes in which tools are drawn [degree]: whole surfaces would hide the sheet."""
 _LIGHT = np.array([0.35, -0.5, 0.8])
 
 
@@ -34,8 +38,9 @@ def plot_shell(
 ) -> Figure:
     """Draw the deformed sheet coloured by a field, shaded by its slope; `field=None` draws the bare mesh.
 
-    Point fields are shown as the mean of a cell's nodes; of a vector the length is shown. scale: factor on the
-    displacement. view: elevation and azimuth [degree]. mirror: planes through the origin, normal to x, y or both.
+    Tools are drawn as sections along x and y. Point fields are shown as the mean of a cell's nodes; of a vector the
+    length is shown. scale: factor on the displacement. view: elevation and azimuth [degree]. mirror: planes through the
+    origin, normal to x, y or both.
     """
     require_matplotlib()
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -56,6 +61,8 @@ def plot_shell(
         faces.set_edgecolor((0.1, 0.1, 0.1, 0.7) if show_edges else colours)
         ax.add_collection3d(faces)
         low, high = np.minimum(low, (points * sign).min(axis=0)), np.maximum(high, (points * sign).max(axis=0))
+    if result.surfaces:
+        _draw_tools(ax, result, step, low, high)
     _frame(ax, low, high)
     if field is not None and values is not None:
         _add_colour_bar(figure, ax, values, label_field(result, field))
@@ -63,6 +70,30 @@ def plot_shell(
     magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
     ax.set_title("\n".join(filter(None, (title, describe_step(result, step) + magnified))), fontsize="medium")
     return figure
+
+
+def _draw_tools(ax: Axes3D, result: Result, step: int, low: FloatArray, high: FloatArray) -> None:
+    """Draw where the planes through the middle of the sheet's frame cut the tools."""
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+    margin = 0.15 * float((high - low).max())
+    for grey, tool in zip(_TOOL_GREYS, result.surfaces, strict=False):
+        for angle in np.radians(_TOOL_SECTIONS):
+            lines = cut_tool(result, tool, float(angle), step)
+            space = np.concatenate([lines[..., :1] * (np.cos(angle), np.sin(angle)), lines[..., 1:]], axis=2)
+            kept = _clip(space, low - margin, high + margin)
+            ax.add_collection3d(Line3DCollection(kept, colors=grey, linewidths=0.9))
+
+
+def _clip(lines: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the parts of lines (n, 2, 3) inside a box."""
+    start, along = lines[:, :1], lines[:, 1:] - lines[:, :1]
+    along = np.where(np.abs(along) < 1e-12, 1e-12, along)
+    at = np.stack([(low - start) / along, (high - start) / along])
+    first, last = np.maximum(at.min(axis=0).max(axis=2), 0.0), np.minimum(at.max(axis=0).min(axis=2), 1.0)
+    kept = (first < last)[:, 0]
+    ends = np.stack([first[kept], last[kept]], axis=1)
+    return np.asarray(start[kept] + ends * along[kept])
 
 
 def _images(mirror: Mirror) -> list[FloatArray]:

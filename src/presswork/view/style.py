@@ -77,6 +77,11 @@ def find_turning_tool(result: Result) -> str | None:
 
 def describe_step(result: Result, step: int) -> str:
     """Return what tells a step from others: a roll's angle, stroke and reduction, or the time if no tool moves."""
+    if result.surfaces:
+        way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
+        tool = max(way, key=lambda name: way[name])
+        if way[tool] > 0:
+            return f"{tool} stroke {np.linalg.norm(result.surface_displacement(tool, step)):.2f} mm"
     if (roll := find_turning_tool(result)) is not None:
         return f"{roll} turned by {abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
     progress = measure_progress(result, step)

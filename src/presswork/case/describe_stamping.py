@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `presswork check` says of a stamping."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from presswork.case.describe_material import describe_material
+from presswork.mesh.swept_tool import SweptTool
+from presswork.model_stamping import StampingModel, StampingStage, StampingTool
+
+SECONDS = 0.25e-6
+"""Of one core for an element and a cycle with contact, about."""
+ELEMENTS_ROUND_AN_EDGE = 3
+"""Of a quarter turn: the fewest that bend a sheet round it without large errors."""
+WAVE = 0.85
+"""Stable step over shortest side/wave speed, about."""
+
+
+def describe_stamping(problem: StampingModel) -> Iterator[str]:
+    """Describe blank, materials, tools, stages and the time that computing takes, a line per fact."""
+    mesh = problem.mesh
+    block = mesh.blocks[0]
+    section, material = block.section, problem.materials[block.material]
+    assert section is not None
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    planes = [f"{axis} = 0" for axis, is_cut in zip("xy", problem.symmetry, strict=True) if is_cut]
+    part = f"cut by the symmetry planes {' and '.join(planes)}; forces are those of the whole" if planes else "whole"
+    yield f"analysis: stamping, {problem.procedure} procedure"
+    yield f"blank: x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm, {part}"
+    yield f"sheet: {section.thickness:g} mm of {material.name}, {section.points} {section.rule.capitalize()} points"
+    angle = np.degrees(np.arctan2(problem.rolling_direction[1], problem.rolling_direction[0]))
+    yield f"rolling direction: {angle:g} degrees from x"
+    shortest = _shortest_side(problem)
+    yield f"mesh: {len(block.connectivity)} {block.element}, {len(mesh.points)} nodes, shortest side {shortest:.3g} mm"
+    yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
+    for each in problem.materials:
+        yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
+    for tool in problem.tools:
+        yield f"tool {tool.name}: {_describe_tool(tool)}"
+    yield from _hint_at_coarse_mesh(problem)
+    for support in problem.supports:
+        names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)
+        yield f"support: {support.node_set} held in {', '.join(names)}"
+    for number, stage in enumerate(problem.stages, 1):
+        yield f'stage {number} "{stage.name}", {stage.duration:.4g} s, {stage.ramp:.3g} s to start and to stop:'
+        yield from (f"  {line}" for line in _describe_stage(stage))
+    speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
+    step = problem.explicit.target_step or problem.explicit.safety * WAVE * shortest / speed
+    cycles = sum(stage.duration for stage in problem.stages) / step
+    how = "by mass scaling" if problem.explicit.target_step else "without mass scaling"
+    seconds = cycles * len(block.connectivity) * SECONDS
+    yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, about {seconds:.2g} s on one core (an estimate)"
+
+
+def _hint_at_coarse_mesh(problem: StampingModel) -> Iterator[str]:
+    """Say where a sheet is bent round a radius by too few elements."""
+    corners = problem.mesh.points[problem.mesh.blocks[0].connectivity]
+    size = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
+    for tool in problem.tools:
+        if isinstance(tool.shape, SweptTool) and tool.kind != "holder":
+            radius = _edge_radius(tool.shape)
+            count = 0.5 * np.pi * radius / size
+            if count < ELEMENTS_ROUND_AN_EDGE:
+                wanted = 0.5 * np.pi * radius / ELEMENTS_ROUND_AN_EDGE
+                yield (
+                    f"hint: {count:.2g} elements round the edge of {tool.name}; elements of {wanted:.2g} mm would be "
+                    f"{ELEMENTS_ROUND_AN_EDGE}"
+                )
+
+
+def _edge_radius(shape: SweptTool) -> float:
+    """Return the radius of the profile's first arc [mm]; 0 without one."""
+    arcs = shape.segments[shape.segments[:, 6] != 0]
+    return float(np.hypot(*(arcs[0, :2] - arcs[0, 4:6]))) if len(arcs) else 0.0
+
+
+def _shortest_side(problem: StampingModel) -> float:
+    corners = problem.mesh.points[problem.mesh.blocks[0].connectivity]
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min())
+
+
+def _describe_tool(tool: StampingTool) -> str:
+    x, y, z = tool.position
+    if isinstance(tool.shape, SweptTool):
+        widths = " x ".join(f"{2 * w:g}" for w in tool.shape.half_widths)
+        edge = _edge_radius(tool.shape)
+        shape = f"{widths} mm, corners {tool.shape.corner_radius:g} mm, edge radius {edge:g} mm"
+    else:
+        shape = f"{len(tool.shape.triangles)} triangles"
+    return f"{tool.kind}, {shape}, at ({x:g}, {y:g}, {z:g}) mm, friction {tool.mu:g}"
+
+
+def _describe_stage(stage: StampingStage) -> Iterator[str]:
+    for name, action in stage.actions.items():
+        if action.force is None:
+            speed = abs(action.stroke) / (stage.duration - stage.ramp)
+            yield f"{name} moves by {action.stroke:g} mm, at {speed:.4g} mm/s"
+        else:
+            forces = action.force[:, 1]
+            span = f"{forces[0]:g} N" if len(forces) == 1 else f"{forces.min():g} to {forces.max():g} N over the stroke"
+            yield f"{name} pushes with {span}"
+    for p in stage.prescribed:
+        yield f"{p.node_set} moves by {p.value:g} mm along {'xyz'[p.component]}"

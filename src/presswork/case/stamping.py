@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The case of a stamping: a blank, tools in space, and what the tools do. Units as in schema.py."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
+
+from presswork import model_stamping
+from presswork.case import schema
+from presswork.case.blank import Blank
+from presswork.case.errors import CaseError
+from presswork.case.part import Part
+from presswork.case.reader import apply_overrides, list_problems, read_toml
+from presswork.case.shell import ShellBoundary, ShellDisplacement
+from presswork.case.shell_material import ShellMaterial, add_library_materials
+from presswork.case.stamping_tools import Tool
+from presswork.case.units import Density, Force, Length, Number, Rate, Time, Velocity, fault
+
+HEAVIEST, LIGHTEST = 1e-6, 1e-10
+"""Densities [t/mm3] of no metal: 50 times osmium's, and a sixteenth of magnesium's."""
+WAVE_SPEED = 5.1e6
+"""Of a bar of steel, aluminium, magnesium or titanium, within 4 % [mm/s]."""
+VELOCITY = 2000.0
+"""Of what moves farthest where a stage says nothing [mm/s]."""
+RAMP = 0.1
+"""Part of a stage that starts it smoothly, and part that ends it, where it says nothing."""
+
+_EXPLICIT = model_stamping.ExplicitSettings()
+_OUTPUT = model_stamping.StampingOutput()
+Whole = Annotated[int, Field(strict=True, ge=1)]
+
+
+class StampingMaterial(ShellMaterial):
+    """A sheet material with its density."""
+
+    density: Density | None = Field(
+        default=None,
+        description='density [t/mm^3], e.g. "7850 kg/m^3"; without it: that of a metal with this Young\'s modulus in '
+        "which sound runs at 5.1 km/s, as in steel, aluminium, magnesium and titanium",
+    )
+
+    @model_validator(mode="after")
+    def _check_density(self) -> Self:
+        if self.density is not None and not LIGHTEST < self.density < HEAVIEST:
+            raise fault(
+                f"{self.density:g} t/mm^3 is the density of no metal",
+                'plain numbers are t/mm^3; with a unit: "7850 kg/m^3", which is 7.85e-9',
+                key="density",
+            )
+        return self
+
+    def find_density(self) -> float:
+        """Return the density given, or that of a common metal with this Young's modulus [t/mm3]."""
+        return self.young / WAVE_SPEED**2 if self.density is None else self.density
+
+
+ForceRow = tuple[Length, Force]
+
+
+class ToolAction(Part):
+    """What a tool does in a stage."""
+
+    stroke: Length | None = Field(
+        default=None, description="moves so far: punch and holder down, die up; negative: back [mm]"
+    )
+    force: Force | tuple[ForceRow, ...] | None = Field(
+        default=None,
+        description="instead: pushes with this force on the whole part [N], or a table of rows [stroke of the punch in "
+        "this stage, force]",
+    )
+
+    @model_validator(mode="after")
+    def _check_one_action(self) -> Self:
+        if (self.stroke is None) == (self.force is None):
+            raise fault("give either stroke or force", "for instance stroke = 25", key="stroke")
+        rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
+        if not rows or min(force for _, force in rows) < 0:
+            raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
+        if any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
+            raise fault("the strokes of the table do not increase", "sort its rows", key="force")
+        return self
+
+
+class StampingStage(Part):
+    """A part of the process; all that moves starts and stops smoothly with it."""
+
+    name: str = Field(description="name of the stage")
+    tools: dict[str, ToolAction] = Field(default={}, description="what each tool does; one not named stands still")
+    displacement: tuple[ShellDisplacement, ...] = Field(default=(), description="prescribed displacements of the blank")
+    velocity: Velocity | None = Field(
+        default=None,
+        gt=0,
+        description="largest velocity of what moves farthest [mm/s]; without it and without duration: 2 m/s, a hundred "
+        "times a press's, at which inertia is still small (see the energies)",
+    )
+    duration: Time | None = Field(default=None, gt=0, description="instead of velocity: how long the stage takes [s]")
+    ramp: Time | None = Field(
+        default=None, gt=0, description="time of the smooth start and of the smooth end [s]; without it: a tenth"
+    )
+
+    @model_validator(mode="after")
+    def _check_one_way_of_timing(self) -> Self:
+        if self.velocity is not None and self.duration is not None:
+            raise fault("velocity and duration both time the stage", "give one of them", key="duration")
+        return self
+
+
+class Explicit(Part):
+    """How the explicit procedure steps through time."""
+
+    target_step: Time | None = Field(
+        default=None,
+        gt=0,
+        description="time step to reach by adding mass to elements that need a shorter one [s]; without it: no mass is "
+        "added. Kinetic energy, in the history, says how far one may go",
+    )
+    safety: Number = Field(default=_EXPLICIT.safety, gt=0, le=1, description="time step over its stable bound")
+    damping: Rate = Field(default=_EXPLICIT.damping, ge=0, description="mass damping [1/s]")
+    precision: Literal["double", "single"] = Field(
+        default=_EXPLICIT.precision, description="single: about half the time and memory, seven digits"
+    )
+
+
+class StampingOutput(Part):
+    """What is saved, and when."""
+
+    steps: Whole = Field(default=_OUTPUT.steps, description="saved steps of each stage")
+    rows: Whole = Field(default=_OUTPUT.rows, description="rows of history.csv for each stage")
+    checkpoint_every: Whole = Field(default=_OUTPUT.checkpoint_every, description="rows between checkpoints")
+
+    @model_validator(mode="after")
+    def _check_steps(self) -> Self:
+        if self.steps > self.rows:
+            raise fault(f"expected no more than rows = {self.rows}", "a step is saved where a row is", key="steps")
+        return self
+
+
+class StampingCase(Part):
+    """A complete case of a stamping. Raises CaseError, with every problem found, when it is not valid."""
+
+    title: str = Field(description="what the case shows, in one line")
+    analysis: Literal["stamping"] = Field(description="stamping")
+    procedure: Literal["explicit"] = Field(default="explicit", description="explicit: dynamics in small steps of time")
+    blank: Blank = Field(description="the sheet that is formed")
+    materials: dict[str, StampingMaterial] = Field(default={}, description="materials by name")
+    tools: dict[str, Tool] = Field(default={}, description="rigid tools by name")
+    boundary: dict[str, ShellBoundary] = Field(default={}, description="what holds the blank beside the tools, by name")
+    stages: tuple[StampingStage, ...] = Field(min_length=1, description="the process, stage by stage")
+    explicit: Explicit = Field(default=Explicit(), description="how the explicit procedure steps through time")
+    output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")
+
+    _source: Path | None = PrivateAttr(default=None)
+    _text: str = PrivateAttr(default="")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _prepare(cls, data: Any) -> Any:
+        return add_library_materials(data, "blank") if isinstance(data, dict) else data
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        source = info.context.get("source") if isinstance(info.context, dict) else None
+        try:
+            return handler(data)
+        except ValidationError as error:
+            raise CaseError(list_problems(error, data, _json_schema()), source) from None
+
+    @classmethod
+    def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
+        """Read and validate a case file, as Case.from_toml does. Raises CaseError with every problem found."""
+        path = Path(path)
+        data, text = read_toml(path)
+        apply_overrides(data, overrides, path)
+        case = cls.model_validate(data, context={"source": path})
+        case._source = path
+        case._text = schema.write_as_run(data, path.parent) if overrides or schema.names_files(data) else text
+        return case
+
+    @property
+    def source(self) -> Path | None:
+        """The file that the case was read from, if any."""
+        return self._source
+
+    @property
+    def text(self) -> str:
+        """The case file as read, or written anew with the overrides in it; empty for a case built in Python."""
+        return self._text
+
+
+@functools.cache
+def _json_schema() -> dict[str, Any]:
+    return StampingCase.model_json_schema()

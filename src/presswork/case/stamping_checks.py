@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of a stamping before anything is computed: names, and whether blank, tools and motions fit together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.case.blank import BlankFile, CircularBlank
+from presswork.case.errors import Problem, suggest
+from presswork.case.library import list_keys
+from presswork.case.stamping import VELOCITY, StampingCase, StampingStage
+from presswork.case.stamping_shapes import clearance
+from presswork.case.stamping_tools import DrawnTool, ToolFile
+from presswork.case.units import LENGTH, unit_factor
+from presswork.model import Mesh
+from presswork.model_stamping import StampingTool
+
+MOST_CELLS = 5_000_000
+CLEAR = 0.01
+"""Part of the thickness by which a tool may start in the blank."""
+
+
+def check_names(case: StampingCase) -> list[Problem]:
+    """Return the problems of names, units and stages that show without geometry."""
+    problems = []
+    if case.blank.material not in case.materials:
+        remedy = suggest(case.blank.material, [*case.materials, *list_keys()], "materials, of the case and the library")
+        problems.append(Problem("blank.material", "no such material", remedy, case.blank.material))
+    if not isinstance(case.blank, BlankFile):
+        cuts = 2 ** len(set(case.blank.symmetry))
+        n_cells = 4 * float(np.prod(np.array(case.blank.half_size()) / case.blank.element_size)) / cuts
+        if n_cells > MOST_CELLS:
+            fault, remedy = f"about {n_cells:.2g} elements, more than memory will hold", "make it larger"
+            problems.append(Problem("blank.element_size", fault, remedy, case.blank.element_size))
+    units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
+    if isinstance(case.blank, BlankFile):
+        units["blank.unit"] = case.blank.unit
+    for key, unit in units.items():
+        try:
+            unit_factor(unit, LENGTH)
+        except ValueError as error:
+            problems.append(Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit))
+    names = [stage.name for stage in case.stages]
+    for index, stage in enumerate(case.stages):
+        key = f"stages.{index}"
+        if stage.name in names[:index]:
+            problems.append(Problem(f"{key}.name", "two stages have this name", "give each its own", stage.name))
+        problems += [
+            Problem(f"{key}.tools.{tool}", "no such tool", suggest(tool, case.tools, "tools"))
+            for tool in stage.tools
+            if tool not in case.tools
+        ]
+        problems += _check_timing(key, stage)
+    return problems
+
+
+def _check_timing(key: str, stage: StampingStage) -> list[Problem]:
+    """Return the problems of a stage's motions in time."""
+    strokes = [abs(a.stroke) for a in stage.tools.values() if a.stroke]
+    farthest = max([*strokes, *(abs(e.value) for e in stage.displacement)], default=0.0)
+    problems = []
+    for name, action in stage.tools.items():
+        if isinstance(action.force, tuple) and not strokes:
+            fault, remedy = "a table over the stroke, but no tool moves in this stage", "give one force"
+            problems.append(Problem(f"{key}.tools.{name}.force", fault, remedy))
+    if farthest == 0.0 and stage.duration is None:
+        remedy = "give a tool a stroke ([stages.tools.NAME]), or the stage a duration"
+        problems.append(Problem(key, f'nothing moves in the stage "{stage.name}", so its duration is unknown', remedy))
+    elif stage.ramp is not None:
+        speed = stage.velocity or VELOCITY
+        longest = 0.5 * stage.duration if stage.duration is not None else farthest / speed
+        if stage.ramp > longest * (1 + 1e-12):
+            what = f"{stage.duration:g} s" if stage.duration is not None else f"{farthest:g} mm at {speed:g} mm/s"
+            fault = f"the smooth start and end do not fit into {what}"
+            problems.append(Problem(f"{key}.ramp", fault, f"take at most {longest:.3g} s", stage.ramp))
+    return problems
+
+
+def check_tools(case: StampingCase) -> list[Problem]:
+    """Return the problems of tools beside each other and beside the blank."""
+    problems = []
+    thickness = case.blank.thickness
+    for name, tool in case.tools.items():
+        key = f"tools.{name}"
+        for axis, plane in enumerate("xy"):
+            off = tool.position[axis] if tool.position is not None else 0.0
+            if plane in case.blank.symmetry and off != 0.0 and not isinstance(tool, ToolFile):
+                fault = f"the tool's middle does not lie in the symmetry plane {plane} = 0"
+                remedy = f"set its {plane} to 0, or leave {plane} out of blank.symmetry"
+                problems.append(Problem(f"{key}.position", fault, remedy, list(tool.position or ())))
+        if tool.gap is not None and tool.gap < thickness:
+            fault = f"the gap is smaller than the blank's thickness of {thickness:g} mm"
+            problems.append(Problem(f"{key}.gap", fault, "make it at least that, or push the holder", tool.gap))
+        if tool.gap is not None and not any(other.kind == "die" for other in case.tools.values()):
+            problems.append(Problem(f"{key}.gap", "there is no die to keep a gap to", "add one", tool.gap))
+    drawn = {name: tool for name, tool in case.tools.items() if isinstance(tool, DrawnTool)}
+    for punch_name, punch in drawn.items():
+        for die_name, die in drawn.items():
+            if punch.kind != "punch" or die.kind == "punch":
+                continue
+            gap = clearance(punch, die)
+            least = thickness if die.kind == "die" else 0.0
+            if gap < least * (1 - 1e-9) or gap < 0:
+                problems.append(_explain_clearance(punch_name, die_name, die.kind, gap, thickness))
+    moved = {name for stage in case.stages for name, action in stage.tools.items() if action.stroke is not None}
+    for index, stage in enumerate(case.stages):
+        for name, action in stage.tools.items():
+            if action.force is not None and name in moved:
+                fault = "the tool is moved by a stroke in one stage and pushed by a force in another"
+                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, "give it one or the other"))
+            opposite = "die" if case.tools[name].kind != "die" else "holder"
+            if action.force is not None and not any(t.kind == opposite for t in case.tools.values()):
+                fault = f"the {case.tools[name].kind} is pushed, but no {opposite} lies on the other side of the blank"
+                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, f"add a {opposite}"))
+    return problems
+
+
+def _explain_clearance(punch: str, die: str, kind: str, gap: float, thickness: float) -> Problem:
+    if gap < 0:
+        text = f"the clearance is negative: {punch} is {-gap:.4g} mm larger than the opening of {die}"
+    else:
+        text = f"the clearance of {gap:.4g} mm between {punch} and {die} is less than the blank's {thickness:g} mm"
+    return Problem(f"tools.{punch}", text, f"make the punch smaller or the opening of the {kind} larger")
+
+
+def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+    """Return the problems of the meshed blank and the placed tools."""
+    problems = []
+    corner = mesh.points[:, :2]
+    for name, tool in case.tools.items():
+        width = getattr(tool, "face_width", None)
+        if width is None or isinstance(tool, ToolFile):
+            continue
+        half = np.array(tool.half_size()) + width
+        beyond = np.abs(corner) - half
+        if isinstance(case.blank, CircularBlank) and tool.shape == "round":
+            beyond = np.linalg.norm(corner, axis=1, keepdims=True) - half[:1]
+        if beyond.max() > 1e-9:
+            text = f"the blank is larger than the {tool.kind}: it reaches {beyond.max():.4g} mm beyond its face"
+            problems.append(
+                Problem(f"tools.{name}.face_width", text, "make the face wider or the blank smaller", width)
+            )
+    return problems + [problem for tool in tools if (problem := _check_clear(case, mesh, tool)) is not None]
+
+
+def _check_clear(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where the tool starts in the blank."""
+    half = 0.5 * case.blank.thickness
+    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0] - half
+    worst = int(np.argmin(gap))
+    if gap[worst] >= -CLEAR * case.blank.thickness:
+        return None
+    x, y, z = mesh.points[worst]
+    text = (
+        f"the tool starts in the blank: {int((gap < 0).sum())} nodes lie in it, half the thickness counted, the "
+        f"deepest {-gap[worst]:.4g} mm at ({x:.4g}, {y:.4g}, {z:.4g})"
+    )
+    given = case.tools[tool.name].position
+    key = f"tools.{tool.name}.position" if given is not None else f"tools.{tool.name}"
+    return Problem(key, text, "move it off, or leave position out: then it just touches the blank")

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tools of a stamping by their drawing dimensions, or from a file. Units as in schema.py."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from presswork import model_stamping
+from presswork.case.part import Part
+from presswork.case.units import Length, Number, Point, Point3, fault
+
+
+class _Tool(Part):
+    """What tools of any shape have."""
+
+    kind: model_stamping.ToolKind = Field(
+        description="punch, above the blank and working downwards; holder, likewise; die, below the blank"
+    )
+    mu: Number = Field(
+        default=0.1, ge=0, lt=1, description="coefficient of friction; 0.1 is a steel sheet with drawing oil"
+    )
+    position: Point3 | None = Field(
+        default=None,
+        description="where the tool's own origin starts [x, y, z] [mm]; without it the tool just touches the flat "
+        "blank, whose middle lies at z = 0. Origin of drawn tools: the middle of the punch's bottom, or of the "
+        "opening in the face of die or holder",
+    )
+    gap: Length | None = Field(
+        default=None, gt=0, description="holder: distance of its face from the die's [mm]; without it: the thickness"
+    )
+
+    @model_validator(mode="after")
+    def _check_gap(self) -> Self:
+        if self.gap is not None and self.kind != "holder":
+            raise fault("only a holder has a gap", "leave it out, or give the tool's position", key="gap")
+        if self.gap is not None and self.position is not None:
+            raise fault("gap and position both place the holder", "give one of them", key="gap")
+        return self
+
+
+class _DrawnTool(_Tool):
+    """What tools have that are drawn by the program."""
+
+    edge_radius: Length = Field(
+        ge=0, description="radius that the sheet is bent round: of the punch's nose or the die's shoulder [mm]"
+    )
+    face_width: Length | None = Field(
+        default=None,
+        gt=0,
+        description="die, holder: width of the flat face round the opening [mm]; without it: as far as the blank",
+    )
+
+    @model_validator(mode="after")
+    def _check_radius(self) -> Self:
+        if self.edge_radius == 0 and self.kind != "holder":
+            raise fault("a sheet cannot be bent round a sharp edge", "give a radius > 0", key="edge_radius")
+        if self.face_width is not None and self.kind == "punch":
+            raise fault("a punch has no face round an opening", "leave it out", key="face_width")
+        return self
+
+
+class RoundTool(_DrawnTool):
+    """A round punch, or a die or holder with a round opening."""
+
+    shape: Literal["round"] = Field(description="a round punch or opening")
+    diameter: Length = Field(gt=0, description="diameter of the punch, or of the opening [mm]")
+
+    def half_size(self) -> tuple[float, float]:
+        """Return half the width along x and y [mm]."""
+        return 0.5 * self.diameter, 0.5 * self.diameter
+
+    @model_validator(mode="after")
+    def _check_size(self) -> Self:
+        if self.kind == "punch" and self.edge_radius > 0.5 * self.diameter:
+            raise fault(
+                f"the edge radius is larger than the punch's radius of {0.5 * self.diameter:g} mm",
+                'make it smaller; shape = "hemispherical" is the largest',
+                key="edge_radius",
+            )
+        return self
+
+
+class RectangularTool(_DrawnTool):
+    """A rectangular punch, or a die or holder with a rectangular opening."""
+
+    shape: Literal["rectangular"] = Field(description="a rectangular punch or opening with round corners")
+    size: Point = Field(description="width along x and y of the punch, or of the opening [mm]")
+    corner_radius: Length = Field(ge=0, description="radius of the corners in the plan [mm]")
+
+    def half_size(self) -> tuple[float, float]:
+        """Return half the width along x and y [mm]."""
+        return 0.5 * self.size[0], 0.5 * self.size[1]
+
+    @model_validator(mode="after")
+    def _check_size(self) -> Self:
+        if min(self.size) <= 0:
+            raise fault("expected two values > 0", "give [x, y], both positive", key="size")
+        if self.corner_radius > 0.5 * min(self.size):
+            raise fault(
+                f"the corners do not fit the plan, {min(self.size):g} mm wide",
+                f"take at most {0.5 * min(self.size):g} mm",
+                key="corner_radius",
+            )
+        if self.kind == "punch" and self.edge_radius > self.corner_radius:
+            raise fault(
+                f"the edge radius does not fit corners of {self.corner_radius:g} mm in the plan",
+                "take at most corner_radius",
+                key="edge_radius",
+            )
+        return self
+
+
+class StripTool(_DrawnTool):
+    """A punch, or a die or holder with an opening, that goes straight on along y."""
+
+    shape: Literal["strip"] = Field(description="a punch or opening straight along y, without end")
+    width: Length = Field(gt=0, description="width along x of the punch, or of the opening [mm]")
+
+    def half_size(self) -> tuple[float, float]:
+        """Return half the width along x and y [mm]."""
+        return 0.5 * self.width, float("inf")
+
+    @model_validator(mode="after")
+    def _check_size(self) -> Self:
+        if self.kind == "punch" and self.edge_radius > 0.5 * self.width:
+            raise fault(
+                f"the edge radii do not fit a punch of {self.width:g} mm",
+                f"take at most {0.5 * self.width:g} mm",
+                key="edge_radius",
+            )
+        return self
+
+
+class HemisphericalTool(_Tool):
+    """A punch with a hemispherical nose."""
+
+    shape: Literal["hemispherical"] = Field(description="a punch with a hemispherical nose")
+    diameter: Length = Field(gt=0, description="diameter of the punch [mm]")
+
+    def half_size(self) -> tuple[float, float]:
+        """Return half the width along x and y [mm]."""
+        return 0.5 * self.diameter, 0.5 * self.diameter
+
+    @model_validator(mode="after")
+    def _check_kind(self) -> Self:
+        if self.kind != "punch":
+            raise fault(f"a {self.kind} has no hemispherical nose", 'take shape = "round"', key="shape")
+        return self
+
+
+class ToolFile(_Tool):
+    """A tool's surface from an STL file, its normals out of the metal."""
+
+    shape: Literal["file"] = Field(description="a surface from an STL file")
+    path: str = Field(description="the file, relative to the case file")
+    unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
+
+
+DrawnTool = RoundTool | RectangularTool | StripTool | HemisphericalTool
+Tool = Annotated[RoundTool | RectangularTool | StripTool | HemisphericalTool | ToolFile, Field(discriminator="shape")]

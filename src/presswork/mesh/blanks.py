@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes of blanks: quadrilaterals over a rectangle or a circle about the origin, whole or cut by symmetry planes.
+
+Sets: all; edge, the outline without what lies in symmetry planes; symmetry_x and symmetry_y, the nodes in the planes
+x = 0 and y = 0 where the blank is cut by them; left, right, bottom, top, the outermost nodes along x and y.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil
+
+import numpy as np
+
+from presswork.mesh.topology import find_boundary_edges, select_edges
+from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh, Section
+
+_ON_AXIS, _ON_DIAGONAL = 0.65, 0.75
+"""Where the square core of a circle ends, over its radius."""
+
+
+def mesh_rectangular_blank(size: tuple[float, float], element_size: float, symmetry: Sequence[bool]) -> Mesh:
+    """Mesh a rectangle of size [mm] about the origin; symmetry: whether the planes x = 0 and y = 0 cut it."""
+    lines = []
+    for length, is_cut in zip(size, symmetry, strict=True):
+        begin = 0.0 if is_cut else -0.5 * length
+        n = max(1, ceil((0.5 * length - begin) / element_size - 1e-9))
+        lines.append(np.linspace(begin, 0.5 * length, n + 1))
+    x, y = (grid.ravel() for grid in np.meshgrid(*lines))
+    n = len(lines[0])
+    first = (np.arange(n - 1)[None, :] + n * np.arange(len(lines[1]) - 1)[:, None]).ravel()
+    return _name_sets(np.column_stack([x, y]), np.stack([first, first + 1, first + n + 1, first + n], axis=1), symmetry)
+
+
+def mesh_circular_blank(diameter: float, element_size: float, symmetry: Sequence[bool]) -> Mesh:
+    """Mesh a circle [mm] about the origin: a square core with bulging sides, and a ring of quadrilaterals round it.
+
+    No corner is sharper than 45 degrees, and the cells' sides are within 0.6 and 1.4 of element_size.
+    """
+    points, cells = _quarter_circle(0.5 * diameter, element_size)
+    for axis, is_cut in enumerate(symmetry):
+        if not is_cut:
+            points, cells = _add_mirror_image(points, cells, axis)
+    return _name_sets(points, cells, symmetry)
+
+
+def _quarter_circle(radius: float, element_size: float) -> tuple[FloatArray, IntArray]:
+    """Return points (n, 2) and cells of the quarter x, y >= 0."""
+    n = max(1, ceil(_ON_AXIS * radius / element_size - 1e-9))
+    m = max(1, ceil((1 - 0.5 * (_ON_AXIS + _ON_DIAGONAL)) * radius / element_size - 1e-9))
+    on_axis, on_diagonal = _ON_AXIS * radius, _ON_DIAGONAL * radius * np.sqrt(0.5)
+    s, t = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1)))
+    bulge = on_diagonal - on_axis
+    core = np.column_stack([on_axis * s + bulge * s * t, on_axis * t + bulge * s * t])
+    first = (np.arange(n)[None, :] + (n + 1) * np.arange(n)[:, None]).ravel()
+    core_cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1)
+    rim = np.concatenate([n + (n + 1) * np.arange(n + 1), (n + 1) * n + np.arange(n - 1, -1, -1)])
+    angle = np.linspace(0.0, 0.5 * np.pi, 2 * n + 1)
+    circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    circle[0, 1] = circle[-1, 0] = 0.0
+    outwards = np.arange(1, m + 1)[:, None, None] / m
+    ring = core[rim] + outwards * (circle - core[rim])
+    number = np.vstack([rim, len(core) + np.arange(m * len(rim)).reshape(m, -1)])
+    inner, outer = number[:-1], number[1:]
+    ring_cells = np.stack([inner[:, :-1], outer[:, :-1], outer[:, 1:], inner[:, 1:]], axis=-1).reshape(-1, 4)
+    return np.concatenate([core, ring.reshape(-1, 2)]), np.concatenate([core_cells, ring_cells])
+
+
+def _add_mirror_image(points: FloatArray, cells: IntArray, axis: int) -> tuple[FloatArray, IntArray]:
+    """Return the mesh with its image at the plane where the coordinate `axis` is zero, joined there."""
+    beyond = points[:, axis] > 1e-9 * np.abs(points).max()
+    number = np.arange(len(points))
+    number[beyond] = len(points) + np.arange(int(beyond.sum()))
+    image = points[beyond].copy()
+    image[:, axis] *= -1.0
+    return np.concatenate([points, image]), np.concatenate([cells, number[cells][:, ::-1]])
+
+
+def _name_sets(points: FloatArray, cells: IntArray, symmetry: Sequence[bool]) -> Mesh:
+    """Return the mesh in space; its element and section are filled in by dress_blank."""
+    block = CellBlock("shell4_one_point", cells.astype(np.int32), 0)
+    boundary = find_boundary_edges([block.connectivity])
+    tolerance = 1e-9 * float(np.abs(points).max())
+    low, high = points.min(axis=0), points.max(axis=0)
+    node_sets = {
+        "left": points[:, 0] <= low[0] + tolerance,
+        "right": points[:, 0] >= high[0] - tolerance,
+        "bottom": points[:, 1] <= low[1] + tolerance,
+        "top": points[:, 1] >= high[1] - tolerance,
+        "all": np.ones(len(points), dtype=bool),
+    }
+    for axis, name in enumerate(("symmetry_x", "symmetry_y")):
+        if symmetry[axis]:
+            node_sets[name] = np.abs(points[:, axis]) <= tolerance
+    numbered = {name: np.flatnonzero(mask).astype(np.int32) for name, mask in node_sets.items()}
+    inside = [select_edges(boundary, numbered[name]) for name in ("symmetry_x", "symmetry_y") if name in numbered]
+    cut = {tuple(edge) for edges in inside for edge in edges.tolist()}
+    outline = np.array([edge for edge in boundary.tolist() if tuple(edge) not in cut], dtype=np.int32).reshape(-1, 2)
+    numbered["edge"] = np.unique(outline).astype(np.int32)
+    space = np.column_stack([points, np.zeros(len(points))])
+    return Mesh(space, (block,), numbered, {"edge": outline, "boundary": boundary}, boundary)
+
+
+def dress_blank(mesh: Mesh, element: ElementName, section: Section, material: int) -> Mesh:
+    """Return the mesh with its cells' element, section and material."""
+    blocks = tuple(CellBlock(element, block.connectivity, material, section) for block in mesh.blocks)
+    return Mesh(mesh.points, blocks, mesh.node_sets, mesh.edge_sets, mesh.boundary_edges, mesh.normals)

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model of a stamping: a blank between rigid tools in space. Frozen data; units mm, s, t, N, MPa.
+
+The blank lies about z = 0; tools move along z. Forces and strokes are those of the whole tool, whatever symmetry planes
+cut away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from presswork.mesh.swept_tool import SweptTool
+from presswork.mesh.tool_file import TriangulatedTool
+from presswork.model import FloatArray, Material, Mesh, Model, PrescribedDisplacement, Support
+
+ToolKind = Literal["punch", "die", "holder"]
+
+
+@dataclass(frozen=True)
+class StampingTool:
+    """A rigid tool."""
+
+    name: str
+    kind: ToolKind
+    shape: SweptTool | TriangulatedTool
+    position: tuple[float, float, float]
+    """Of its own origin at the start [mm]."""
+    mu: float
+    """Coefficient of friction."""
+    way: tuple[float, float, float]
+    """Unit vector along which it works: strokes and forces count along it."""
+
+
+@dataclass(frozen=True)
+class ToolAction:
+    """What a tool does over a stage: it moves along its way, or pushes along it."""
+
+    stroke: float = 0.0
+    """[mm]"""
+    force: FloatArray | None = None
+    """Instead of a stroke: rows of part of the stage's way (0 to 1) and force [N] (n, 2); linear between them."""
+
+
+@dataclass(frozen=True)
+class StampingStage:
+    """A part of the process: all that moves starts and stops smoothly with it."""
+
+    name: str
+    duration: float
+    """[s]"""
+    ramp: float
+    """Time of the smooth start, and of the smooth end [s]; at most half the duration."""
+    actions: Mapping[str, ToolAction] = field(default_factory=dict)
+    """By tool; a tool not named stands still, or goes on pushing."""
+    prescribed: tuple[PrescribedDisplacement, ...] = ()
+    """Of nodes of the blank, over the stage."""
+
+
+@dataclass(frozen=True)
+class ExplicitSettings:
+    """How the explicit procedure steps through time."""
+
+    target_step: float | None = None
+    """Time step [s] that mass is added for; None: no mass is added, the step follows from the mesh."""
+    safety: float = 0.9
+    """Time step over the bound of the stable one."""
+    damping: float = 0.0
+    """Mass damping [1/s]."""
+    precision: Literal["double", "single"] = "double"
+    """Of shells and velocities; positions and energies are always double."""
+
+
+@dataclass(frozen=True)
+class StampingOutput:
+    """What is saved, and when."""
+
+    steps: int = 10
+    """Saved steps of each stage."""
+    rows: int = 200
+    """Rows of the history of each stage."""
+    checkpoint_every: int = 50
+    """Rows between checkpoints."""
+
+
+@dataclass(frozen=True)
+class StampingModel:
+    """A complete stamping."""
+
+    title: str
+    procedure: Literal["explicit"]
+    mesh: Mesh
+    rolling_direction: tuple[float, float, float]
+    """Unit vector."""
+    materials: tuple[Material, ...]
+    tools: tuple[StampingTool, ...]
+    symmetry: tuple[bool, bool]
+    """Whether the planes x = 0 and y = 0 cut the whole part."""
+    supports: tuple[Support, ...]
+    stages: tuple[StampingStage, ...]
+    explicit: ExplicitSettings
+    output: StampingOutput
+    case_text: str = ""
+
+    @property
+    def whole(self) -> int:
+        """How many times what is modelled the whole part is."""
+        return int(2 ** sum(self.symmetry))
+
+
+AnyModel = Model | StampingModel

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sections of a stamping by a plane through the axis: where the sheet runs, how thick it is, where the tools are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.model import FloatArray, IntArray
+from presswork.results import Result
+
+
+@dataclass(frozen=True)
+class SheetSection:
+    """The sheet along a plane that cuts it, cell by cell, from the middle outwards."""
+
+    way: FloatArray
+    """Undeformed distance from the axis of the middle of each piece (n,) [mm]."""
+    line: FloatArray
+    """Ends of each piece as distance from the axis, and height (n, 2, 2) [mm], as deformed."""
+    cell: IntArray
+    """Cell of each piece (n,)."""
+
+
+def cut_sheet(result: Result, angle: float = 0.0, step: int = -1) -> SheetSection:
+    """Cut the sheet along the radius at an angle from x [rad], in the undeformed blank, so that the same material is
+    seen at every step.
+
+    Pieces where the radius runs along a side of two cells belong to one of them.
+    """
+    out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    start, now = result.mesh.points, result.points(step)
+    along, off = start[:, :2] @ out, start[:, :2] @ across
+    size = float(np.ptp(start[:, :2], axis=0).max())
+    off = np.where(np.abs(off) < 1e-9 * size, 0.0, off)
+    pieces: list[tuple[float, FloatArray, int]] = []
+    first = 0
+    for block in result.mesh.blocks:
+        cells = block.connectivity
+        sides = np.sign(off[cells])
+        touched = (sides.min(axis=1) <= 0) & (sides.max(axis=1) >= 0) & (along[cells].max(axis=1) > 0)
+        for number in np.flatnonzero(touched):
+            ends = _cut_cell(cells[number], off)
+            if ends is None:
+                continue
+            places = [(_between(along, *end), _between(now, *end)) for end in ends]
+            places.sort(key=lambda place: float(place[0]))
+            middle = 0.5 * float(places[0][0] + places[1][0])
+            if middle > 0:
+                line = np.array([[float(p[:2] @ out), float(p[2])] for _, p in places])
+                pieces.append((middle, line, first + int(number)))
+        first += len(cells)
+    pieces.sort(key=lambda piece: piece[0])
+    kept = [p for i, p in enumerate(pieces) if i == 0 or p[0] - pieces[i - 1][0] > 1e-9 * size]
+    return SheetSection(
+        np.array([p[0] for p in kept]),
+        np.array([p[1] for p in kept]).reshape(-1, 2, 2),
+        np.array([p[2] for p in kept], dtype=np.int32),
+    )
+
+
+def _cut_cell(nodes: IntArray, off: FloatArray) -> list[tuple[int, int, float]] | None:
+    """Return the two ends of a cell's piece, each as two nodes and the part of the second; None if there is none."""
+    ends: dict[tuple[int, int, float], None] = {}
+    for a, b in zip(nodes.tolist(), np.roll(nodes, -1).tolist(), strict=True):
+        if off[a] == 0.0:
+            ends[a, a, 0.0] = None
+        elif off[a] * off[b] < 0.0:
+            ends[a, b, float(off[a] / (off[a] - off[b]))] = None
+    return list(ends)[:2] if len(ends) >= 2 else None
+
+
+def _between(values: FloatArray, first: int, second: int, part: float) -> FloatArray:
+    return np.asarray((1 - part) * values[first] + part * values[second])
+
+
+def cut_tool(result: Result, tool: str, angle: float = 0.0, step: int = -1) -> FloatArray:
+    """Cut a tool in space by the half plane at an angle from x [rad]: lines (n, 2, 2) of distance and height [mm]."""
+    points, triangles = result.surfaces[tool]
+    points = points + result.surface_displacement(tool, step)
+    out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    corners = points[triangles]
+    off = corners[:, :, :2] @ across
+    off = np.where(off == 0.0, 1e-12 * float(np.ptp(points)), off)
+    cut = corners[(off.min(axis=1) < 0) & (off.max(axis=1) > 0)]
+    off = off[(off.min(axis=1) < 0) & (off.max(axis=1) > 0)]
+    lines = np.empty((len(cut), 2, 2))
+    count = np.zeros(len(cut), dtype=int)
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        crosses = off[:, a] * off[:, b] < 0
+        part = off[crosses, a] / (off[crosses, a] - off[crosses, b])
+        place = cut[crosses, a] + part[:, None] * (cut[crosses, b] - cut[crosses, a])
+        lines[crosses, count[crosses]] = np.column_stack([place[:, :2] @ out, place[:, 2]])
+        count[crosses] += 1
+    outside: FloatArray = lines[lines[:, :, 0].max(axis=1) > 0]
+    return outside
+
+
+def measure_draw_in(result: Result, angle: float = 0.0, step: int = -1) -> float:
+    """Return how far the blank's edge has come in along the radius at an angle from x [rad] [mm]."""
+    start, now = cut_sheet(result, angle, 0).line[-1, 1], cut_sheet(result, angle, step).line[-1, 1]
+    return float(start[0] - now[0])

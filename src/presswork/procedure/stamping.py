@@ -1,0 +1,343 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stamping by explicit dynamics: stages in rows of cycles, tools that move smoothly, energies watched.
+
+It knows nothing of files: run.py records what it yields.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork import _core
+from presswork.model import Mesh
+from presswork.model_stamping import StampingModel, StampingStage
+from presswork.procedure.explicit import (
+    FREEDOMS,
+    SAFETY,
+    EnergyBalance,
+    ExplicitError,
+    ExplicitShells,
+    MassScaling,
+    ShellOptions,
+)
+from presswork.procedure.explicit_fields import OnePointFields
+from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
+from presswork.procedure.stamping_tools import StampingTools, mean_speeds
+from presswork.procedure.timing import Timing
+from presswork.sheet_law import make_sheet_law
+
+STAGE, ROW, CYCLES, ADDED_MASS = range(4)
+ELEMENT_CYCLES_A_CALL = 2_000_000
+"""Between two looks at the keyboard: about a second."""
+SAMPLES = 10
+"""Of the tools' forces in a row, at least: single cycles are noisy."""
+ENERGIES = ("kinetic", "internal", "hourglass", "contact", "friction", "damping", "external")
+WORTH_A_WARNING = 5.0
+"""Per cent of the internal energy."""
+FORMED = 0.1
+"""Part of the last internal energy from which on kinetic energy is compared with it: a blank at rest has none."""
+
+
+@dataclass(frozen=True)
+class RowReport:
+    """A row of cycles that has been computed."""
+
+    number: int
+    stage: str
+    fraction: float
+    """Of the stage, at the end of the row."""
+    time: float
+    cycles: int
+    step: float
+    """Time step [s]."""
+    energies: EnergyBalance
+    is_save_point: bool
+
+
+class ExplicitStamping:
+    """A stamping at work."""
+
+    def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
+        _core.set_threads(threads or os.cpu_count() or 1)
+        self.model = model
+        self.timing = Timing("cycles")
+        block = model.mesh.blocks[0]
+        section, material = block.section, model.materials[block.material]
+        assert section is not None
+        assert section.rule != "simpson"
+        self.shells = ExplicitShells(
+            model.mesh.points,
+            block.connectivity,
+            section.thickness,
+            make_sheet_law(material),
+            material.density,
+            axis=model.rolling_direction,
+            options=ShellOptions(n_points=section.points, rule=section.rule),
+            precision=model.explicit.precision,
+        )
+        self._fields = OnePointFields(model.mesh, section, np.asarray(model.rolling_direction), model.symmetry)
+        self._thickness = section.thickness
+        self._progress = np.zeros(4)
+        self._mass = float(self.shells.mass[:, 0].sum())
+        if model.explicit.target_step is not None:
+            self._scale_mass(model.explicit.target_step)
+        self.tools = StampingTools(model, self.shells)
+        self._begin_stage()
+        self.shells.advance(0)  # contact is found, and refused where the sheet starts in a tool
+
+    # --- the way through ---------------------------------------------------------------------------------------------
+
+    def advance(self) -> Iterator[RowReport]:
+        """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
+        while int(self._progress[STAGE]) < len(self.model.stages):
+            before = self.to_arrays()
+            try:
+                report = self._next_row()
+            except (ExplicitError, KeyboardInterrupt) as error:
+                self.load_arrays(before)
+                if isinstance(error, KeyboardInterrupt):
+                    raise
+                raise GaveUpError(str(error)) from error
+            yield report
+
+    def _next_row(self) -> RowReport:
+        started = perf_counter()
+        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        stage, rows = self.model.stages[number], self.model.output.rows
+        begin, end = (stage.duration * r / rows for r in (row, row + 1))
+        n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
+        self.shells.dt = (end - begin) / n
+        most = min(ELEMENT_CYCLES_A_CALL // len(self.model.mesh.blocks[0].connectivity), n // SAMPLES) or 1
+        self.tools.begin_row()
+        for part in np.split(mean_speeds(stage, begin, end, n), range(most, n, most)):
+            self.shells.advance(len(part), velocity_scale=part, damping=self.model.explicit.damping)
+            self.tools.sample()
+        energies = self._energies(stage, end)
+        self._progress[[ROW, CYCLES]] += (1, n)
+        if row + 1 == rows:
+            self._progress[[STAGE, ROW]] = (number + 1, 0)
+            self._begin_stage()
+        self.timing.add("cycles", started)
+        steps = self.model.output.steps
+        return RowReport(
+            number=number * rows + row + 1,
+            stage=stage.name,
+            fraction=(row + 1) / rows,
+            time=self.shells.time,
+            cycles=n,
+            step=self.shells.dt,
+            energies=energies,
+            is_save_point=(row + 1) * steps // rows > row * steps // rows,
+        )
+
+    def _longest_step(self) -> float:
+        """Return the time step allowed now; add mass where the target asks for it."""
+        settings, bound = self.model.explicit, self.shells.stable_step()
+        if settings.target_step is None:
+            return settings.safety * bound
+        if settings.safety * bound < settings.target_step * (1 - 1e-9):
+            self._scale_mass(settings.target_step)
+        return settings.target_step
+
+    def _scale_mass(self, target: float) -> MassScaling:
+        """Add mass so that the target is `safety` times the stable step."""
+        scaling = self.shells.scale_mass(target * SAFETY / self.model.explicit.safety)
+        self._progress[ADDED_MASS] = scaling.percent
+        return scaling
+
+    def _begin_stage(self) -> None:
+        """Prescribe what supports and the present stage prescribe."""
+        self.shells.release()
+        sets = self.model.mesh.node_sets
+        for support in self.model.supports:
+            held = "".join(letter for letter, is_held in zip(FREEDOMS, support.fix, strict=True) if is_held)
+            self.shells.fix(sets[support.node_set], held)
+        number = int(self._progress[STAGE])
+        if number < len(self.model.stages):
+            for p in self.model.stages[number].prescribed:
+                self.shells.fix(sets[p.node_set], FREEDOMS[p.component], velocity=p.value)
+        self.tools.begin_stage(number)
+
+    def _energies(self, stage: StampingStage, time: float) -> EnergyBalance:
+        """Return the energies; the next half step goes on with the present speed."""
+        dt = self.shells.dt
+        speed = float(mean_speeds(stage, time - dt, time, 1)[0])
+        return self.shells.energies(damping=self.model.explicit.damping, velocity_scale=speed)
+
+    def remaining(self) -> float:
+        """Return the part of the whole process still to be computed, counted in stage durations."""
+        durations = np.array([s.duration for s in self.model.stages])
+        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        if number == len(durations):
+            return 0.0
+        done = durations[:number].sum() + durations[number] * row / self.model.output.rows
+        return float(1.0 - done / durations.sum())
+
+    # --- what is recorded --------------------------------------------------------------------------------------------
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.model.title
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed blank."""
+        return self.model.mesh
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        first = ["time", "stage", "increment", "cycles", *self.tools.row()]
+        return [*first, "time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent"]
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Rows between checkpoints."""
+        return self.model.output.checkpoint_every
+
+    @property
+    def number(self) -> int:
+        """Rows so far."""
+        return int(self._progress[STAGE]) * self.model.output.rows + int(self._progress[ROW])
+
+    def begin_log(self) -> str:
+        """Name the procedure and what it starts with."""
+        return (
+            f"explicit: {len(self.model.mesh.blocks[0].connectivity)} shells, stable step "
+            f"{self.shells.stable_step():.3g} s, added mass {self._progress[ADDED_MASS]:.3g} %"
+        )
+
+    def log_lines(self, report: RowReport) -> list[str]:
+        """Say where the row ended."""
+        e = report.energies
+        return [
+            f"row {report.number}, stage {report.stage} at {report.fraction:.4f}, {report.cycles} cycles of "
+            f"{report.step:.4g} s, kinetic {e.kinetic:.3g}, internal {e.internal:.3g}, hourglass {e.hourglass:.3g} "
+            f"N mm, balance off by {e.error_percent:.2g} %",
+            *(f"warning: {warning}" for warning in e.warnings()),
+        ]
+
+    def progress_text(self, report: RowReport) -> str:
+        """Name stage and cycle."""
+        return f"{report.stage}: cycle {int(self._progress[CYCLES])}  {self.tools.text()}"
+
+    def row(self, report: RowReport) -> Row:
+        """Return the row of the history."""
+        return {
+            "time": report.time,
+            "stage": report.stage,
+            "increment": report.number,
+            "cycles": int(self._progress[CYCLES]),
+            **self.tools.row(),
+            "time_step": report.step,
+            "added_mass_percent": float(self._progress[ADDED_MASS]),
+            **{f"{e}_energy": getattr(report.energies, e) for e in ENERGIES},
+            "energy_error_percent": report.energies.error_percent,
+        }
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state."""
+        shells, mesh = self.shells, self.model.mesh
+        points = shells.position
+        reaction = shells.internal_force * self._held()
+        planes = "".join(name for name, is_cut in zip("xy", self.model.symmetry, strict=True) if is_cut)
+        return Snapshot(
+            time=shells.time,
+            point_data={
+                "displacement": points - mesh.points,
+                "reaction_force": reaction[:, :3],
+                "reaction_moment": reaction[:, 3:],
+                "contact_force": shells.contact_force,
+            },
+            cell_data=self._fields.cell_fields(
+                points, shells.thickness, shells.stress, shells.equivalent_plastic_strain
+            ),
+            info={"title": self.model.title, "analysis": "stamping", "symmetry": planes},
+            surfaces=self.tools.surfaces(),
+            tool_displacement=self.tools.displacement(),
+        )
+
+    def _held(self) -> NDArray[np.bool_]:
+        """Mark the freedoms that supports and the present stage prescribe (n_points, 6)."""
+        held = np.zeros((len(self.model.mesh.points), 6), dtype=bool)
+        sets = self.model.mesh.node_sets
+        for support in self.model.supports:
+            held[sets[support.node_set]] |= np.asarray(support.fix)
+        last = min(int(self._progress[STAGE]), len(self.model.stages) - 1)
+        for p in self.model.stages[last].prescribed:
+            held[sets[p.node_set], p.component] = True
+        return held
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array that the next row depends on."""
+        return {"progress": self._progress.copy(), **self.shells.dump()}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+        own = self.to_arrays()
+        if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
+            raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
+        self._progress = np.array(arrays["progress"], dtype=float)
+        self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name != "progress"})
+        self._begin_stage()
+
+    def meta(self) -> Meta:
+        """Return nothing: the arrays hold all."""
+        return {}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up nothing."""
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        shells = self.shells
+        fields = self.snapshot().cell_data
+        names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
+        cycles = int(self._progress[CYCLES])
+        names_of_tools = [t.name for t in self.model.tools]
+        return {
+            "increments": self.number,
+            "cycles": cycles,
+            "work": f"{cycles} cycles of {len(self.model.mesh.blocks[0].connectivity)} shells",
+            "freedoms": 6 * len(self.model.mesh.points),
+            "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
+            "mass": {"blank_t": self._mass, "added_percent": float(self._progress[ADDED_MASS])},
+            "energy": {e: float(history[f"{e}_energy"][-1]) for e in ENERGIES} if len(history["time"]) else {},
+            "time_simulated": shells.time,
+            "warnings": [
+                *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
+                *warn_of_energies(history),
+            ],
+        }
+
+
+def warn_of_energies(history: Mapping[str, NDArray[Any]]) -> list[str]:
+    """Say which energies have been out of hand since forming was under way."""
+    internal = history["internal_energy"]
+    if len(internal) == 0 or internal.max() <= 0:
+        return []
+    formed = internal >= FORMED * internal.max()
+    advice = {
+        "kinetic": "inertia counts: make the tools slower, or add less mass",
+        "hourglass": "refine the mesh where it is bent sharply",
+    }
+    warnings = []
+    for name, remedy in advice.items():
+        share = 100.0 * history[f"{name}_energy"][formed] / internal[formed]
+        worst = int(np.argmax(share))
+        if share[worst] > WORTH_A_WARNING:
+            at = history["time"][formed][worst]
+            warnings.append(f"{name} energy reached {share[worst]:.3g} % of the internal (t = {at:.4g} s): {remedy}")
+    error = history["energy_error_percent"]
+    if np.abs(error).max() > WORTH_A_WARNING:
+        largest = float(error[np.argmax(np.abs(error))])
+        warnings.append(f"the energy balance is off by {largest:.3g} %: set explicit.safety lower")
+    return warnings

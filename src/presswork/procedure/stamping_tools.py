@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tools of a stamping at work: stroke by stage, forces over the whole process, what each feels on the mean."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.mesh.swept_tool import SweptTool
+from presswork.model import FloatArray, IntArray
+from presswork.model_stamping import StampingModel, StampingStage, StampingTool, ToolAction
+from presswork.procedure.explicit import ExplicitShells
+from presswork.procedure.motion import SmoothStroke
+from presswork.procedure.recording import Row
+
+FORCE_TIMES = 100
+"""Times of each stage at which a force over the stroke is tabulated."""
+DRAWN_WITHIN = 0.02
+"""Part of the blank's thickness by which the triangles of pictures may be off the tool."""
+
+
+class StampingTools:
+    """Adds a model's tools to the shells, and moves them."""
+
+    def __init__(self, model: StampingModel, shells: ExplicitShells) -> None:
+        self._model = model
+        self._tools = [shells.add_tool(t.name, t.shape.surface(), mu=t.mu) for t in model.tools]
+        for tool, at_work in zip(model.tools, self._tools, strict=True):
+            at_work.position = tool.position
+            if is_pushed(model, tool):
+                times, forces = tabulate_force(model, tool.name)
+                at_work.push(tool.way, (times, forces / model.whole))
+        self._mean = np.zeros((len(model.tools), 3))
+        self._samples = 0
+
+    def begin_stage(self, number: int) -> None:
+        """Let the tools that move do so as the stage says; their speed is a stroke in the stage's time."""
+        stages = self._model.stages
+        for tool, at_work in zip(self._model.tools, self._tools, strict=True):
+            if is_pushed(self._model, tool):
+                continue
+            action = stages[number].actions.get(tool.name, ToolAction()) if number < len(stages) else ToolAction()
+            at_work.velocity = action.stroke * np.asarray(tool.way)
+
+    def begin_row(self) -> None:
+        """Forget the forces felt so far."""
+        self._mean[:], self._samples = 0.0, 0
+
+    def sample(self) -> None:
+        """Note what every tool feels now."""
+        self._samples += 1
+        for mean, tool in zip(self._mean, self._tools, strict=True):
+            mean += (tool.force - mean) / self._samples
+
+    def strokes(self) -> FloatArray:
+        """Return how far each tool has come along its way [mm]."""
+        moved = self.displacement().values()
+        return np.array([m @ np.asarray(t.way) for m, t in zip(moved, self._model.tools, strict=True)])
+
+    def forces(self) -> FloatArray:
+        """Return the mean force of the sheet on each whole tool since begin_row (n_tools, 3) [N]."""
+        whole = self._mean * self._model.whole
+        for axis, is_cut in enumerate(self._model.symmetry):
+            if is_cut:  # what the mirror images feel takes it away
+                whole[:, axis] = 0.0
+        return whole
+
+    def row(self) -> Row:
+        """Return the columns of the history."""
+        row: Row = {}
+        for tool, stroke, force in zip(self._model.tools, self.strokes(), self.forces(), strict=True):
+            row[f"{tool.name}.stroke"] = float(stroke)
+            row[f"{tool.name}.force"] = -float(force @ np.asarray(tool.way)) + 0.0
+            row |= {f"{tool.name}.force_{axis}": float(f) for axis, f in zip("xyz", force, strict=True)}
+        return row
+
+    def text(self) -> str:
+        """Name the tools with their strokes and forces."""
+        each = zip(self._model.tools, self.strokes(), self.forces(), strict=True)
+        parts = [f"{t.name} {s:.2f} mm {-float(f @ np.asarray(t.way)) / 1e3:.1f} kN" for t, s, f in each if s]
+        return "  ".join(parts)
+
+    def displacement(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the start (3,) [mm]."""
+        each = zip(self._model.tools, self._tools, strict=True)
+        return {t.name: at_work.position - np.asarray(t.position) for t, at_work in each}
+
+    def surfaces(self) -> dict[str, tuple[FloatArray, IntArray]]:
+        """Return points and triangles of every tool where it starts, for pictures."""
+        mesh = self._model.mesh
+        length = 2.5 * float(np.abs(mesh.points[:, 1]).max())
+        found = {}
+        for tool in self._model.tools:
+            if isinstance(tool.shape, SweptTool):
+                section = mesh.blocks[0].section
+                assert section is not None
+                points, triangles = tool.shape.triangulate(DRAWN_WITHIN * section.thickness, length=length)
+            else:
+                points, triangles = tool.shape.points, tool.shape.triangles
+            found[tool.name] = (points + np.asarray(tool.position), triangles)
+        return found
+
+
+def is_pushed(model: StampingModel, tool: StampingTool) -> bool:
+    """Say whether a force places the tool."""
+    return any(tool.name in s.actions and s.actions[tool.name].force is not None for s in model.stages)
+
+
+def tabulate_force(model: StampingModel, name: str) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and forces [N] of a pushed tool over the whole process.
+
+    At the start of each stage the force goes over to the stage's own within its ramp; before the first it is zero, and
+    a stage that says nothing keeps it.
+    """
+    times, forces = [np.zeros(1)], [np.zeros(1)]
+    begin, force_n = 0.0, 0.0
+    for stage in model.stages:
+        action = stage.actions.get(name)
+        at = np.linspace(0.0, stage.duration, FORCE_TIMES + 1)[1:]
+        if action is None or action.force is None:
+            own = np.full(len(at), force_n)
+        else:
+            own = np.interp(stroke_of(stage).position(at), *action.force.T)
+        blend = np.minimum(at / stage.ramp, 1.0)
+        own = (1 - blend) * force_n + blend * own
+        times.append(begin + at)
+        forces.append(own)
+        begin, force_n = begin + stage.duration, float(own[-1])
+    return np.concatenate(times), np.concatenate(forces)
+
+
+def stroke_of(stage: StampingStage) -> SmoothStroke:
+    """Return the part of its way that all that moves in a stage has gone, 0 to 1, as a motion in time."""
+    return SmoothStroke(1.0, stage.duration, rise=stage.ramp / stage.duration)
+
+
+def mean_speeds(stage: StampingStage, start: float, end: float, n: int) -> FloatArray:
+    """Return the mean speed in n equal steps from start to end, times the stage's way [1/s]; they add up to the way."""
+    gone = stroke_of(stage).position(np.linspace(start, end, n + 1))
+    return np.asarray(np.diff(gone) * n / (end - start))

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of a stamping along a section: sheet between tools, thickness from the middle to the edge; draw-in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from presswork.post.section import cut_sheet, cut_tool, measure_draw_in
+from presswork.results import Result
+from presswork.view.style import clean_axes, describe_step, new_figure, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_DRAW_IN_ANGLES = (0.0, 45.0, 90.0)
+_TOOL_COLOURS = ("0.45", "#8a5a2b", "#2b6a8a", "#5a8a2b")
+
+
+def plot_section(result: Result, angle: float = 0.0, step: int = -1, *, figure: Figure | None = None) -> Figure:
+    """Draw the section along the radius at an angle from x [degree]: sheet and tools above, thickness strain below."""
+    require_matplotlib()
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    figure = new_figure(7.0, 6.0) if figure is None else figure
+    upper, lower = figure.subplots(2, 1, height_ratios=(2, 1))
+    radians = float(np.radians(angle))
+    sheet = cut_sheet(result, radians, step)
+    lines = sheet.line
+    thickness = result.field("thickness", step)[sheet.cell]
+    for colour, tool in zip(_TOOL_COLOURS, result.surfaces, strict=False):
+        cut = cut_tool(result, tool, radians, step)
+        upper.add_collection(LineCollection(list(cut), colors=colour, linewidths=1.0))
+        upper.plot([], [], color=colour, label=tool)
+    along = lines[:, 1] - lines[:, 0]
+    normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+    half = 0.5 * thickness[:, None, None] * normal[:, None, :]
+    faces = np.concatenate([lines + half, (lines - half)[:, ::-1]], axis=1)
+    upper.add_collection(PolyCollection(list(faces), facecolor="#c03030", edgecolor="#c03030", linewidths=0.3))
+    low, high = lines.reshape(-1, 2).min(axis=0), lines.reshape(-1, 2).max(axis=0)
+    margin = 0.08 * float((high - low).max())
+    upper.set(xlim=(0.0, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
+    upper.set_aspect("equal")
+    upper.set_xlabel("distance from the axis [mm]")
+    upper.set_ylabel("z [mm]")
+    if result.surfaces:
+        upper.legend(frameon=False, fontsize="small", loc="center left")
+    title = str(result.info.get("title", "")).strip()
+    upper.set_title(f"{title}\n{describe_step(result, step)}, section at {angle:g} degrees", fontsize="medium")
+    lower.plot(sheet.way, result.field("thickness_strain", step)[sheet.cell], ".-", linewidth=1.2, markersize=3)
+    lower.set_xlabel("distance from the axis in the undeformed blank [mm]")
+    lower.set_ylabel("thickness strain [–]")
+    lower.set_xlim(left=0.0)
+    clean_axes(lower)
+    return figure
+
+
+def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
+    """Draw how far the edge of the blank has come in along x, y and the diagonal against the stroke."""
+    require_matplotlib()
+    figure = new_figure(6.4, 4.2) if figure is None else figure
+    ax = figure.subplots()
+    steps = range(len(result.times))
+    way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
+    tool = max(way, key=lambda name: way[name])
+    stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]
+    for angle in _DRAW_IN_ANGLES:
+        come_in = [measure_draw_in(result, float(np.radians(angle)), step) for step in steps]
+        ax.plot(stroke, come_in, ".-", label=f"at {angle:g} degrees", linewidth=1.6)
+    ax.set_xlabel(f"{tool} stroke [mm]")
+    ax.set_ylabel("draw-in [mm]")
+    ax.set_title(str(result.info.get("title", "")))
+    ax.legend(frameon=False)
+    clean_axes(ax)
+    return figure

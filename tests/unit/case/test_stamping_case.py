@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cases of stampings: what they build, and what they refuse."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork.case import CaseError, StampingCase, build_model, describe, read_case
+from presswork.model_stamping import StampingModel
+
+CUP: dict[str, Any] = {
+    "title": "cup",
+    "analysis": "stamping",
+    "blank": {"shape": "circle", "diameter": 100, "thickness": "0.8 mm", "element_size": 6, "material": "steel",
+              "rolling_direction": 30, "symmetry": ["x", "y"]},
+    "materials": {"steel": {"young": "206 GPa", "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 200,
+                                                                                "modulus": 1000}}},
+    "tools": {
+        "punch": {"kind": "punch", "shape": "round", "diameter": 50, "edge_radius": 5},
+        "die": {"kind": "die", "shape": "round", "diameter": 52.5, "edge_radius": 6, "mu": 0.05},
+        "holder": {"kind": "holder", "shape": "round", "diameter": 54, "edge_radius": 1},
+    },
+    "stages": [{"name": "draw", "velocity": "2 m/s", "tools": {"punch": {"stroke": 20}, "holder": {"force": "10 kN"}}}],
+}  # fmt: skip
+
+
+def build(**changes: Any) -> StampingModel:
+    """Build the cup with values changed: dots in a key are written as double underscores."""
+    data = copy.deepcopy(CUP)
+    for path, value in changes.items():
+        change(data, path.replace("__", "."), value)
+    model = build_model(StampingCase.model_validate(data))
+    assert isinstance(model, StampingModel)
+    return model
+
+
+def change(data: dict[str, Any], path: str, value: object) -> None:
+    *keys, last = path.split(".")
+    here: Any = data
+    for key in keys:
+        here = here[int(key)] if key.isdigit() else here[key]
+    here[int(last) if last.isdigit() else last] = value
+
+
+def test_model_holds_what_the_case_says() -> None:
+    model = build()
+    assert model.whole == 4
+    assert model.rolling_direction == pytest.approx((np.sqrt(0.75), 0.5, 0))
+    section = model.mesh.blocks[0].section
+    assert section is not None
+    assert section.thickness == 0.8
+    punch, die, holder = model.tools
+    assert punch.position == (0, 0, 0.4), "tools just touch the sheet's faces"
+    assert die.position == (0, 0, -0.4)
+    assert holder.position == (0, 0, 0.4)
+    assert (punch.way, die.way, die.mu) == ((0, 0, -1), (0, 0, 1), 0.05)
+    stage = model.stages[0]
+    assert stage.duration == pytest.approx(0.01 / 0.9)
+    assert stage.ramp == pytest.approx(0.1 * stage.duration)
+    assert stage.actions["punch"].stroke == 20
+    force = stage.actions["holder"].force
+    assert force is not None
+    assert force.tolist() == [[0.0, 10e3]]
+    words = describe(model)
+    for part in ("0.8 mm of steel", "edge radius 5 mm", "holder pushes with 10000 N", "those of the whole", "cycles"):
+        assert part in words
+    assert "elements round the edge of punch; elements of 2.6 mm would be 3" in words
+    assert "hint" not in describe(build(blank__element_size=2.5))
+
+
+def test_the_density_is_that_of_a_metal_with_this_modulus() -> None:
+    assert build().materials[0].density == pytest.approx(7.85e-9, rel=0.02), "steel"
+    aluminium = build(materials__steel__young="69 GPa").materials[0]
+    assert aluminium.density == pytest.approx(2.70e-9, rel=0.03)
+    assert build(materials__steel__density="7850 kg/m^3").materials[0].density == pytest.approx(7.85e-9)
+
+
+def test_a_gap_lifts_the_holder_off_the_die() -> None:
+    tools = {tool.name: tool for tool in build(tools__holder__gap=1.1).tools}
+    assert tools["holder"].position[2] - tools["die"].position[2] == pytest.approx(1.1)
+
+
+def test_a_force_over_the_stroke_becomes_a_table() -> None:
+    force = build(stages__0__tools__holder={"force": [[0, "4 kN"], [15, "10 kN"]]}).stages[0].actions["holder"].force
+    assert force is not None
+    assert force.tolist() == [[0, 4e3], [0.75, 10e3]]
+
+
+def test_times_follow_from_velocity_duration_and_ramp() -> None:
+    stage = build(stages__0__ramp="2 ms").stages[0]
+    assert stage.duration == pytest.approx(0.012)
+    slow = {"name": "draw", "duration": 0.05, "tools": {"punch": {"stroke": 20}}}
+    stage = build(stages__0=slow).stages[0]
+    assert (stage.duration, stage.ramp) == pytest.approx((0.05, 0.005))
+
+
+@pytest.mark.parametrize(("path", "value", "fragments"), [
+    ("blank.thickness", 0, ["blank.thickness", "> 0"]),
+    ("blank.diameter", "100 kg", ["blank.diameter", "a length", "mass"]),
+    ("blank.element_size", 0.001, ["blank.element_size", "elements, more than memory will hold"]),
+    ("blank.shape", "cirle", ["blank.shape", "circle"]),
+    ("blank.material", "stel", ["blank.material", "did you mean `steel`"]),
+    ("blank.symmetry", ["z"], ["blank.symmetry", "x"]),
+    ("blank.thicknes", 1, ["blank.thicknes", "unknown key", "thickness"]),
+    ("materials.steel.density", 7850, ["materials.steel.density", "7850", "density of no metal", "kg/m^3"]),
+    ("materials.steel.density", 7.85e-12, ["materials.steel.density", "density of no metal"]),
+    ("materials.steel.density", 0, ["materials.steel.density", "density of no metal"]),
+    ("tools.punch.diameter", 53, ["tools.punch", "clearance is negative", "0.25 mm larger", "die"]),
+    ("tools.punch.diameter", 52, ["tools.punch", "clearance of 0.25 mm", "0.8 mm"]),
+    ("tools.holder.diameter", 49, ["tools.punch", "clearance is negative", "holder"]),
+    ("tools.punch.edge_radius", 26, ["tools.punch.edge_radius", "larger than the punch's radius of 25 mm"]),
+    ("tools.die.edge_radius", 0, ["tools.die.edge_radius", "sharp edge"]),
+    ("tools.die.gap", 1, ["tools.die.gap", "only a holder"]),
+    ("tools.holder.gap", 0.7, ["tools.holder.gap", "smaller than the blank's thickness of 0.8 mm"]),
+    ("tools.holder.face_width", 20, ["tools.holder.face_width", "larger than the holder", "3 mm beyond"]),
+    ("tools.punch.face_width", 20, ["tools.punch.face_width", "no face"]),
+    ("tools.punch.position", [1, 0, 5], ["tools.punch.position", "symmetry plane x = 0"]),
+    ("tools.punch.kind", "stamp", ["tools.punch.kind", "die, holder, punch"]),
+    ("tools.punch.shape", "hemisferical", ["tools.punch.shape", "did you mean `hemispherical`"]),
+    ("tools.punch", {"kind": "die", "shape": "hemispherical", "diameter": 50}, ["hemispherical nose"]),
+    ("tools.punch.mu", -0.1, ["tools.punch.mu", ">= 0"]),
+    ("stages.0.tools.punsh", {"stroke": 1}, ["stages.0.tools.punsh", "did you mean `punch`"]),
+    ("stages.0.tools.punch", {}, ["stages.0.tools.punch.stroke", "either stroke or force"]),
+    ("stages.0.tools.punch", {"stroke": 1, "force": 1}, ["either stroke or force"]),
+    ("stages.0.tools.holder.force", -5, ["forces >= 0"]),
+    ("stages.0.tools.holder.force", [[5, 1], [0, 2]], ["strokes of the table do not increase"]),
+    ("stages.0.tools", {"holder": {"force": [[0, 1], [5, 2]]}}, ["stages.0.tools.holder.force", "no tool moves"]),
+    ("stages.0.tools", {}, ["stages.0", 'nothing moves in the stage "draw"']),
+    ("stages.0.ramp", "20 ms", ["stages.0.ramp", "do not fit into 20 mm at 2000 mm/s", "0.01 s"]),
+    ("stages.0.duration", 1, ["stages.0.duration", "velocity and duration"]),
+    ("stages.0.velocity", 0, ["stages.0.velocity", "> 0"]),
+    ("stages.0.displacement", [{"set": "rim", "component": "x", "value": 1}], ["displacement.0.set", "no such node"]),
+    ("explicit", {"safety": 1.2}, ["explicit.safety", "<= 1"]),
+    ("explicit", {"target_step": -1}, ["explicit.target_step", "> 0"]),
+    ("output", {"steps": 300}, ["output.steps", "no more than rows = 200"]),
+    ("procedure", "implict", ["procedure", "explicit"]),
+])  # fmt: skip
+def test_bad_input_is_named(path, value, fragments) -> None:
+    data = copy.deepcopy(CUP)
+    change(data, path, value)
+    with pytest.raises(CaseError) as error:
+        build_model(StampingCase.model_validate(data))
+    for fragment in fragments:
+        assert fragment in str(error.value)
+
+
+@pytest.mark.parametrize("missing", ["die", "holder"])
+def test_a_pushed_tool_needs_one_on_the_other_side(missing) -> None:
+    data = copy.deepcopy(CUP)
+    pushed = "holder" if missing == "die" else "die"
+    del data["tools"][missing]
+    data["stages"][0]["tools"] = {"punch": {"stroke": 20}, pushed: {"force": 1000}}
+    with pytest.raises(CaseError, match=f"the {pushed} is pushed, but no {missing}"):
+        build_model(StampingCase.model_validate(data))
+
+
+@pytest.mark.parametrize(("punch", "die", "clearance"), [
+    ({"size": [51, 51], "corner_radius": 10}, {"size": [54, 54], "corner_radius": 11.5}, None),
+    ({"size": [51, 51], "corner_radius": 10}, {"size": [54, 54], "corner_radius": 14}, "0.4645"),
+    ({"size": [51, 51], "corner_radius": 10}, {"size": [54, 52], "corner_radius": 11}, "0.5 mm"),
+    ({"size": [51, 51], "corner_radius": 4}, {"size": [54, 54], "corner_radius": 20}, "negative"),
+])  # fmt: skip
+def test_the_clearance_of_rectangles_counts_in_their_corners_too(punch, die, clearance) -> None:
+    """The thesis's square cup has 1.5 mm all round; a larger corner of the die eats (sqrt(2) - 1) of its growth."""
+    data = copy.deepcopy(CUP)
+    shape = {"shape": "rectangular", "edge_radius": 4}
+    data["tools"] = {"punch": {"kind": "punch", **shape, **punch}, "die": {"kind": "die", **shape, **die}}
+    data["stages"][0]["tools"] = {"punch": {"stroke": 5}}
+    if clearance is None:
+        build_model(StampingCase.model_validate(data))
+        return
+    with pytest.raises(CaseError, match=clearance):
+        build_model(StampingCase.model_validate(data))
+
+
+def test_library_materials_and_overrides_work(tmp_path: Path) -> None:
+    import tomli_w
+
+    data = copy.deepcopy(CUP)
+    data["blank"]["material"] = "aa6016_t4"
+    (tmp_path / "cup.toml").write_text(tomli_w.dumps(data))
+    case = read_case(tmp_path / "cup.toml", ["stages.0.tools.punch.stroke=5"])
+    model = build_model(case)
+    assert isinstance(model, StampingModel)
+    assert model.stages[0].actions["punch"].stroke == 5
+    assert model.materials[model.mesh.blocks[0].material].young == pytest.approx(70e3)
+    assert "stroke = 5" in model.case_text
+
+
+def write_blank(path: Path, height: float = 0.0, low: float = 0.0) -> None:
+    x, y = np.meshgrid(np.linspace(low, 30, 4), np.linspace(0, 30, 4))
+    rows = "\n".join(
+        f"{i + 1}, {a}, {b}, {height * a * a}" for i, (a, b) in enumerate(zip(x.flat, y.flat, strict=True))
+    )
+    cells = [(i, i + 1, i + 5, i + 4) for j in range(3) for i in range(4 * j + 1, 4 * j + 4)]
+    lines = "\n".join(f"{k + 1}, {a}, {b}, {c}, {d}" for k, (a, b, c, d) in enumerate(cells))
+    path.write_text(f"*NODE, NSET=all_nodes\n{rows}\n*ELEMENT, TYPE=S4\n{lines}\n")
+
+
+def test_a_blank_from_a_file_is_cut_where_its_mesh_ends(tmp_path: Path) -> None:
+    write_blank(tmp_path / "blank.inp")
+    blank = {k: v for k, v in CUP["blank"].items() if k not in ("diameter", "element_size")}
+    blank |= {"shape": "file", "path": str(tmp_path / "blank.inp")}
+    model = build(blank=blank)
+    assert len(model.mesh.blocks[0].connectivity) == 9
+    assert [s.node_set for s in model.supports] == ["symmetry_x", "symmetry_y"]
+    assert len(model.mesh.node_sets["symmetry_x"]) == 4
+    assert len(model.mesh.node_sets["edge"]) == 7
+    (tmp_path / "blank.inp").write_text("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3\n1, 1, 2, 3\n")
+    with pytest.raises(CaseError, match=r"blank.path.*not quadrilaterals alone: tri3"):
+        build(blank=blank)
+    write_blank(tmp_path / "blank.inp", low=-3)
+    with pytest.raises(CaseError, match=r"blank.symmetry.*symmetry plane x = 0: it reaches from -3 mm"):
+        build(blank=blank)
+    write_blank(tmp_path / "blank.inp", height=0.001)
+    with pytest.raises(CaseError, match=r"tools.punch: the blank is not flat.*position"):
+        build(blank=blank)
