@@ -16,6 +16,7 @@ void bind_contact(nb::module_& m);
 void bind_tool_surface(nb::module_& m);
 void bind_assembly(nb::module_& m);
 void bind_explicit(nb::module_& m);
+void bind_one_step(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -35,4 +36,5 @@ NB_MODULE(_core, m) {
   bind_tool_surface(m);
   bind_assembly(m);
   bind_explicit(m);
+  bind_one_step(m);
 }

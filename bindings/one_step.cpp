@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nanobind/stl/array.h>
+
+#include "arrays.hpp"
+#include "element/evaluate_inverse.hpp"
+
+namespace presswork::bindings {
+
+namespace {
+
+// Hardening and yield function of deformation theory.
+DeformationLaw make_law(double young, const std::array<double, 9>& metric, HardeningLaw law,
+                        std::vector<double> parameters) {
+  require(young > 0.0, "young must be above zero");
+  DeformationLaw made{{law, std::move(parameters)}, young, {}};
+  for (int i = 0; i < 9; ++i) made.strain_metric[i / 3][i % 3] = metric[i];
+  return made;
+}
+
+// Stress and its slope at total equivalent strains.
+std::tuple<NewDoubles, NewDoubles> flow_curve(const DeformationLaw& law, Doubles strain) {
+  double *stress, *slope;
+  auto stresses = new_array({strain.size()}, &stress);
+  auto slopes = new_array({strain.size()}, &slope);
+  for (std::size_t i = 0; i < strain.size(); ++i) law.flow(strain.data()[i], stress[i], slope[i]);
+  return {stresses, slopes};
+}
+
+}  // namespace
+
+void bind_one_step(nb::module_& m) {
+  nb::class_<DeformationLaw>(m, "DeformationLaw", "Deformation theory of a sheet in plane stress.")
+      .def(
+          "__init__",
+          [](DeformationLaw* self, double young, const std::array<double, 9>& metric, HardeningLaw law,
+             std::vector<double> parameters) {
+            new (self) DeformationLaw(make_law(young, metric, law, std::move(parameters)));
+          },
+          nb::arg("young"), nb::arg("strain_metric"), nb::arg("law"), nb::arg("parameters"),
+          "strain_metric: rows of Q, e^2 = E' Q E over E = (xx, yy, 2 xy).")
+      .def("flow_curve", &flow_curve, nb::arg("strain"), "Stress [MPa] and its slope at total equivalent strains (n).");
+  m.def(
+      "evaluate_inverse",
+      [](Ints triangles, Doubles share, Doubles axes, Doubles edges, Doubles curvature, Doubles bases, Doubles blank,
+         double thickness, const DeformationLaw& law, std::vector<double> height, std::vector<double> weight,
+         bool with_stiffness) {
+        const std::size_t n = triangles.shape(0), n_nodes = blank.shape(0);
+        require(triangles.ndim() == 2 && triangles.shape(1) == 3, "triangles must have shape (n, 3)");
+        require(share.size() == n && axes.size() == 6 * n && edges.size() == 4 * n && curvature.size() == 3 * n,
+                "share (n), axes (n, 2, 3), edges (n, 2, 2), curvature (n, 3)");
+        require(bases.size() == 6 * n_nodes && blank.size() == 2 * n_nodes,
+                "bases (n_nodes, 2, 3), blank (n_nodes, 2)");
+        require(height.size() == weight.size() && !height.empty(),
+                "height and weight must have the same length, not 0");
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+          require(triangles.data()[i] >= 0 && std::size_t(triangles.data()[i]) < n_nodes,
+                  "triangles names a node that is not there");
+        double *force, *stiffness = nullptr;
+        auto forces = new_array({n, 3, 3}, &force);
+        const std::size_t packs = with_stiffness ? (n + pack_width - 1) / pack_width : 0;
+        auto stiffnesses = new_array({packs, 6, 6, std::size_t(pack_width)}, &stiffness);
+        const InverseBlock block{static_cast<int>(n), triangles.data(),  share.data(),     axes.data(),
+                                 edges.data(),        curvature.data(),  bases.data(),     blank.data(),
+                                 thickness,           std::move(height), std::move(weight)};
+        int failed = -1;
+        {
+          nb::gil_scoped_release release;
+          if (n > 0) failed = evaluate_inverse(block, law, force, with_stiffness ? stiffness : nullptr);
+        }
+        return std::make_tuple(forces, stiffnesses, failed);
+      },
+      nb::arg("triangles"), nb::arg("share"), nb::arg("axes"), nb::arg("edges"), nb::arg("curvature"), nb::arg("bases"),
+      nb::arg("blank"), nb::arg("thickness"), nb::arg("law"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),
+      nb::arg("with_stiffness"),
+      "Forces (n, 3, 3) [N] of the triangles of a part whose nodes come from `blank`, their derivatives (n, 6, 6) "
+      "along "
+      "the nodes' bases, and the index of a triangle turned over in the blank, or -1.");
+}
+
+}  // namespace presswork::bindings

@@ -1,0 +1,407 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The one-step solver: from the finished part back to its flat blank.
+
+Unknown are the places of the part's nodes in the blank. Equilibrium is asked along the part's surface only, for normal
+to it the tools hold: the forces of inverse_membrane.hpp along two tangents of each node, with friction, vanish. Where
+no symmetry plane holds the part, three force fields (two directions and a turn) take up what tools must hold beside
+that; they tell how far the part is from a place where it would stay by itself. Theory: docs/theory/one_step.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork import _core
+from presswork.model import BoolArray, FloatArray, IntArray
+from presswork.procedure.explicit import layer_rule
+from presswork.procedure.linear_solver import SolverError, make_solver
+
+FORCE_TOLERANCE = 1e-6
+"""Largest unbalanced force over flow stress x thickness x edge length."""
+MOVE_TOLERANCE = 1e-7
+"""Largest correction over the size of the part."""
+MAX_ITERATIONS = 60
+_SHORTEST_STEP = 2.0**-12
+
+
+class OneStepError(Exception):
+    """The blank could not be found."""
+
+
+@dataclass(frozen=True)
+class PartSurface:
+    """The finished part's mid-surface, prepared for the solver."""
+
+    points: FloatArray
+    """(n_nodes, 3) [mm]."""
+    triangles: IntArray
+    """(n, 3), counter-clockwise as the normals see them."""
+    share: FloatArray
+    """Part of each triangle that counts (n,): 1/2 for a quadrilateral's four, which overlap."""
+    normals: FloatArray
+    """Of the nodes (n_nodes, 3), unit."""
+    axes: FloatArray
+    """Of the triangles (n, 2, 3), unit, in their planes."""
+    edges: FloatArray
+    """Edges 01 and 02 as columns in these axes (n, 2, 2) [mm]."""
+    curvature: FloatArray
+    """xx, yy, xy in these axes, above zero where the side of the normal is stretched (n, 3) [1/mm]."""
+
+    @property
+    def areas(self) -> FloatArray:
+        """What each triangle counts (n,) [mm2]."""
+        twice = self.edges[:, 0, 0] * self.edges[:, 1, 1] - self.edges[:, 0, 1] * self.edges[:, 1, 0]
+        return np.asarray(0.5 * self.share * twice)
+
+    @property
+    def nodal_areas(self) -> FloatArray:
+        """Area of the surface that belongs to each node (n_nodes,) [mm2]."""
+        third = np.repeat(self.areas / 3.0, 3)
+        return np.bincount(self.triangles.ravel(), third, minlength=len(self.points))
+
+
+def prepare_part(
+    points: FloatArray, triangles: IntArray, quadrilaterals: IntArray, *, with_bending: bool = True
+) -> PartSurface:
+    """Prepare a part's mesh. Quadrilaterals are cut along both diagonals, each cut counting half.
+
+    points (n_nodes, 3); triangles (n, 3) and quadrilaterals (m, 4), all with their normals to the same side.
+    """
+    q = quadrilaterals.reshape(-1, 4)
+    halves = [q[:, [0, 1, 2]], q[:, [0, 2, 3]], q[:, [0, 1, 3]], q[:, [1, 2, 3]]]
+    cells = np.ascontiguousarray(np.concatenate([triangles.reshape(-1, 3), *halves]), dtype=np.int32)
+    share = np.concatenate([np.ones(len(triangles)), np.full(4 * len(q), 0.5)])
+    first, second = (points[cells[:, i]] - points[cells[:, 0]] for i in (1, 2))
+    normal = np.cross(first, second)
+    length = np.linalg.norm(first, axis=1)
+    x = first / length[:, None]
+    y = np.cross(normal, x) / np.linalg.norm(normal, axis=1)[:, None]
+    axes = np.stack([x, y], axis=1)
+    edges = np.stack([np.einsum("nai,ni->na", axes, e) for e in (first, second)], axis=2)
+    nodal = np.zeros_like(points)
+    for corner in range(3):
+        np.add.at(nodal, cells[:, corner], share[:, None] * normal)
+    nodal /= np.maximum(np.linalg.norm(nodal, axis=1, keepdims=True), 1e-300)
+    curvature = _find_curvature(points, cells, nodal, axes) if with_bending else np.zeros((len(cells), 3))
+    return PartSurface(points, cells, share, nodal, axes, np.ascontiguousarray(edges), curvature)
+
+
+def _find_curvature(points: FloatArray, cells: IntArray, normals: FloatArray, axes: FloatArray) -> FloatArray:
+    """Fit the symmetric B of dn = B dx to the three edges of each triangle; shape (n, 3): xx, yy, xy."""
+    rows, right = [], []
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        dx = np.einsum("nai,ni->na", axes, points[cells[:, b]] - points[cells[:, a]])
+        dn = np.einsum("nai,ni->na", axes, normals[cells[:, b]] - normals[cells[:, a]])
+        zero = np.zeros(len(cells))
+        rows += [np.stack([dx[:, 0], zero, dx[:, 1]], axis=1), np.stack([zero, dx[:, 1], dx[:, 0]], axis=1)]
+        right += [dn[:, 0], dn[:, 1]]
+    matrix, values = np.stack(rows, axis=1), np.stack(right, axis=1)
+    normal_matrix = np.einsum("nki,nkj->nij", matrix, matrix)
+    return np.asarray(np.linalg.solve(normal_matrix, np.einsum("nki,nk->ni", matrix, values)[..., None])[..., 0])
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction forces against the sheet's way over one tool."""
+
+    force: FloatArray
+    """At each node (n_nodes,) [N]."""
+    level: FloatArray
+    """Where the flat blank would lie on that tool, along the draw direction (n_nodes,) [mm]."""
+
+
+@dataclass(frozen=True)
+class OneStepProblem:
+    """Everything that the solver needs. The draw direction is +z or -z; the blank lies in x, y."""
+
+    part: PartSurface
+    law: _core.DeformationLaw
+    thickness: float
+    """Of the blank [mm]."""
+    flow_stress: float
+    """A typical one, to scale forces with [MPa]."""
+    layers: int = 3
+    """Points through the thickness, for bending."""
+    held: tuple[BoolArray, BoolArray] | None = None
+    """Nodes on symmetry planes normal to x | y, each (n_nodes,)."""
+    friction: tuple[Friction, ...] = ()
+
+
+@dataclass
+class OneStepSolution:
+    """A blank, and how it was found."""
+
+    blank: FloatArray
+    """Places of the nodes in the blank (n_nodes, 2) [mm]."""
+    forces: FloatArray
+    """Of the sheet on what holds it, at each node in space (n_nodes, 3) [N]."""
+    held_force: FloatArray
+    """Resultant of the force fields that hold the part: along x, y [N], about z [N mm]."""
+    iterations: int = 0
+    residuals: list[float] = field(default_factory=list)
+    """Largest unbalanced force of each iteration, over flow stress x thickness x edge length."""
+
+
+class OneStep:
+    """Newton's method for one problem."""
+
+    def __init__(self, problem: OneStepProblem, *, threads: int = 0) -> None:
+        self.problem = problem
+        part = problem.part
+        self._n = len(part.points)
+        self._height, self._weight = layer_rule(problem.layers, "gauss")
+        self._bases, self._fixed = self._choose_tangents()
+        self._areas = part.nodal_areas
+        self._is_free = not self._fixed.any()
+        extra = 2 if self._is_free else 0
+        self._assembler = _core.Assembler(self._n + extra, [part.triangles], symmetric=False, couplings=self._couplings())
+        self._turned = np.zeros(self._n + extra, dtype=np.uint8)
+        self._frames = np.zeros((self._n + extra, 2, 2))
+        indptr, indices = self._assembler.indptr, self._assembler.indices
+        self._solver = make_solver(indptr, indices, symmetric=False, threads=threads or _core.max_threads())
+        edge = float(np.sqrt(part.areas.sum() / max(self._n, 1)))
+        self._scale = problem.flow_stress * problem.thickness * edge
+        self._size = float(np.ptp(part.points, axis=0).max())
+        self._holding, self._gauge = self._choose_holding()
+
+    # --- what stays through the iteration ----------------------------------------------------------------------------
+
+    def _choose_tangents(self) -> tuple[FloatArray, BoolArray]:
+        """Return two tangents of each node (n_nodes, 2, 3) and which of the blank's places are held (n_nodes, 2).
+
+        On a symmetry plane the tangent normal to it belongs to the place that is held.
+        """
+        normals = self.problem.part.normals
+        axis = np.eye(3)[np.where(np.abs(normals[:, 0]) < 0.8, 0, 1)]
+        held = np.zeros((self._n, 2), dtype=bool)
+        if self.problem.held is not None:
+            held = np.stack(self.problem.held, axis=1)
+            axis[held[:, 0]] = np.eye(3)[0]
+            axis[held[:, 1] & ~held[:, 0]] = np.eye(3)[1]
+        along = axis - np.einsum("ni,ni->n", axis, normals)[:, None] * normals
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        across = np.cross(normals, along)
+        second_only = held[:, 1] & ~held[:, 0]
+        bases = np.stack([along, across], axis=1)
+        bases[second_only] = bases[second_only][:, ::-1]
+        return np.ascontiguousarray(bases), held
+
+    def _couplings(self) -> IntArray | None:
+        """Couple every node with the two that carry the forces which hold the part."""
+        if not self._is_free:
+            return None
+        nodes, n = np.arange(self._n), self._n
+        pairs = [np.stack([nodes, np.full(n, n + k)], axis=1) for k in (0, 1)]
+        return np.concatenate([*pairs, [[n, n + 1], [n, n], [n + 1, n + 1]]]).astype(np.int32)
+
+    def _choose_holding(self) -> tuple[FloatArray, FloatArray]:
+        """Return the holding force fields along the tangents, and the conditions on the blank's place (n_nodes, 2, 3).
+
+        The blank lies so that it covers the part seen from above as well as it can, with the nodes' areas as weights.
+        """
+        part = self.problem.part
+        centre = np.average(part.points[:, :2], axis=0, weights=self._areas)
+        arm = (part.points[:, :2] - centre) / self._size
+        fields = np.zeros((self._n, 3, 3))
+        fields[:, 0, 0] = fields[:, 1, 1] = 1.0
+        fields[:, 0, 2], fields[:, 1, 2] = -arm[:, 1], arm[:, 0]
+        share = (self._areas / self._areas.sum())[:, None, None]
+        return np.einsum("nai,nik->nak", self._bases, fields) * share, fields[:, :2] * share
+
+    # --- forces ------------------------------------------------------------------------------------------------------
+
+    def _evaluate(
+        self, blank: FloatArray, law: _core.DeformationLaw, *, with_stiffness: bool
+    ) -> tuple[FloatArray, FloatArray, bool]:
+        """Return the nodal forces in space (n_nodes, 3), the triangles' stiffness and whether none is turned over."""
+        part = self.problem.part
+        force, stiffness, failed = _core.evaluate_inverse(
+            part.triangles, part.share, part.axes, part.edges, part.curvature, self._bases,
+            np.ascontiguousarray(blank), self.problem.thickness, law, self._height, self._weight,
+            with_stiffness=with_stiffness,
+        )  # fmt: skip
+        nodes = part.triangles.ravel()
+        flat = force.reshape(-1, 3)
+        nodal = np.stack([np.bincount(nodes, flat[:, i], minlength=self._n) for i in range(3)], axis=1)
+        return nodal, stiffness, failed < 0
+
+    def _drag(self, blank: FloatArray, friction: Friction) -> tuple[FloatArray, FloatArray]:
+        """Return friction along the tangents (n_nodes, 2) and its derivative by the blank's places (n_nodes, 2, 2)."""
+        part = self.problem.part
+        way = part.points - np.column_stack([blank, friction.level])
+        slip = np.einsum("nai,ni->na", self._bases, way)
+        smooth = 1e-3 * self._size
+        length = np.sqrt((slip**2).sum(axis=1) + smooth**2)
+        direction = slip / length[:, None]
+        by_slip = (np.eye(2) - direction[:, :, None] * direction[:, None, :]) / length[:, None, None]
+        by_blank = -np.einsum("nab,nbi->nai", by_slip, self._bases[:, :, :2])
+        return friction.force[:, None] * direction, friction.force[:, None, None] * by_blank
+
+    def residual(
+        self, blank: FloatArray, held: FloatArray, law: _core.DeformationLaw, *, with_friction: bool
+    ) -> tuple[FloatArray, FloatArray, bool]:
+        """Return the unbalanced forces (n_nodes, 2), the forces in space (n_nodes, 3), and whether they are usable."""
+        nodal, _, is_usable = self._evaluate(blank, law, with_stiffness=False)
+        return self._balance(nodal, blank, held, with_friction), nodal, is_usable
+
+    def _balance(self, nodal: FloatArray, blank: FloatArray, held: FloatArray, with_friction: bool) -> FloatArray:
+        balance = np.einsum("nai,ni->na", self._bases, nodal) + self._holding @ held
+        for friction in self.problem.friction if with_friction else ():
+            balance += self._drag(blank, friction)[0]
+        balance[self._fixed] = 0.0
+        return np.asarray(balance)
+
+    def matrix(
+        self, blank: FloatArray, law: _core.DeformationLaw, *, with_friction: bool
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the values of the tangent in the assembler's pattern, and the nodal forces in space."""
+        nodal, stiffness, _ = self._evaluate(blank, law, with_stiffness=True)
+        data = np.zeros(len(self._assembler.indices))
+        self._assembler.assemble_matrix([stiffness], self._turned, self._frames, data)
+        nodes = np.arange(self._n, dtype=np.int32)
+        for friction in self.problem.friction if with_friction else ():
+            self._add(np.stack([nodes, nodes], axis=1), self._drag(blank, friction)[1], data)
+        if self._is_free:
+            weight = float(np.abs(data).max()) * self._n
+            last = np.full(self._n, self._n, dtype=np.int32)
+            for k in (0, 1):
+                columns = np.zeros((self._n, 2, 2))
+                rows = np.zeros((self._n, 2, 2))
+                width = 2 - k
+                columns[:, :, :width] = self._holding[:, :, 2 * k : 2 * k + width]
+                rows[:, :width, :] = weight * self._gauge[:, :, 2 * k : 2 * k + width].transpose(0, 2, 1)
+                self._add(np.stack([nodes, last + k], axis=1), columns, data)
+                self._add(np.stack([last + k, nodes], axis=1), rows, data)
+            self._add(np.array([[self._n + 1] * 2], dtype=np.int32), np.array([[[0.0, 0.0], [0.0, weight]]]), data)
+        return data, nodal
+
+    def _add(self, pairs: IntArray, blocks: FloatArray, data: FloatArray) -> None:
+        pairs, blocks = np.ascontiguousarray(pairs, dtype=np.int32), np.ascontiguousarray(blocks)
+        self._assembler.add_blocks(pairs, blocks, self._turned, self._frames, data)
+
+    # --- iteration ---------------------------------------------------------------------------------------------------
+
+    def solve(
+        self, start: FloatArray, *, on_iteration: Callable[[int, float], None] | None = None
+    ) -> OneStepSolution:
+        """Find the blank from a first guess (n_nodes, 2) without turned triangles.
+
+        A sheet with the elastic law alone comes first: its blank is near, and its forces never fall. Raises
+        OneStepError when the iteration does not end.
+        """
+        solution = OneStepSolution(self._place(start), np.zeros((self._n, 3)), np.zeros(3))
+        elastic = _core.DeformationLaw(1.0, STRAIN_METRIC, _core.HardeningLaw.linear, [1e30, 0.0])
+        self._iterate(solution, elastic, 1e-3, on_iteration, with_friction=False)
+        solution.held_force = np.zeros(3)
+        self._iterate(solution, self.problem.law, 1.0, on_iteration, with_friction=True)
+        return solution
+
+    def _place(self, start: FloatArray) -> FloatArray:
+        """Lay the first guess over the part: turned and moved as a rigid body, or onto the symmetry planes."""
+        above = self.problem.part.points[:, :2]
+        weight = self._areas / self._areas.sum()
+        centre, target = weight @ start, weight @ above
+        u, _, v = np.linalg.svd((start - centre).T @ (weight[:, None] * (above - target)))
+        turn = u @ np.diag([1.0, np.sign(np.linalg.det(u @ v))]) @ v
+        placed = (start - centre) @ turn + target
+        placed[self._fixed] = above[self._fixed]
+        return np.asarray(placed)
+
+    def _iterate(
+        self,
+        solution: OneStepSolution,
+        law: _core.DeformationLaw,
+        tolerance: float,
+        on_iteration: Callable[[int, float], None] | None,
+        *,
+        with_friction: bool,
+    ) -> None:
+        is_elastic = law is not self.problem.law
+        blank, held = solution.blank, solution.held_force
+        for _ in range(MAX_ITERATIONS):
+            data, nodal = self.matrix(blank, law, with_friction=with_friction)
+            balance = self._balance(nodal, blank, held, with_friction)
+            scale = float(np.abs(nodal).max()) if is_elastic else self._scale
+            error = float(np.abs(balance).max()) / scale
+            solution.forces = nodal
+            solution.iterations += 1
+            solution.residuals.append(error)
+            if on_iteration:
+                on_iteration(solution.iterations, error)
+            if error < max(FORCE_TOLERANCE, 1e-2 * tolerance if is_elastic else 0.0):
+                break
+            move, change = self._correct(data, balance)
+            blank, held = self._search(blank, held, move, change, balance, law, with_friction)
+            solution.blank, solution.held_force = blank, held
+            if is_elastic and np.abs(move).max() < tolerance * self._size:
+                break
+        else:
+            raise OneStepError(
+                f"the blank was not found in {MAX_ITERATIONS} iterations (unbalanced force {error:.1e} of the flow "
+                "force): the part may be too deep for this sheet, or its mesh too coarse at its radii"
+            )
+
+    def _correct(self, data: FloatArray, balance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return Newton's correction of the blank (n_nodes, 2) and of the holding forces (3,)."""
+        n, extra = self._n, 2 if self._is_free else 0
+        right = np.zeros(2 * (n + extra))
+        right[: 2 * n] = -balance.ravel()
+        mask = np.zeros(2 * (n + extra), dtype=np.uint8)
+        mask[: 2 * n] = self._fixed.ravel()
+        self._assembler.constrain(mask, np.zeros(len(mask)), float(np.abs(data).max()), data, right)
+        try:
+            self._solver.factorise(data)
+            found = self._solver.solve(right)
+        except SolverError as error:
+            raise OneStepError(f"the equations of the blank cannot be solved: {error}") from error
+        return found[: 2 * n].reshape(-1, 2), found[2 * n : 2 * n + 3] if extra else np.zeros(3)
+
+    def _search(
+        self,
+        blank: FloatArray,
+        held: FloatArray,
+        move: FloatArray,
+        change: FloatArray,
+        balance: FloatArray,
+        law: _core.DeformationLaw,
+        with_friction: bool,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Go along the correction as far as forces fall and no triangle turns over."""
+        before = float(np.linalg.norm(balance))
+        step = 1.0
+        while True:
+            new, new_held = blank + step * move, held + step * change
+            after, _, is_usable = self.residual(new, new_held, law, with_friction=with_friction)
+            size = float(np.linalg.norm(after))
+            if is_usable and np.isfinite(size) and size < (1.0 - 1e-4 * step) * before:
+                return new, new_held
+            if step < _SHORTEST_STEP:
+                if is_usable and np.isfinite(size):
+                    return new, new_held
+                raise OneStepError("a triangle turns over in the blank however small the step")
+            step *= 0.5
+
+
+def strain_metric(hill: tuple[float, float, float, float]) -> list[float]:
+    """Return Q by rows, the inverse of Hill's matrix of plane stress. hill: F, G, H, N with G + H = 1."""
+    f, g, h, n = hill
+    matrix = np.array([[g + h, -h, 0.0], [-h, f + h, 0.0], [0.0, 0.0, 2.0 * n]])
+    return [float(v) for v in np.linalg.inv(matrix).ravel()]
+
+
+STRAIN_METRIC = strain_metric((0.5, 0.5, 0.5, 1.5))
+"""Of von Mises."""
+
+
+def turn_metric(metric: list[float], angle: float) -> list[float]:
+    """Return Q in axes from which the rolling direction lies at the angle [rad], counter-clockwise."""
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    return [float(v) for v in (turn.T @ np.array(metric).reshape(3, 3) @ turn).ravel()]
+
+
+BlankArray = NDArray[np.float64]
