@@ -10,10 +10,9 @@ that; they tell how far the part is from a place where it would stay by itself. 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswork import _core
 from presswork.model import BoolArray, FloatArray, IntArray
@@ -26,6 +25,8 @@ MOVE_TOLERANCE = 1e-7
 """Largest correction over the size of the part."""
 MAX_ITERATIONS = 60
 _SHORTEST_STEP = 2.0**-12
+_SLIP_SCALE = 0.25
+"""Slip over thickness at which friction is near its full size, so that its direction has a derivative."""
 
 
 class OneStepError(Exception):
@@ -65,11 +66,17 @@ class PartSurface:
 
 
 def prepare_part(
-    points: FloatArray, triangles: IntArray, quadrilaterals: IntArray, *, with_bending: bool = True
+    points: FloatArray,
+    triangles: IntArray,
+    quadrilaterals: IntArray,
+    *,
+    held: tuple[BoolArray, BoolArray] | None = None,
+    with_bending: bool = True,
 ) -> PartSurface:
     """Prepare a part's mesh. Quadrilaterals are cut along both diagonals, each cut counting half.
 
-    points (n_nodes, 3); triangles (n, 3) and quadrilaterals (m, 4), all with their normals to the same side.
+    points (n_nodes, 3); triangles (n, 3) and quadrilaterals (m, 4), all with their normals to the same side. held:
+    nodes on symmetry planes normal to x | y, in which their normals lie.
     """
     q = quadrilaterals.reshape(-1, 4)
     halves = [q[:, [0, 1, 2]], q[:, [0, 2, 3]], q[:, [0, 1, 3]], q[:, [1, 2, 3]]]
@@ -85,6 +92,8 @@ def prepare_part(
     nodal = np.zeros_like(points)
     for corner in range(3):
         np.add.at(nodal, cells[:, corner], share[:, None] * normal)
+    for i, on_plane in enumerate(held or ()):
+        nodal[on_plane, i] = 0.0
     nodal /= np.maximum(np.linalg.norm(nodal, axis=1, keepdims=True), 1e-300)
     curvature = _find_curvature(points, cells, nodal, axes) if with_bending else np.zeros((len(cells), 3))
     return PartSurface(points, cells, share, nodal, axes, np.ascontiguousarray(edges), curvature)
@@ -156,9 +165,13 @@ class OneStep:
         self._height, self._weight = layer_rule(problem.layers, "gauss")
         self._bases, self._fixed = self._choose_tangents()
         self._areas = part.nodal_areas
-        self._is_free = not self._fixed.any()
+        across = self._fixed.any(axis=0)
+        self._used = np.array([not across[0], not across[1], not across.any()])
+        self._is_free = bool(self._used.any())
         extra = 2 if self._is_free else 0
-        self._assembler = _core.Assembler(self._n + extra, [part.triangles], symmetric=False, couplings=self._couplings())
+        self._assembler = _core.Assembler(
+            self._n + extra, [part.triangles], symmetric=False, couplings=self._couplings()
+        )
         self._turned = np.zeros(self._n + extra, dtype=np.uint8)
         self._frames = np.zeros((self._n + extra, 2, 2))
         indptr, indices = self._assembler.indptr, self._assembler.indices
@@ -167,6 +180,10 @@ class OneStep:
         self._scale = problem.flow_stress * problem.thickness * edge
         self._size = float(np.ptp(part.points, axis=0).max())
         self._holding, self._gauge = self._choose_holding()
+
+    def set_friction(self, friction: tuple[Friction, ...]) -> None:
+        """Take other friction from now on."""
+        self.problem = replace(self.problem, friction=friction)
 
     # --- what stays through the iteration ----------------------------------------------------------------------------
 
@@ -234,7 +251,7 @@ class OneStep:
         part = self.problem.part
         way = part.points - np.column_stack([blank, friction.level])
         slip = np.einsum("nai,ni->na", self._bases, way)
-        smooth = 1e-3 * self._size
+        smooth = _SLIP_SCALE * self.problem.thickness
         length = np.sqrt((slip**2).sum(axis=1) + smooth**2)
         direction = slip / length[:, None]
         by_slip = (np.eye(2) - direction[:, :, None] * direction[:, None, :]) / length[:, None, None]
@@ -268,15 +285,17 @@ class OneStep:
         if self._is_free:
             weight = float(np.abs(data).max()) * self._n
             last = np.full(self._n, self._n, dtype=np.int32)
-            for k in (0, 1):
-                columns = np.zeros((self._n, 2, 2))
-                rows = np.zeros((self._n, 2, 2))
-                width = 2 - k
-                columns[:, :, :width] = self._holding[:, :, 2 * k : 2 * k + width]
-                rows[:, :width, :] = weight * self._gauge[:, :, 2 * k : 2 * k + width].transpose(0, 2, 1)
-                self._add(np.stack([nodes, last + k], axis=1), columns, data)
-                self._add(np.stack([last + k, nodes], axis=1), rows, data)
-            self._add(np.array([[self._n + 1] * 2], dtype=np.int32), np.array([[[0.0, 0.0], [0.0, weight]]]), data)
+            columns, rows = np.zeros((2, self._n, 2, 2)), np.zeros((2, self._n, 2, 2))
+            idle = np.full(4, weight)
+            for k in np.flatnonzero(self._used):
+                columns[k // 2, :, :, k % 2] = self._holding[:, :, k]
+                rows[k // 2, :, k % 2, :] = weight * self._gauge[:, :, k]
+                idle[k] = 0.0
+            for node in (0, 1):
+                self._add(np.stack([nodes, last + node], axis=1), columns[node], data)
+                self._add(np.stack([last + node, nodes], axis=1), rows[node], data)
+                pair = np.full((1, 2), self._n + node, dtype=np.int32)
+                self._add(pair, np.diag(idle[2 * node : 2 * node + 2])[None], data)
         return data, nodal
 
     def _add(self, pairs: IntArray, blocks: FloatArray, data: FloatArray) -> None:
@@ -285,10 +304,8 @@ class OneStep:
 
     # --- iteration ---------------------------------------------------------------------------------------------------
 
-    def solve(
-        self, start: FloatArray, *, on_iteration: Callable[[int, float], None] | None = None
-    ) -> OneStepSolution:
-        """Find the blank from a first guess (n_nodes, 2) without turned triangles.
+    def solve(self, start: FloatArray, *, on_iteration: Callable[[int, float], None] | None = None) -> OneStepSolution:
+        """Find the blank from a first guess (n_nodes, 2) without turned triangles, laid over the part if planes hold it.
 
         A sheet with the elastic law alone comes first: its blank is near, and its forces never fall. Raises
         OneStepError when the iteration does not end.
@@ -297,19 +314,18 @@ class OneStep:
         elastic = _core.DeformationLaw(1.0, STRAIN_METRIC, _core.HardeningLaw.linear, [1e30, 0.0])
         self._iterate(solution, elastic, 1e-3, on_iteration, with_friction=False)
         solution.held_force = np.zeros(3)
-        self._iterate(solution, self.problem.law, 1.0, on_iteration, with_friction=True)
+        self.go_on(solution, on_iteration=on_iteration)
         return solution
 
+    def go_on(self, solution: OneStepSolution, *, on_iteration: Callable[[int, float], None] | None = None) -> None:
+        """Bring a solution into equilibrium, as after other friction was set. Raises OneStepError."""
+        self._iterate(solution, self.problem.law, 1.0, on_iteration, with_friction=True)
+
     def _place(self, start: FloatArray) -> FloatArray:
-        """Lay the first guess over the part: turned and moved as a rigid body, or onto the symmetry planes."""
-        above = self.problem.part.points[:, :2]
-        weight = self._areas / self._areas.sum()
-        centre, target = weight @ start, weight @ above
-        u, _, v = np.linalg.svd((start - centre).T @ (weight[:, None] * (above - target)))
-        turn = u @ np.diag([1.0, np.sign(np.linalg.det(u @ v))]) @ v
-        placed = (start - centre) @ turn + target
-        placed[self._fixed] = above[self._fixed]
-        return np.asarray(placed)
+        """Lay the first guess over the part as a rigid body, and what is held onto its symmetry plane."""
+        placed = lay_over(start, self.problem.part.points[:, :2], self._areas) if self._used.all() else start.copy()
+        placed[self._fixed] = 0.0
+        return placed
 
     def _iterate(
         self,
@@ -386,6 +402,15 @@ class OneStep:
             step *= 0.5
 
 
+def lay_over(blank: FloatArray, above: FloatArray, weight: FloatArray) -> FloatArray:
+    """Move and turn places in the blank (n, 2) so that they cover those of the part seen from above best."""
+    share = weight / weight.sum()
+    centre, target = share @ blank, share @ above
+    u, _, v = np.linalg.svd((blank - centre).T @ (share[:, None] * (above - target)))
+    turn = u @ np.diag([1.0, np.sign(np.linalg.det(u @ v))]) @ v
+    return np.asarray((blank - centre) @ turn + target)
+
+
 def strain_metric(hill: tuple[float, float, float, float]) -> list[float]:
     """Return Q by rows, the inverse of Hill's matrix of plane stress. hill: F, G, H, N with G + H = 1."""
     f, g, h, n = hill
@@ -402,6 +427,3 @@ def turn_metric(metric: list[float], angle: float) -> list[float]:
     c, s = np.cos(angle), np.sin(angle)
     turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
     return [float(v) for v in (turn.T @ np.array(metric).reshape(3, 3) @ turn).ravel()]
-
-
-BlankArray = NDArray[np.float64]

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model of the one-step solver: a finished part whose blank is sought. Frozen data; units mm, N, MPa.
+
+The part stands in the press's axes: the punch moves along -z, the blank lies in x, y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from presswork.model import FloatArray, IntArray, Material
+
+
+@dataclass(frozen=True)
+class DrawBead:
+    """A line on the part along which a bead holds the sheet back."""
+
+    points: FloatArray
+    """Its corners seen from above (n, 2) [mm]."""
+    force: float
+    """Per length [N/mm]."""
+
+
+@dataclass(frozen=True)
+class OneStepModel:
+    """A part, its sheet, and what holds the sheet back."""
+
+    title: str
+    points: FloatArray
+    """Of the part's mid-surface (n_points, 3) [mm]."""
+    triangles: IntArray
+    """(n, 3)"""
+    quadrilaterals: IntArray
+    """(m, 4)"""
+    rims: tuple[IntArray, ...]
+    """Loops of open edges; the first is the outline."""
+    material: Material
+    thickness: float
+    """Of the blank [mm]."""
+    rolling_direction: float
+    """Angle from x in the blank [rad]."""
+    symmetry: tuple[bool, bool]
+    """Whether the planes x = 0 | y = 0 mirror the part."""
+    holder_force: float
+    """Of the whole holder [N]."""
+    mu: float
+    """Coefficient of friction."""
+    beads: tuple[DrawBead, ...] = ()
+    layers: int = 3
+    """Points through the thickness; 1: no bending."""
+    limit: tuple[FloatArray, FloatArray] | None = None
+    """Forming limit: minor and major strains (k,)."""
+    case_text: str = ""

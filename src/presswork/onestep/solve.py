@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Solve a OneStepModel: first guess, passes of friction, fields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from presswork import _core
+from presswork.mesh.flatten import flatten
+from presswork.mesh.triangles import find_rims
+from presswork.model import BoolArray, FloatArray, IntArray, Material
+from presswork.model_onestep import OneStepModel
+from presswork.procedure.one_step import (
+    STRAIN_METRIC,
+    Friction,
+    OneStep,
+    OneStepError,
+    OneStepProblem,
+    OneStepSolution,
+    lay_over,
+    prepare_part,
+    strain_metric,
+    turn_metric,
+)
+from presswork.procedure.one_step_fields import cell_means, triangle_fields
+from presswork.procedure.one_step_loads import (
+    Tools,
+    bead_friction,
+    find_tools,
+    holder_friction,
+    punch_force,
+    radius_friction,
+)
+
+_SETTLED = 0.01
+"""Change of the radii's friction from pass to pass, over its sum, that no longer matters."""
+_MOST_PASSES = 6
+ON_PLANE = 1e-4
+"""Distance from a symmetry plane, over the part's size, at which a node lies on it."""
+_TYPICAL_STRAIN = 0.1
+
+
+@dataclass(frozen=True)
+class OneStepResult:
+    """The blank of a part, and what becomes of it."""
+
+    model: OneStepModel
+    blank: FloatArray
+    """Places of the part's nodes in the blank (n_points, 2) [mm]."""
+    fields: dict[str, FloatArray]
+    """Of the cells, triangles first (n_cells,)."""
+    punch_force: float
+    """Of the whole part [N]."""
+    held_force: FloatArray
+    """What tools hold the part with beside friction: along x, y [N], about z [N mm]."""
+    iterations: int
+    residuals: list[float]
+    passes: int
+    seconds: dict[str, float]
+
+
+def solve_one_step(
+    model: OneStepModel, *, threads: int = 0, on_iteration: Callable[[int, float], None] | None = None
+) -> OneStepResult:
+    """Find the blank. Raises OneStepError, MeshError."""
+    if threads:
+        _core.set_threads(threads)
+    started = perf_counter()
+    held = _held(model)
+    part = prepare_part(model.points, model.triangles, model.quadrilaterals, held=held, with_bending=model.layers > 1)
+    start = _first_guess(model)
+    flattened = perf_counter()
+    metric = find_metric(model.material, model.rolling_direction)
+    law = make_law(model.material, metric)
+    flow = float(law.flow_curve(np.array([_TYPICAL_STRAIN]))[0][0])
+    problem = OneStepProblem(part, law, model.thickness, flow, model.layers, held)
+    tools = find_tools(part, model.points[_true_rim(model, held)], model.thickness)
+    share = 0.5 ** sum(model.symmetry)
+    fixed: list[Friction] = []
+    if model.holder_force:
+        fixed.append(holder_friction(part, tools, model.holder_force, model.mu, share))
+    if model.beads:
+        edge = float(np.sqrt(part.areas.sum() / len(part.points)))
+        fixed.append(bead_friction(part, tools, model.beads, edge))
+    solution, passes = _settle(replace(problem, friction=tuple(fixed)), tools, model.mu, start, threads, on_iteration)
+    fields = triangle_fields(problem, metric, solution.blank)
+    seconds = {"flatten": flattened - started, "solve": perf_counter() - flattened}
+    return OneStepResult(
+        model,
+        solution.blank,
+        cell_means(problem, len(model.triangles), len(model.quadrilaterals), fields),
+        punch_force(solution.forces, share),
+        solution.held_force,
+        solution.iterations,
+        solution.residuals,
+        passes,
+        seconds,
+    )
+
+
+def _settle(
+    problem: OneStepProblem,
+    tools: Tools,
+    mu: float,
+    start: FloatArray,
+    threads: int,
+    on_iteration: Callable[[int, float], None] | None,
+) -> tuple[OneStepSolution, int]:
+    """Solve with friction at the radii from the forces of the pass before, until it no longer changes."""
+    solver = OneStep(problem, threads=threads)
+    solution = solver.solve(start, on_iteration=on_iteration)
+    before = np.zeros(len(problem.part.points))
+    for number in range(1, _MOST_PASSES):
+        if mu == 0.0:
+            return solution, number
+        drag = radius_friction(problem.part, tools, solution.forces, mu)
+        if np.abs(drag.force - before).sum() < _SETTLED * drag.force.sum():
+            return solution, number
+        before = drag.force
+        solver.set_friction((*problem.friction, drag))
+        solver.go_on(solution, on_iteration=on_iteration)
+    return solution, _MOST_PASSES
+
+
+def _true_rim(model: OneStepModel, held: tuple[BoolArray, BoolArray] | None) -> IntArray:
+    """Return the nodes of the outline that symmetry planes have not cut."""
+    rim = model.rims[0]
+    return rim if held is None else rim[~(held[0] | held[1])[rim]]
+
+
+def _first_guess(model: OneStepModel) -> FloatArray:
+    """Lay the whole part flat, its mirror images with it, and over the part; return the places of the nodes."""
+    halves = model.quadrilaterals[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    points, triangles = model.points, np.concatenate([model.triangles, halves])
+    if not any(model.symmetry):
+        return flatten(points, triangles, model.rims[0])
+    for axis, wanted in enumerate(model.symmetry):
+        if wanted:
+            points, triangles = _mirror(points, triangles, axis)
+    rims = sorted(find_rims(points, triangles), key=len)
+    flat = flatten(points, triangles, rims[-1])
+    return lay_over(flat, points[:, :2], np.ones(len(points)))[: len(model.points)]
+
+
+def _mirror(points: FloatArray, triangles: IntArray, axis: int) -> tuple[FloatArray, IntArray]:
+    """Add the image across the plane through the origin; the given nodes keep their numbers."""
+    size = float(np.ptp(points, axis=0).max())
+    apart = np.abs(points[:, axis]) >= ON_PLANE * size
+    number = np.arange(len(points))
+    number[apart] = len(points) + np.arange(int(apart.sum()))
+    image = points[apart].copy()
+    image[:, axis] *= -1.0
+    turned = number[triangles][:, ::-1].astype(np.int32)
+    return np.concatenate([points, image]), np.concatenate([triangles, turned])
+
+
+def _held(model: OneStepModel) -> tuple[BoolArray, BoolArray] | None:
+    """Return the nodes on the symmetry planes. Raises OneStepError if there are none on one, or some beyond it."""
+    if not any(model.symmetry):
+        return None
+    size = float(np.ptp(model.points[:, :2], axis=0).max())
+    masks = []
+    for axis, wanted in enumerate(model.symmetry):
+        x = model.points[:, axis]
+        mask = np.abs(x) < ON_PLANE * size
+        if wanted and not mask.any():
+            raise OneStepError(
+                f"no node lies on the symmetry plane {'xy'[axis]} = 0 (part: {x.min():.4g} to {x.max():.4g})"
+            )
+        if wanted and min(x.max(), -x.min()) > ON_PLANE * size:
+            raise OneStepError(f"the part lies on both sides of the symmetry plane {'xy'[axis]} = 0: leave it out")
+        masks.append(mask if wanted else np.zeros(len(x), dtype=bool))
+    return masks[0], masks[1]
+
+
+def find_metric(material: Material, rolling_direction: float) -> list[float]:
+    """Return Q by rows for von Mises or Hill 1948. Raises OneStepError for other yield functions."""
+    chosen = material.yield_function
+    if chosen is None:
+        return STRAIN_METRIC
+    if chosen.law != "hill1948":
+        raise OneStepError(
+            f"{chosen.law} has no closed form between strain and stress: take von_mises or hill1948 (its r-values)"
+        )
+    f, g, h, _, _, n = chosen.parameters
+    return turn_metric(strain_metric((f, g, h, n)), rolling_direction)
+
+
+def make_law(material: Material, metric: list[float]) -> _core.DeformationLaw:
+    """Return the compiled law."""
+    hardening = material.hardening
+    return _core.DeformationLaw(
+        material.young, metric, _core.HardeningLaw[hardening.law], [float(p) for p in hardening.parameters]
+    )

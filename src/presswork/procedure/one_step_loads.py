@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What holds the sheet back in the one-step solver: holder, radii and beads, as friction at the part's nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.model import BoolArray, FloatArray
+from presswork.model_onestep import DrawBead
+from presswork.procedure.one_step import Friction, OneStepError, PartSurface
+
+FLAT = 0.996
+"""z of the normals of a flange: within 5 degrees of level."""
+
+
+@dataclass(frozen=True)
+class Tools:
+    """Which nodes lie under the holder, and the levels of die and punch."""
+
+    flange: BoolArray
+    """(n_nodes,)"""
+    die_level: float
+    """z of the flange [mm]."""
+    punch_level: float
+    """z of the lowest point [mm]."""
+
+
+def find_tools(part: PartSurface, rim: FloatArray, thickness: float) -> Tools:
+    """Find the flange: level nodes at the height of the rim's level stretches. rim: its points (k, 3)."""
+    z = part.points[:, 2]
+    high = float(np.median(rim[:, 2]))
+    level = np.abs(part.normals[:, 2]) > FLAT
+    flange = level & (np.abs(z - high) < 0.5 * thickness)
+    return Tools(flange, high, float(z.min()))
+
+
+def holder_friction(part: PartSurface, tools: Tools, force: float, mu: float, share: float) -> Friction:
+    """Return friction on both faces of the flange, the holder's force spread by area.
+
+    share: of the whole part that is modelled. Raises OneStepError without a level flange.
+    """
+    areas = np.where(tools.flange, part.nodal_areas, 0.0)
+    total = float(areas.sum())
+    if total <= 0.0:
+        raise OneStepError("the part has no level flange that a holder could press: leave the holder's force out")
+    return Friction(2.0 * mu * force * share * areas / total, np.full(len(areas), tools.die_level))
+
+
+def radius_friction(part: PartSurface, tools: Tools, forces: FloatArray, mu: float) -> Friction:
+    """Return friction where the sheet is wound round tools: mu times the force that holds a node off its tool.
+
+    forces: of what holds the sheet, at each node (n_nodes, 3). The punch pushes down, the die up.
+    """
+    normal = np.einsum("ni,ni->n", forces, part.normals)
+    down = normal * part.normals[:, 2] < 0.0
+    return Friction(mu * np.abs(normal), np.where(down, tools.punch_level, tools.die_level))
+
+
+def bead_friction(part: PartSurface, tools: Tools, beads: tuple[DrawBead, ...], share_of_edge: float) -> Friction:
+    """Return the beads' force at the nodes that lie nearest to them, seen from above.
+
+    share_of_edge: distance at which a bead is sampled [mm]. Raises OneStepError for a bead that misses the part.
+    """
+    from scipy.spatial import cKDTree
+
+    force = np.zeros(len(part.points))
+    level = np.abs(part.normals[:, 2]) > FLAT
+    nodes = np.flatnonzero(level)
+    if not len(nodes):
+        raise OneStepError("the part is level nowhere: a bead needs a flange")
+    tree = cKDTree(part.points[nodes, :2])
+    for number, bead in enumerate(beads):
+        for a, b in zip(bead.points[:-1], bead.points[1:], strict=True):
+            length = float(np.linalg.norm(b - a))
+            n = max(1, int(np.ceil(length / share_of_edge)))
+            places = a + (np.arange(n) + 0.5)[:, None] / n * (b - a)
+            distance, nearest = tree.query(places)
+            if distance.max() > 4.0 * share_of_edge:
+                x, y = places[int(np.argmax(distance))]
+                raise OneStepError(f"bead {number + 1} leaves the part's flange near ({x:.4g}, {y:.4g})")
+            np.add.at(force, nodes[nearest], bead.force * length / n)
+    return Friction(force, np.full(len(force), tools.die_level))
+
+
+def punch_force(forces: FloatArray, share: float) -> float:
+    """Return what the punch must push down with [N]: the downward forces that hold the nodes, of the whole part."""
+    return float(-np.minimum(forces[:, 2], 0.0).sum() / share)
