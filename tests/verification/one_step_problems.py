@@ -117,7 +117,7 @@ def solve_of_revolution(profile: FloatArray, stress: Callable[[FloatArray], Floa
             step *= 0.5
         blank = blank + step * move
         now = unbalanced(blank)
-        if np.abs(step * move).max() < 1e-10 * r.max():
+        if np.abs(now).max() < 1e-7 * np.abs(tensions(blank)[0]).max() * r.max():
             break
     assert np.abs(now).max() < 1e-6 * np.abs(tensions(blank)[0]).max() * r.max()
     return np.concatenate([[0.0], blank])

@@ -7,7 +7,10 @@ triangle collapses, so that none turns over. Levy et al. 2002; Rabinovich, Poran
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.mesh.checks import MeshError
 from presswork.mesh.triangles import double_areas
@@ -23,7 +26,7 @@ def flatten(points: FloatArray, triangles: IntArray, outline: IntArray) -> Float
     points (n_points, 3), triangles (n, 3); outline: the points along the outer rim in order. Raises MeshError.
     """
     try:
-        import igl
+        import igl  # type: ignore[import-untyped]
     except ImportError as error:
         raise MeshError("laying a part flat needs the package libigl", "install it: pip install libigl") from error
     cells = np.ascontiguousarray(triangles, dtype=np.int64)
@@ -31,7 +34,7 @@ def flatten(points: FloatArray, triangles: IntArray, outline: IntArray) -> Float
     span = float(np.linalg.norm(points[outline[0]] - points[outline[far]]))
     pins = np.array([outline[0], outline[far]], dtype=np.int64)
     conformal = igl.lscm(points, cells, pins, np.array([[0.0, 0.0], [span, 0.0]]))
-    flat = np.asarray(conformal[0] if isinstance(conformal, tuple) else conformal)
+    flat: FloatArray = np.asarray(conformal[0] if isinstance(conformal, tuple) else conformal)
     if _areas(flat, triangles).sum() < 0.0:
         flat = flat * np.array([1.0, -1.0])
     area = 0.5 * float(np.linalg.norm(double_areas(points, triangles), axis=1).sum())
@@ -48,18 +51,20 @@ def flatten(points: FloatArray, triangles: IntArray, outline: IntArray) -> Float
     return np.ascontiguousarray(flat)
 
 
-def _areas(flat: FloatArray, triangles: IntArray) -> FloatArray:
+def _areas(flat: FloatArray, triangles: NDArray[np.integer[Any]]) -> FloatArray:
     a, b = (flat[triangles[:, k]] - flat[triangles[:, 0]] for k in (1, 2))
     return np.asarray(0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
 
 
-def _map_to_circle(igl: object, points: FloatArray, cells: IntArray, outline: IntArray, area: float) -> FloatArray:
+def _map_to_circle(
+    igl: Any, points: FloatArray, cells: NDArray[np.int64], outline: IntArray, area: float
+) -> FloatArray:
     """Map onto a disc by Tutte's theorem, which no sheet without holes can fold."""
     order = outline.astype(np.int64)
-    circle = igl.map_vertices_to_circle(points, order)  # type: ignore[attr-defined]
-    flat = np.asarray(igl.harmonic(points, cells, order, circle, 1))  # type: ignore[attr-defined]
+    circle = igl.map_vertices_to_circle(points, order)
+    flat = np.asarray(igl.harmonic(points, cells, order, circle, 1))
     if _areas(flat, cells).sum() < 0.0:
         flat = flat * np.array([1.0, -1.0])
     if (_areas(flat, cells) <= 0.0).any():
         raise MeshError("the part cannot be laid flat without folding", "mesh it with better shaped triangles")
-    return flat * np.sqrt(area / np.pi)
+    return np.asarray(flat * np.sqrt(area / np.pi))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
@@ -219,8 +220,8 @@ def _check_undercut(points: FloatArray, cells: Cells) -> None:
 def _drop_unused(points: FloatArray, cells: Cells) -> tuple[FloatArray, Cells]:
     used, numbers = np.unique(np.concatenate([c.ravel() for c in cells]), return_inverse=True)
     split = 3 * len(cells[0])
-    numbers = numbers.astype(np.int32)
-    return points[used], (numbers[:split].reshape(-1, 3), numbers[split:].reshape(-1, 4))
+    renumbered: IntArray = numbers.astype(np.int32)
+    return points[used], (renumbered[:split].reshape(-1, 3), renumbered[split:].reshape(-1, 4))
 
 
 def refine_edges(points: FloatArray, triangles: IntArray, size: float) -> tuple[FloatArray, IntArray]:
@@ -234,13 +235,13 @@ def refine_edges(points: FloatArray, triangles: IntArray, size: float) -> tuple[
         if not is_long.any():
             return points, triangles
         keys, inverse = np.unique((low * len(points) + high)[is_long], return_inverse=True)
-        middle = np.full(triangles.shape, -1, dtype=np.int64)
+        middle: NDArray[np.int64] = np.full(triangles.shape, -1, dtype=np.int64)
         middle[is_long] = len(points) + inverse
         points = np.concatenate([points, 0.5 * (points[keys // len(points)] + points[keys % len(points)])])
         triangles = _cut(points, triangles, middle)
 
 
-def _cut(points: FloatArray, triangles: IntArray, middle: IntArray) -> IntArray:
+def _cut(points: FloatArray, triangles: IntArray, middle: NDArray[np.int64]) -> IntArray:
     """Cut triangles at the middles of their edges 01, 12, 20 (n, 3); -1 where an edge is whole."""
     count = (middle >= 0).sum(axis=1)
     parts = [triangles[count == 0]]

@@ -59,7 +59,7 @@ class BlankOutline:
             import ezdxf
         except ImportError as error:
             raise OutputError('writing DXF needs the package ezdxf: pip install "presswork[dxf]"') from error
-        document = ezdxf.new("R2010", units=4)  # millimetres
+        document = ezdxf.new("R2010", units=4)  # type: ignore[attr-defined]  # millimetres
         space = document.modelspace()
         for loop in self.loops:
             space.add_lwpolyline([(float(x), float(y)) for x, y in loop], close=True)

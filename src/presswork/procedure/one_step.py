@@ -305,7 +305,7 @@ class OneStep:
     # --- iteration ---------------------------------------------------------------------------------------------------
 
     def solve(self, start: FloatArray, *, on_iteration: Callable[[int, float], None] | None = None) -> OneStepSolution:
-        """Find the blank from a first guess (n_nodes, 2) without turned triangles, laid over the part if planes hold it.
+        """Find the blank from a first guess (n_nodes, 2) without turned triangles, over the part if planes hold it.
 
         A sheet with the elastic law alone comes first: its blank is near, and its forces never fall. Raises
         OneStepError when the iteration does not end.

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The case of the one-step solver: a finished part, its sheet, and what holds the sheet back. Units as in schema.py."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from math import radians
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+import tomli_w
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
+
+from presswork.case import schema
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.part import Part
+from presswork.case.reader import apply_overrides, list_problems, read_toml
+from presswork.case.shell_material import ShellMaterial, add_library_materials, build_shell_material
+from presswork.case.units import LENGTH, Angle, Force, Length, LineForce, Number, Point, fault, unit_factor
+from presswork.case.yield_function import Hill1948, VonMisesYield
+from presswork.mesh import MeshError
+from presswork.mesh.part_file import PartMesh, read_part
+from presswork.model_onestep import DrawBead, OneStepModel
+
+_TRIANGLES = 10_000
+"""About as many as a triangulated part is refined to where no element_size is given."""
+LAYERS = 3
+
+
+class PartFile(Part):
+    """The finished part's mid-surface."""
+
+    path: str = Field(description="STL, gmsh, Abaqus, VTK or I-DEAS file, beside the case")
+    unit: str = Field(default="mm", description="unit of the file's coordinates")
+    draw_direction: Literal["x", "-x", "y", "-y", "z", "-z"] = Field(
+        default="-z", description="the way of the punch in the file's axes"
+    )
+    element_size: Length | None = Field(
+        default=None,
+        gt=0,
+        description="longer edges of triangles are halved [mm]; without it: so that about 10,000 come out. "
+        "Quadrilaterals stay as they are",
+    )
+    symmetry: tuple[Literal["x", "y"], ...] = Field(
+        default=(), description='planes through the origin that mirror the part: "x" is the plane x = 0'
+    )
+
+
+class FlatBlank(Part):
+    """The sheet."""
+
+    material: str = Field(description="name of one of the [materials], or of the library")
+    thickness: Length = Field(gt=0, description="thickness of the blank [mm]")
+    rolling_direction: Angle = Field(default=0.0, description="angle of the rolling direction from x [degree]")
+    points: int = Field(
+        default=LAYERS, strict=True, ge=1, le=11, description="points through the thickness; 1: no bending"
+    )
+
+
+class Bead(Part):
+    """A drawbead."""
+
+    points: tuple[Point, ...] = Field(min_length=2, description="its corners seen from above [mm]")
+    force: LineForce = Field(ge=0, description="restraining force per length [N/mm]")
+
+
+class Process(Part):
+    """What holds the sheet back."""
+
+    holder_force: Force = Field(default=0.0, ge=0, description="blank-holder force on the whole part [N]")
+    mu: Number = Field(default=0.1, ge=0, lt=1, description="coefficient of friction under the holder and on radii")
+    beads: tuple[Bead, ...] = Field(default=(), description="drawbeads")
+
+
+class OneStepCase(Part):
+    """A complete case of the one-step solver. Raises CaseError, with every problem found, when it is not valid."""
+
+    title: str = Field(description="what the case shows, in one line")
+    analysis: Literal["onestep"] = Field(description="onestep")
+    part: PartFile = Field(description="the finished part")
+    blank: FlatBlank = Field(description="the sheet")
+    materials: dict[str, ShellMaterial] = Field(default={}, description="materials by name")
+    process: Process = Field(default=Process(), description="what holds the sheet back")
+
+    _source: Path | None = PrivateAttr(default=None)
+    _text: str = PrivateAttr(default="")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _prepare(cls, data: Any) -> Any:
+        return add_library_materials(data, "blank") if isinstance(data, dict) else data
+
+    @model_validator(mode="after")
+    def _check_law(self) -> Self:
+        material = self.materials.get(self.blank.material)
+        if material is not None and not isinstance(material.yield_function, VonMisesYield | Hill1948):
+            raise fault(
+                f"{material.yield_function.law} gives no strain for a stress in closed form",
+                "give the material hill1948 with its r-values, or von_mises",
+                key="blank",
+            )
+        return self
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        source = info.context.get("source") if isinstance(info.context, dict) else None
+        try:
+            return handler(data)
+        except ValidationError as error:
+            raise CaseError(list_problems(error, data, _json_schema()), source) from None
+
+    @classmethod
+    def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
+        """Read and validate a case file, as Case.from_toml does. Raises CaseError with every problem found."""
+        path = Path(path)
+        data, text = read_toml(path)
+        apply_overrides(data, overrides, path)
+        case = cls.model_validate(data, context={"source": path})
+        case._source = path
+        case._text = schema.write_as_run(data, path.parent) if overrides or schema.names_files(data) else text
+        return case
+
+    @classmethod
+    def from_data(cls, data: dict[str, Any]) -> Self:
+        """Validate a case given as the tables of its file, and write that file's text from them. Raises CaseError."""
+        case = cls.model_validate(data)
+        case._text = tomli_w.dumps(data)
+        return case
+
+    @property
+    def source(self) -> Path | None:
+        """The file that the case was read from, if any."""
+        return self._source
+
+    @property
+    def text(self) -> str:
+        """The case file as read, or written anew with the overrides in it; empty for a case built in Python."""
+        return self._text
+
+
+@functools.cache
+def _json_schema() -> dict[str, Any]:
+    return OneStepCase.model_json_schema()
+
+
+def build_onestep_model(case: OneStepCase) -> tuple[OneStepModel, tuple[str, ...]]:
+    """Read the part and build the Model; return it and notes on what was changed in the mesh. Raises CaseError."""
+    if case.blank.material not in case.materials:
+        remedy = suggest(case.blank.material, case.materials, "materials")
+        raise CaseError([Problem("blank.material", "no such material", remedy, case.blank.material)], case.source)
+    part, notes = _read(case)
+    span = float(np.ptp(part.points, axis=0).max())
+    if case.blank.thickness > 0.1 * span:
+        text = f"expected a sheet: the part is only {span:.4g} mm across"
+        raise CaseError([Problem("blank.thickness", text, "check the units", case.blank.thickness)], case.source)
+    material = build_shell_material(case.blank.material, case.materials[case.blank.material])
+    model = OneStepModel(
+        title=case.title,
+        points=part.points,
+        triangles=part.triangles,
+        quadrilaterals=part.quadrilaterals,
+        rims=part.rims,
+        material=material,
+        thickness=case.blank.thickness,
+        rolling_direction=radians(case.blank.rolling_direction),
+        symmetry=("x" in case.part.symmetry, "y" in case.part.symmetry),
+        holder_force=case.process.holder_force,
+        mu=case.process.mu,
+        beads=tuple(DrawBead(np.array(bead.points), bead.force) for bead in case.process.beads),
+        layers=case.blank.points,
+        case_text=case.text,
+    )
+    return model, notes
+
+
+def _read(case: OneStepCase) -> tuple[PartMesh, tuple[str, ...]]:
+    try:
+        scale = unit_factor(case.part.unit, LENGTH)
+    except ValueError as error:
+        problem = Problem("part.unit", f"expected a unit of length, but {error}", "e.g. mm, m, inch", case.part.unit)
+        raise CaseError([problem], case.source) from error
+    path = (case.source.parent if case.source else Path()) / case.part.path
+    way = case.part.draw_direction
+    try:
+        part, notes = read_part(path, scale=scale, draw_direction=way, element_size=case.part.element_size)
+        if case.part.element_size is None and len(part.triangles) and not len(part.quadrilaterals):
+            size = _default_size(part)
+            part, notes = read_part(path, scale=scale, draw_direction=way, element_size=size)
+    except MeshError as error:
+        key = "part.unit" if "unit" in error.remedy else "part.path"
+        value = case.part.unit if "unit" in error.remedy else case.part.path
+        raise CaseError([Problem(key, error.fault, error.remedy, value)], case.source) from error
+    return part, notes
+
+
+def _default_size(part: PartMesh) -> float:
+    """Return the edge length of equilateral triangles of which about _TRIANGLES cover the part, times 1.5."""
+    a, b, c = (part.points[part.triangles[:, k]] for k in range(3))
+    area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+    return 1.5 * float(np.sqrt(4.0 / np.sqrt(3.0) * area / _TRIANGLES))

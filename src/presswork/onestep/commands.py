@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`presswork onestep`: from a part's file to its blank in seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+from rich.console import Console
+
+from presswork.case import CaseError
+from presswork.case.onestep import OneStepCase, build_onestep_model
+from presswork.mesh import MeshError
+from presswork.model_onestep import OneStepModel
+from presswork.onestep.record import BLANK_DRAWING, run_one_step
+from presswork.procedure.one_step import OneStepError
+from presswork.results import OutputError, Result
+
+_BAD_INPUT, _GAVE_UP = 2, 3
+_console = Console(stderr=True, highlight=False, soft_wrap=True)
+
+
+def _refuse(message: str, status: int = _BAD_INPUT) -> NoReturn:
+    _console.print(f"error: {message}", style="red", markup=False)
+    raise typer.Exit(status)
+
+
+def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
+    """Add the command. draw: draws the pictures of results."""
+
+    @app.command()
+    def onestep(
+        part: Annotated[Path, typer.Argument(help="The part's mid-surface (STL or mesh), or a case (TOML).")],
+        material: Annotated[
+            str | None, typer.Option(help="A material of the library (`presswork materials`) or a material file.")
+        ] = None,
+        thickness: Annotated[str | None, typer.Option(help="Of the blank, e.g. 0.8 or '0.8 mm'.")] = None,
+        bhf: Annotated[str, typer.Option(help="Blank-holder force, e.g. '20 kN'.")] = "0",
+        mu: Annotated[float, typer.Option(help="Coefficient of friction.")] = 0.1,
+        draw_direction: Annotated[str, typer.Option(help="The punch's way in the file's axes.")] = "-z",
+        unit: Annotated[str, typer.Option(help="Unit of the file.")] = "mm",
+        rolling: Annotated[str, typer.Option(help="Rolling direction from x [degree].")] = "0",
+        symmetry: Annotated[
+            list[str] | None, typer.Option(help="x, y: planes x = 0, y = 0 that mirror the part.")
+        ] = None,
+        element_size: Annotated[
+            str | None,
+            typer.Option(help="Halve triangles' edges longer than this [mm]; default: about 10,000 triangles."),
+        ] = None,
+        output: Annotated[Path | None, typer.Option(help="Output folder; default: the part's name beside it.")] = None,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
+        threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core.")] = 0,
+        plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
+    ) -> None:
+        """Find the flat blank of a finished part: outline, thinning, formability, punch force."""
+        model, notes = _load(
+            part, material, thickness,
+            {"holder_force": bhf, "mu": mu},
+            {"draw_direction": draw_direction, "unit": unit, "symmetry": symmetry or [], "element_size": element_size},
+            rolling,
+        )  # fmt: skip
+        folder = output or part.with_suffix("")
+        with _console.status("laying the part flat") as status:
+
+            def show(number: int, error: float) -> None:
+                status.update(f"iteration {number}: unbalanced force {error:.1e} of the flow force")
+
+            try:
+                result, outline = run_one_step(
+                    model, folder, notes=notes, overwrite=overwrite, threads=threads, on_iteration=show
+                )
+            except OneStepError as error:
+                _refuse(str(error), _GAVE_UP)
+            except (OutputError, MeshError) as error:
+                _refuse(str(error))
+        read = Result(folder)
+        for warning in read.summary["warnings"]:
+            _console.print(f"warning: {warning}", style="yellow", markup=False)
+        width, height = outline.extent
+        thinning = result.fields["thickness_strain"]
+        strip = read.summary["blank"]["strip"]
+        typer.echo(
+            f"blank {width:.1f} x {height:.1f} mm, {outline.area:.0f} mm2; thickness {_percent(thinning.min())} to "
+            f"{_percent(thinning.max())}; punch force {result.punch_force / 1e3:.1f} kN; "
+            f"{strip['utilisation_percent']:.0f} % of a strip {strip['width_mm']:.1f} mm wide"
+        )
+        typer.echo(f"{read.summary['work']}, {read.summary['wall_seconds']['total']:.1f} s; {folder / BLANK_DRAWING}")
+        if plot:
+            draw(read)
+
+
+def _percent(strain: float) -> str:
+    from math import expm1
+
+    return f"{100 * expm1(strain):+.1f} %"
+
+
+def _load(
+    part: Path,
+    material: str | None,
+    thickness: str | None,
+    process: dict[str, Any],
+    file: dict[str, Any],
+    rolling: str,
+) -> tuple[OneStepModel, tuple[str, ...]]:
+    """Build the model of a case file, or of a part's file and options."""
+    try:
+        if part.suffix == ".toml":
+            return build_onestep_model(OneStepCase.from_toml(part))
+        if material is None or thickness is None:
+            _refuse("give --material and --thickness, e.g. --material dc04 --thickness '0.8 mm'")
+        name = Path(material).stem
+        data: dict[str, Any] = {
+            "title": part.stem,
+            "analysis": "onestep",
+            "part": {"path": str(part.resolve()), **{k: v for k, v in file.items() if v is not None}},
+            "blank": {"material": name, "thickness": _plain(thickness), "rolling_direction": _plain(rolling)},
+            "process": {**process, "holder_force": _plain(process["holder_force"])},
+            "materials": {name: {"library": str(Path(material).resolve()) if material.endswith(".toml") else material}},
+        }
+        if isinstance(data["part"].get("element_size"), str):
+            data["part"]["element_size"] = _plain(data["part"]["element_size"])
+        return build_onestep_model(OneStepCase.from_data(data))
+    except CaseError as error:
+        _refuse(str(error))
+
+
+def _plain(text: str) -> float | str:
+    """Return a number, or the text for units to be read from."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
