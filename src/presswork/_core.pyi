@@ -774,3 +774,17 @@ class ShellLoopSingle:
 
     def thickness(self, block: int) -> NDArray[numpy.float64]:
         """Thickness (n) [mm] of a block."""
+
+class DeformationLaw:
+    """Deformation theory of a sheet in plane stress."""
+
+    def __init__(self, young: float, strain_metric: Sequence[float], law: HardeningLaw, parameters: Sequence[float]) -> None:
+        """strain_metric: rows of Q, e^2 = E' Q E over E = (xx, yy, 2 xy)."""
+
+    def flow_curve(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """Stress [MPa] and its slope at total equivalent strains (n)."""
+
+def evaluate_inverse(triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axes: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], edges: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], curvature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bases: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], blank: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], thickness: float, law: DeformationLaw, height: Sequence[float], weight: Sequence[float], *, with_stiffness: bool) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], int]:
+    """
+    Forces (n, 3, 3) [N] of the triangles of a part whose nodes come from `blank`, their derivatives (n, 6, 6) along the nodes' bases, and the index of a triangle turned over in the blank, or -1.
+    """

@@ -15,9 +15,15 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from presswork import CaseError, OutputError, Result, __version__, build_model
 from presswork.case import describe, json_schema, read_case
+from presswork.case.onestep import OneStepCase, build_onestep_model
 from presswork.examples import copy_example, list_examples
 from presswork.material.commands import add_commands as add_material_commands
+from presswork.mesh import MeshError
+from presswork.model_onestep import OneStepModel
 from presswork.model_stamping import AnyModel
+from presswork.onestep.commands import add_commands as add_onestep_commands
+from presswork.onestep.commands import compute as compute_onestep
+from presswork.procedure.one_step import OneStepError
 from presswork.run import Outcome, StartError, check_start, run_model
 from presswork.run import Progress as RunProgress
 from presswork.study.commands import add_commands
@@ -41,9 +47,10 @@ Settings = Annotated[
 ]
 
 
-def _load(case_file: Path, settings: list[str] | None) -> AnyModel:
+def _load(case_file: Path, settings: list[str] | None) -> AnyModel | OneStepModel:
     try:
-        return build_model(read_case(case_file, overrides=settings or []))
+        case = read_case(case_file, overrides=settings or [])
+        return build_onestep_model(case) if isinstance(case, OneStepCase) else build_model(case)
     except CaseError as error:
         raise _refuse(str(error)) from error
 
@@ -69,6 +76,9 @@ def run(
     """Compute a case and draw its pictures."""
     model = _load(case, set_)
     folder = output or case.with_suffix("")
+    if isinstance(model, OneStepModel):
+        _run_onestep(model, folder, overwrite or resume, threads, plot, quiet)
+        return
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         outcome = _compute(model, folder, overwrite, resume, threads, quiet)
@@ -80,6 +90,19 @@ def run(
         console.print(f"{outcome.status.replace('_', ' ')}: {outcome.reason}", style="red", markup=False)
         console.print(f"what was computed is in {folder}; run.log there says how it went", markup=False)
         raise typer.Exit(GAVE_UP if outcome.status == "gave_up" else INTERRUPTED)
+
+
+def _run_onestep(model: OneStepModel, folder: Path, overwrite: bool, threads: int, plot: bool, quiet: bool) -> None:
+    """Find a blank; there is nothing to resume in so short a run, so it starts anew."""
+    try:
+        result = compute_onestep(model, folder, overwrite=overwrite, threads=threads, quiet=quiet)
+        if plot:
+            _draw(result, None, quiet=quiet)
+    except OneStepError as error:
+        console.print(f"gave up: {error}", style="red", markup=False)
+        raise typer.Exit(GAVE_UP) from error
+    except (OutputError, MeshError) as error:
+        raise _refuse(str(error)) from error
 
 
 def _compute(model: AnyModel, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
@@ -132,6 +155,8 @@ def check(case: CaseFile, set_: Settings = None) -> None:
     """Validate a case and say in words what would be computed."""
     model = _load(case, set_)
     typer.echo(describe(model))
+    if isinstance(model, OneStepModel):
+        return
     try:
         check_start(model)
     except StartError as error:
@@ -190,6 +215,7 @@ def schema(
 
 add_commands(app)
 add_material_commands(app)
+add_onestep_commands(app, lambda result: _draw(result, None))
 
 
 def _print_version(wanted: bool) -> None:

@@ -48,6 +48,7 @@ class OneStepModel:
     beads: tuple[DrawBead, ...] = ()
     layers: int = 3
     """Points through the thickness; 1: no bending."""
-    limit: tuple[FloatArray, FloatArray] | None = None
-    """Forming limit: minor and major strains (k,)."""
+    notes: tuple[str, ...] = ()
+    """What was changed in the part's mesh."""
     case_text: str = ""
+    """The case file as read, kept with the results."""

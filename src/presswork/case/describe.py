@@ -11,8 +11,10 @@ import numpy as np
 from presswork import model
 from presswork.case.crossing import bound_segments
 from presswork.case.describe_material import describe_material
+from presswork.case.describe_onestep import describe_onestep
 from presswork.case.describe_shell import describe_sheet, describe_sheet_loads, estimate_sheet_memory
 from presswork.case.describe_stamping import describe_stamping
+from presswork.model_onestep import OneStepModel
 from presswork.model_stamping import AnyModel, StampingModel
 
 _ELEMENTS: dict[str, str] = {
@@ -37,8 +39,10 @@ _FACTOR_BYTES_PER_FREEDOM = 2500.0
 """Of a sparse direct factorisation in 2D at 100,000 freedoms; grows with the logarithm of their number."""
 
 
-def describe(problem: AnyModel) -> str:
+def describe(problem: AnyModel | OneStepModel) -> str:
     """Describe a Model in words, a line per fact, with an estimate of what computing it takes."""
+    if isinstance(problem, OneStepModel):
+        return "\n".join([problem.title, *describe_onestep(problem)])
     if isinstance(problem, StampingModel):
         return "\n".join([problem.title, *describe_stamping(problem)])
     lines = [problem.title, *_describe_body(problem)]

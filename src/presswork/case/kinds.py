@@ -15,6 +15,7 @@ from pydantic.json_schema import models_json_schema
 from presswork.case import schema
 from presswork.case.builder import build_solid_model
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.onestep import OneStepCase
 from presswork.case.reader import apply_overrides, read_toml
 from presswork.case.shell import ShellCase
 from presswork.case.shell_builder import build_shell_model
@@ -22,14 +23,16 @@ from presswork.case.stamping import StampingCase
 from presswork.case.stamping_builder import build_stamping_model
 from presswork.model_stamping import AnyModel
 
-AnyCase = schema.Case | ShellCase | StampingCase
+AnyCase = schema.Case | ShellCase | StampingCase | OneStepCase
 
-KINDS: dict[str, tuple[type[AnyCase], Callable[[Any], AnyModel]]] = {
+KINDS: dict[str, tuple[type[AnyCase], Callable[[Any], AnyModel] | None]] = {
     "solid": (schema.Case, build_solid_model),
     "shell": (ShellCase, build_shell_model),
     "stamping": (StampingCase, build_stamping_model),
+    "onestep": (OneStepCase, None),
 }
-"""Case class and builder by the name that `presswork schema` knows."""
+"""Case class and builder by the name that `presswork schema` knows; a one-step case is no process in time, and has a
+builder of its own, build_onestep_model."""
 
 
 def analyses_of(kind: type[AnyCase]) -> tuple[str, ...]:
@@ -57,6 +60,9 @@ def build_model(case: AnyCase) -> AnyModel:
     """
     for kind, build in KINDS.values():
         if isinstance(case, kind):
+            if build is None:
+                text, remedy = "this is no process in time", f"run it by `presswork {case.analysis}`"
+                raise CaseError([Problem("analysis", text, remedy, case.analysis)], case.source)
             return build(case)
     raise TypeError(f"expected a case, not a {type(case).__name__}")
 

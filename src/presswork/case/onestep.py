@@ -17,7 +17,7 @@ from presswork.case import schema
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.part import Part
 from presswork.case.reader import apply_overrides, list_problems, read_toml
-from presswork.case.shell_material import ShellMaterial, add_library_materials, build_shell_material
+from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.units import LENGTH, Angle, Force, Length, LineForce, Number, Point, fault, unit_factor
 from presswork.case.yield_function import Hill1948, VonMisesYield
 from presswork.mesh import MeshError
@@ -146,8 +146,8 @@ def _json_schema() -> dict[str, Any]:
     return OneStepCase.model_json_schema()
 
 
-def build_onestep_model(case: OneStepCase) -> tuple[OneStepModel, tuple[str, ...]]:
-    """Read the part and build the Model; return it and notes on what was changed in the mesh. Raises CaseError."""
+def build_onestep_model(case: OneStepCase) -> OneStepModel:
+    """Read the part and build the Model. Raises CaseError."""
     if case.blank.material not in case.materials:
         remedy = suggest(case.blank.material, case.materials, "materials")
         raise CaseError([Problem("blank.material", "no such material", remedy, case.blank.material)], case.source)
@@ -156,14 +156,13 @@ def build_onestep_model(case: OneStepCase) -> tuple[OneStepModel, tuple[str, ...
     if case.blank.thickness > 0.1 * span:
         text = f"expected a sheet: the part is only {span:.4g} mm across"
         raise CaseError([Problem("blank.thickness", text, "check the units", case.blank.thickness)], case.source)
-    material = build_shell_material(case.blank.material, case.materials[case.blank.material])
-    model = OneStepModel(
+    return OneStepModel(
         title=case.title,
         points=part.points,
         triangles=part.triangles,
         quadrilaterals=part.quadrilaterals,
         rims=part.rims,
-        material=material,
+        material=case.materials[case.blank.material].to_model(case.blank.material),
         thickness=case.blank.thickness,
         rolling_direction=radians(case.blank.rolling_direction),
         symmetry=("x" in case.part.symmetry, "y" in case.part.symmetry),
@@ -171,9 +170,9 @@ def build_onestep_model(case: OneStepCase) -> tuple[OneStepModel, tuple[str, ...
         mu=case.process.mu,
         beads=tuple(DrawBead(np.array(bead.points), bead.force) for bead in case.process.beads),
         layers=case.blank.points,
+        notes=notes,
         case_text=case.text,
     )
-    return model, notes
 
 
 def _read(case: OneStepCase) -> tuple[PartMesh, tuple[str, ...]]:

@@ -388,7 +388,7 @@ class Case(Part):
 def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
     """Return the tables of a case that name a file, each with the key that does."""
     bodies = [data["workpiece"], *data.get("bodies", {}).values()] if "workpiece" in data else []
-    tables = [(body["mesh"], "path") for body in bodies] + [(data.get("blank", {}), "path")]
+    tables = [(body["mesh"], "path") for body in bodies] + [(data.get(name, {}), "path") for name in ("blank", "part")]
     tables += [(tool, key) for tool in data.get("tools", {}).values() for key in ("profile_file", "path")]
     tables += [(m, "library") for m in data.get("materials", {}).values() if m.get("library", "").endswith(".toml")]
     tables += [(m, "umat") for m in data.get("materials", {}).values()]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import expm1
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
@@ -55,29 +56,39 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
         plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
     ) -> None:
         """Find the flat blank of a finished part: outline, thinning, formability, punch force."""
-        model, notes = _load(
+        model = _load(
             part, material, thickness,
             {"holder_force": bhf, "mu": mu},
             {"draw_direction": draw_direction, "unit": unit, "symmetry": symmetry or [], "element_size": element_size},
             rolling,
         )  # fmt: skip
         folder = output or part.with_suffix("")
-        with _console.status("laying the part flat") as status:
+        try:
+            result = compute(model, folder, overwrite=overwrite, threads=threads)
+        except OneStepError as error:
+            _refuse(str(error), _GAVE_UP)
+        except (OutputError, MeshError) as error:
+            _refuse(str(error))
+        if plot:
+            draw(result)
 
-            def show(number: int, error: float) -> None:
-                status.update(f"iteration {number}: unbalanced force {error:.1e} of the flow force")
 
-            try:
-                result, outline = run_one_step(
-                    model, folder, notes=notes, overwrite=overwrite, threads=threads, on_iteration=show
-                )
-            except OneStepError as error:
-                _refuse(str(error), _GAVE_UP)
-            except (OutputError, MeshError) as error:
-                _refuse(str(error))
-        read = Result(folder)
-        for warning in read.summary["warnings"]:
-            _console.print(f"warning: {warning}", style="yellow", markup=False)
+def compute(
+    model: OneStepModel, folder: Path, *, overwrite: bool = False, threads: int = 0, quiet: bool = False
+) -> Result:
+    """Find a part's blank, say how far it is and what came out. Raises OneStepError, MeshError, OutputError."""
+    with _console.status("laying the part flat") as status:
+        if quiet:
+            status.stop()
+
+        def show(number: int, error: float) -> None:
+            status.update(f"iteration {number}: unbalanced force {error:.1e} of the flow force")
+
+        result, outline = run_one_step(model, folder, overwrite=overwrite, threads=threads, on_iteration=show)
+    read = Result(folder)
+    for warning in read.summary["warnings"]:
+        _console.print(f"warning: {warning}", style="yellow", markup=False)
+    if not quiet:
         width, height = outline.extent
         thinning = result.fields["thickness_strain"]
         strip = read.summary["blank"]["strip"]
@@ -87,13 +98,10 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
             f"{strip['utilisation_percent']:.0f} % of a strip {strip['width_mm']:.1f} mm wide"
         )
         typer.echo(f"{read.summary['work']}, {read.summary['wall_seconds']['total']:.1f} s; {folder / BLANK_DRAWING}")
-        if plot:
-            draw(read)
+    return read
 
 
 def _percent(strain: float) -> str:
-    from math import expm1
-
     return f"{100 * expm1(strain):+.1f} %"
 
 
@@ -104,7 +112,7 @@ def _load(
     process: dict[str, Any],
     file: dict[str, Any],
     rolling: str,
-) -> tuple[OneStepModel, tuple[str, ...]]:
+) -> OneStepModel:
     """Build the model of a case file, or of a part's file and options."""
     try:
         if part.suffix == ".toml":

@@ -16,8 +16,8 @@ from presswork.model import CellBlock, FloatArray, Mesh, Section
 from presswork.model_onestep import OneStepModel
 from presswork.onestep.outline import BlankOutline, nest
 from presswork.onestep.solve import OneStepResult, solve_one_step
-from presswork.results import OutputError, append_step, open_output_folder, write_summary
-from presswork.results.folder import CASE, LOG, RESULTS, SUMMARY
+from presswork.results import History, OutputError, append_step, open_output_folder, write_summary
+from presswork.results.folder import CASE, HISTORY, LOG, RESULTS, SUMMARY
 
 BLANK_POINTS, BLANK_DRAWING = "blank.csv", "blank.dxf"
 
@@ -26,7 +26,6 @@ def run_one_step(
     model: OneStepModel,
     folder: Path | str,
     *,
-    notes: tuple[str, ...] = (),
     overwrite: bool = False,
     threads: int = 0,
     on_iteration: Callable[[int, float], None] | None = None,
@@ -39,12 +38,15 @@ def run_one_step(
     (path / CASE).write_text(model.case_text, encoding="utf-8")
     _write_results(path / RESULTS, result)
     outline.write_points(path / BLANK_POINTS)
-    warnings = list(notes)
+    warnings = list(model.notes)
     try:
         outline.write_dxf(path / BLANK_DRAWING)
     except OutputError as error:
         warnings.append(str(error))
     write_summary(path / SUMMARY, _summarise(result, outline, warnings, perf_counter() - started))
+    history = History(path / HISTORY, ["iteration", "unbalanced"])
+    for i, unbalanced in enumerate(result.residuals, start=1):
+        history.append({"iteration": i, "unbalanced": unbalanced})
     lines = [f"{i:3d}  unbalanced {r:.2e}" for i, r in enumerate(result.residuals, start=1)]
     (path / LOG).write_text("\n".join([f"presswork {__version__}: {model.title}", *lines]) + "\n", encoding="utf-8")
     return result, outline
@@ -69,7 +71,7 @@ def _write_results(path: Path, result: OneStepResult) -> None:
     flat = {name: np.zeros_like(values) for name, values in result.fields.items()}
     flat["thickness"] = np.full_like(flat["thickness"], result.model.thickness)
     info: dict[str, str | float] = {"title": result.model.title, "analysis": "onestep", "depth": 1.0}
-    info |= {f"mirrored_{axis}": "all" for axis, wanted in zip("xy", result.model.symmetry, strict=True) if wanted}
+    info["symmetry"] = "".join(axis for axis, wanted in zip("xy", result.model.symmetry, strict=True) if wanted)
     steps: list[tuple[float, FloatArray, dict[str, FloatArray]]] = [
         (0.0, np.zeros_like(mesh.points), flat),
         (1.0, result.model.points - mesh.points, result.fields),

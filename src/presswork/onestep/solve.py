@@ -193,6 +193,7 @@ def find_metric(material: Material, rolling_direction: float) -> list[float]:
 def make_law(material: Material, metric: list[float]) -> _core.DeformationLaw:
     """Return the compiled law."""
     hardening = material.hardening
+    assert hardening is not None, "a sheet material hardens"
     return _core.DeformationLaw(
         material.young, metric, _core.HardeningLaw[hardening.law], [float(p) for p in hardening.parameters]
     )

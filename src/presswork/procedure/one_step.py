@@ -62,7 +62,7 @@ class PartSurface:
     def nodal_areas(self) -> FloatArray:
         """Area of the surface that belongs to each node (n_nodes,) [mm2]."""
         third = np.repeat(self.areas / 3.0, 3)
-        return np.bincount(self.triangles.ravel(), third, minlength=len(self.points))
+        return np.asarray(np.bincount(self.triangles.ravel(), third, minlength=len(self.points)))
 
 
 def prepare_part(
@@ -165,8 +165,8 @@ class OneStep:
         self._height, self._weight = layer_rule(problem.layers, "gauss")
         self._bases, self._fixed = self._choose_tangents()
         self._areas = part.nodal_areas
-        across = self._fixed.any(axis=0)
-        self._used = np.array([not across[0], not across[1], not across.any()])
+        across = [bool(self._fixed[:, i].any()) for i in (0, 1)]
+        self._used = np.array([not across[0], not across[1], not any(across)])
         self._is_free = bool(self._used.any())
         extra = 2 if self._is_free else 0
         self._assembler = _core.Assembler(
@@ -243,7 +243,9 @@ class OneStep:
         )  # fmt: skip
         nodes = part.triangles.ravel()
         flat = force.reshape(-1, 3)
-        nodal = np.stack([np.bincount(nodes, flat[:, i], minlength=self._n) for i in range(3)], axis=1)
+        nodal: FloatArray = np.zeros((self._n, 3))
+        for i in range(3):
+            nodal[:, i] = np.bincount(nodes, flat[:, i], minlength=self._n)
         return nodal, stiffness, failed < 0
 
     def _drag(self, blank: FloatArray, friction: Friction) -> tuple[FloatArray, FloatArray]:

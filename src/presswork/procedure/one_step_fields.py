@@ -35,12 +35,12 @@ def triangle_fields(problem: OneStepProblem, metric: list[float], blank: FloatAr
         "thickness_strain": thinning,
         "major_strain_middle": log[:, 1],
         "minor_strain_middle": log[:, 0],
-        "equivalent_plastic_strain_middle": np.maximum(total - stress / young(problem.law), 0.0),
-        "effective_stress_middle": stress,
+        "equivalent_plastic_strain": np.maximum(total - stress / _young(problem.law), 0.0),
+        "effective_stress": stress,
     }
 
 
-def young(law: _core.DeformationLaw) -> float:
+def _young(law: _core.DeformationLaw) -> float:
     """Return the law's modulus, its slope where nothing has flowed."""
     return float(law.flow_curve(np.array([1e-9]))[1][0])
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswork.results.whole_file import OutputError, explain_write_error, replace_whole
 
-INTEGERS = ("increment", "iterations", "cycles")
+INTEGERS = ("increment", "iteration", "iterations", "cycles")
 TEXTS = ("stage",)
 
 

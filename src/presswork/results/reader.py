@@ -187,7 +187,12 @@ class Result:
     @property
     def is_shell(self) -> bool:
         """Whether the body is a sheet in space."""
-        return self.is_stamping or self.info.get("analysis") == "shell"
+        return self.is_stamping or self.info.get("analysis") in ("shell", "onestep")
+
+    @property
+    def is_onestep(self) -> bool:
+        """Whether the first step is a blank that was found from the part, which is the second."""
+        return self.info.get("analysis") == "onestep"
 
     @property
     def is_stamping(self) -> bool:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
+from presswork.view.blank_plot import plot_blank
 from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_energies, plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 FIELDS = ("effective_stress", "equivalent_plastic_strain")
 SHELL_FIELDS = (*FIELDS, "thickness_strain", "major_strain_top", "minor_strain_top")
 STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain")
+ONESTEP_FIELDS = ("thickness_strain", "major_strain_middle", "minor_strain_middle", "equivalent_plastic_strain")
 _PNG_BYTES = 200_000
 
 
@@ -39,21 +41,21 @@ def plot_all(
     space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
     surface. Of dynamics: energies against time; of a stamping the section along x, draw-in, and the whole part,
     mirrored by its symmetry planes. `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping
-    STAMPING_FIELDS; `out_dir` is the folder "plots" in the output folder.
+    STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder.
     Raises ResultError for an unknown field or step before anything is written.
     """
     require_matplotlib()
     folder = result.folder / "plots" if out_dir is None else Path(out_dir)
     chosen = [-1] if steps == "last" else list(steps)
     if fields is None:
-        fields = STAMPING_FIELDS if result.is_stamping else SHELL_FIELDS if result.is_shell else FIELDS
+        fields = _default_fields(result)
     count = len(result.times)
     for step in chosen:
         for field in fields:
             result.field(field, step)
     _create(folder)
     paths = []
-    if result.is_stamping and not mirror:
+    if (result.is_stamping or result.is_onestep) and not mirror:
         mirror = cast(Mirror, result.info.get("symmetry", ""))
     for step in (step % count for step in chosen):
         if result.is_stamping:
@@ -68,10 +70,20 @@ def plot_all(
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
             paths.append(_save(contours, folder / f"contours_{field}_{step:03d}.png"))
             paths.append(_save(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
+    if result.is_onestep:
+        return [*paths, _save(plot_blank(result, mirror=mirror, figure=_new_figure()), folder / "blank.png")]
     paths += [*_plot_forces(result, folder), *_plot_energies(result, folder)]
     if result.surfaces and count > 1:
         paths.append(_save(plot_draw_in(result, figure=_new_figure()), folder / "draw_in.png"))
     return [*paths, *_plot_interfaces(result, folder, steps)]
+
+
+def _default_fields(result: Result) -> Sequence[str]:
+    if result.is_stamping:
+        return STAMPING_FIELDS
+    if result.is_onestep:
+        return ONESTEP_FIELDS
+    return SHELL_FIELDS if result.is_shell else FIELDS
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:
