@@ -115,8 +115,12 @@ def _check_size(size: float) -> None:
 
 def _merge(points: FloatArray, cells: Cells, tolerance: float) -> tuple[FloatArray, Cells]:
     flat = np.concatenate([c.ravel() for c in cells])
-    merged, numbers = merge_points(points, flat.reshape(-1, 1), tolerance)
-    numbers = numbers.ravel()
+    merged, found = merge_points(points, flat.reshape(-1, 1), tolerance)
+    first = np.full(len(merged), len(points))
+    np.minimum.at(first, found.ravel(), flat)
+    order = np.argsort(first)  # points keep the order of the file
+    numbers = np.argsort(order).astype(np.int32)[found.ravel()]
+    merged = merged[order]
     split = 3 * len(cells[0])
     return merged, (numbers[:split].reshape(-1, 3), numbers[split:].reshape(-1, 4))
 

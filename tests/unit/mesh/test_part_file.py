@@ -48,6 +48,7 @@ def test_quadrilaterals_stay_and_turned_ones_are_said(tmp_path):
     quads[4] = quads[4][::-1]
     part, notes = read_part(write(tmp_path / "hat.vtk", points, ("quad", quads)))
     assert part.quadrilaterals.shape == (15, 4)
+    assert part.points == pytest.approx(points)
     assert notes == ("1 of 15 cells are wound against their neighbours: turned over",)
 
 

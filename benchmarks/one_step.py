@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time of the one-step solver against the number of elements, first guess included.
+
+Run: python benchmarks/one_step.py [THREADS]
+
+A round cup of triangles, with holder and friction. Wall and CPU seconds of the whole solution, and of the first guess
+alone; iterations and passes of friction.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from time import perf_counter, process_time
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
+
+from one_step_problems import NO_QUADS, cup_profile, fan, make_model, revolve
+
+from presswork.onestep import solve_one_step
+
+AROUND = (60, 130, 172, 270, 386)
+
+
+def main() -> None:
+    threads = int(sys.argv[1]) if len(sys.argv) > 1 else 0
+    print("triangles   wall [s]   CPU [s]   first guess [s]   iterations   passes")
+    for around in AROUND:
+        points, quads = revolve(cup_profile(25.0, 5.0, 18.0, 38.0, 2.0 * np.pi * 25.0 / around), around)
+        triangles = np.concatenate([fan(around), quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)])
+        model = make_model(points, triangles, NO_QUADS, layers=3, holder_force=1e4, mu=0.1)
+        wall, cpu = perf_counter(), process_time()
+        result = solve_one_step(model, threads=threads)
+        wall, cpu = perf_counter() - wall, process_time() - cpu
+        guess = result.seconds["flatten"]
+        times = f"{wall:8.2f}   {cpu:7.2f}   {guess:15.2f}"
+        print(f"{len(triangles):9d}   {times}   {result.iterations:10d}   {result.passes:6d}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

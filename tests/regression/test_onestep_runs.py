@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""presswork onestep from a part's file to its folder; what it refuses, and with which status."""
+
+import sys
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from presswork.cli import app
+from presswork.results import Result
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "verification"))
+
+from one_step_problems import cup_profile, fan, revolve
+
+SHEET = ["--material", "numisheet93_mild_steel", "--thickness", "0.8 mm"]
+
+
+@pytest.fixture(scope="module")
+def part(tmp_path_factory) -> Path:
+    points, quads = revolve(cup_profile(25.0, 5.0, 12.0, 36.0, 4.0), 32)
+    path = tmp_path_factory.mktemp("part") / "cup.vtk"
+    meshio.Mesh(points, [("triangle", fan(32)), ("quad", quads)]).write(path)
+    return path
+
+
+def fan_area(corners: np.ndarray) -> np.ndarray:
+    """Return the areas of cells (n, corners, 3), cut from their first corner."""
+    out = corners - corners[:, :1]
+    return 0.5 * np.linalg.norm(np.cross(out[:, 1:-1], out[:, 2:]), axis=2).sum(axis=1)
+
+
+def run(*words: object):
+    return CliRunner().invoke(app, ["onestep", *map(str, words)])
+
+
+def test_a_part_becomes_a_folder(part, tmp_path):
+    done = run(part, *SHEET, "--bhf", "5 kN", "--output", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    assert "punch force" in done.output
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"results.vtkhdf", "history.csv", "summary.json", "blank.csv", "blank.dxf", "case.toml", "plots"} <= names
+    result = Result(tmp_path / "out")
+    blank, formed = result.points(0), result.points(-1)
+    assert np.ptp(blank[:, 2]) == 0.0
+    assert formed == pytest.approx(meshio.read(part).points, abs=1e-9)
+    assert result.summary["punch_force_kN"] > 10.0
+    volume = result.summary["blank"]["area_mm2"] * 0.8
+    corners = [formed[b.connectivity] for b in result.mesh.blocks]
+    areas = [fan_area(c) for c in corners]
+    assert (np.concatenate(areas) * result.field("thickness")).sum() == pytest.approx(volume, rel=2e-3)
+    loops = np.loadtxt(tmp_path / "out" / "blank.csv", delimiter=",", skiprows=1)
+    assert len(loops) == 32
+
+
+def test_the_case_it_leaves_gives_the_same(part, tmp_path):
+    assert run(part, *SHEET, "--output", tmp_path / "one", "--no-plot").exit_code == 0
+    again = CliRunner().invoke(
+        app, ["run", str(tmp_path / "one" / "case.toml"), "--output", str(tmp_path / "two"), "--no-plot", "--quiet"]
+    )
+    assert again.exit_code == 0, again.output
+    assert Result(tmp_path / "one").points(0).tobytes() == Result(tmp_path / "two").points(0).tobytes()
+    told = CliRunner().invoke(app, ["check", str(tmp_path / "one" / "case.toml")])
+    assert told.exit_code == 0
+    assert "32 triangles and" in told.output
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--thickness", "0.8"], "--material"),
+        (["--material", "dc99", "--thickness", "0.8"], "no material of the library"),
+        (["--material", "numisheet93_mild_steel", "--thickness", "-1"], "blank.thickness"),
+        (["--material", "numisheet93_mild_steel", "--thickness", "0.8 kN"], "blank.thickness"),
+        ([*SHEET, "--unit", "furlong"], "part.unit"),
+        ([*SHEET, "--unit", "um"], "another unit"),
+        ([*SHEET, "--draw-direction", "up"], "part.draw_direction"),
+        ([*SHEET, "--mu", "-0.1"], "process.mu"),
+        ([*SHEET, "--bhf", "5 mm"], "process.holder_force"),
+        ([*SHEET, "--symmetry", "x"], "both sides"),
+    ],
+)
+def test_bad_input_is_refused(part, tmp_path, words, said):
+    done = run(part, *words, "--output", tmp_path / "out", "--no-plot")
+    assert done.exit_code in (2, 3), done.output
+    assert said in done.output
+    assert "Traceback" not in done.output
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    done = run(tmp_path / "no.stl", *SHEET)
+    assert done.exit_code == 2
+    assert "no such file" in done.output
+
+
+def test_a_law_without_closed_form_is_refused(part, tmp_path):
+    done = run(part, "--material", "aa6016_t4", "--thickness", "1", "--output", tmp_path / "out")
+    assert done.exit_code == 2
+    assert "hill1948" in done.output
