@@ -110,9 +110,10 @@ def main() -> None:
     if given.tables:
         return print_gain_of_tables(given.repeats)
     columns: dict[str, tuple[_core.SheetLaw, ShellOptions] | tuple[_core.SheetLaw, ShellOptions, Precision]] = {
-        "BT": (SWIFT, ShellOptions(warping=False)),
-        "BWC": (SWIFT, ShellOptions()),
-        "BWC single": (SWIFT, ShellOptions(), "single"),
+        "BT": (SWIFT, ShellOptions(warping=False, hourglass="stiffness")),
+        "BWC": (SWIFT, ShellOptions(hourglass="stiffness")),
+        "physical": (SWIFT, ShellOptions()),
+        "single": (SWIFT, ShellOptions(), "single"),
         "general law": (SWIFT, ShellOptions(tabulate=False)),
         "elastic": (ELASTIC, ShellOptions()),
         "one point": (SWIFT, ShellOptions(n_points=1)),

@@ -74,7 +74,8 @@ def main(n: int) -> None:
     print(f"load of the machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores; packs of {_core.pack_width}")
     print_kernel()
     for element in (
-        "shell4_mitc", "shell4_mitc_plus", "shell4_reduced", "shell3_mitc", "shell3_mitc_plus", "shell6_mitc",
+        "shell4_mitc", "shell4_mitc_plus", "shell4_1pt", "shell4_reduced",
+        "shell3_mitc", "shell3_mitc_plus", "shell6_mitc",
         "shell9_mitc",
     ):  # fmt: skip
         size = n if element[5] == "4" else n // 2

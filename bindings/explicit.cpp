@@ -7,6 +7,7 @@
 
 #include "arrays.hpp"
 #include "explicit/loop.hpp"
+#include "explicit/shell3_block.hpp"
 #include "explicit/shell4_block.hpp"
 #include "tool_contact.hpp"
 
@@ -74,9 +75,9 @@ auto update_fast(const FastLaw& self, Doubles strain, Doubles stress, Doubles eq
 }
 
 ShellSection make_section(const SheetLaw& law, double density, std::vector<double> height, std::vector<double> weight,
-                          bool tabulate, bool warped, bool viscous, std::array<double, 3> hourglass) {
+                          bool tabulate, Treatment treatment, bool viscous, std::array<double, 3> hourglass) {
   require(height.size() == weight.size() && !height.empty(), "height and weight must have the same length, not 0");
-  ShellSection section{GeneralSheet{law}, {std::move(height), std::move(weight)}, density, warped, {}};
+  ShellSection section{GeneralSheet{law}, {std::move(height), std::move(weight)}, density, treatment, {}};
   if (tabulate) {
     if (auto fast = find_fast_law(law))
       section.law = std::move(*fast);
@@ -94,20 +95,24 @@ void make_loop(ShellLoop<Real>* self, Doubles points) {
 }
 
 template <class Real>
-void add_shells4(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, const SheetLaw& law,
-                 double density, std::vector<double> height, std::vector<double> weight, bool tabulate, bool warped,
-                 bool viscous, std::array<double, 3> hourglass) {
-  require(connectivity.ndim() == 2 && connectivity.shape(1) == 4 && connectivity.shape(0) > 0,
-          "connectivity must have shape (n, 4), n > 0");
-  const std::size_t n = connectivity.shape(0);
+void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, const SheetLaw& law,
+                double density, std::vector<double> height, std::vector<double> weight, bool tabulate,
+                Treatment treatment, bool viscous, std::array<double, 3> hourglass) {
+  require(connectivity.ndim() == 2 && connectivity.shape(0) > 0, "connectivity must have shape (n, 3 or 4), n > 0");
+  const std::size_t n = connectivity.shape(0), each = connectivity.shape(1);
+  require(each == 3 || each == 4, "connectivity must have shape (n, 3 or 4), n > 0");
   require(thickness.size() == n, "thickness must have shape (n)");
   require(axis.ndim() == 2 && axis.shape(0) == n && axis.shape(1) == 3, "axis must have shape (n, 3)");
-  std::vector<int> cells(connectivity.data(), connectivity.data() + 4 * n);
+  std::vector<int> cells(connectivity.data(), connectivity.data() + each * n);
   for (int node : cells) require(node >= 0 && node < self.nodes.n, "connectivity names a node that is not there");
-  self.add(std::make_unique<Shell4Block<Real>>(
-      self.nodes,
-      make_section(law, density, std::move(height), std::move(weight), tabulate, warped, viscous, hourglass),
-      std::move(cells), thickness.data(), axis.data()));
+  auto section =
+      make_section(law, density, std::move(height), std::move(weight), tabulate, treatment, viscous, hourglass);
+  if (each == 3)
+    self.add(std::make_unique<Shell3Block<Real>>(self.nodes, std::move(section), std::move(cells), thickness.data(),
+                                                 axis.data()));
+  else
+    self.add(std::make_unique<Shell4Block<Real>>(self.nodes, std::move(section), std::move(cells), thickness.data(),
+                                                 axis.data()));
 }
 
 // Columns [first, first + width) of records of `stride` numbers as an array (n, width), and back.
@@ -271,11 +276,11 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
   nb::class_<Loop> loop(m, name, text);
   bind_tools(loop);
   loop.def("__init__", &make_loop<Real>, nb::arg("points"))
-      .def("add_shells4", &add_shells4<Real>, nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),
+      .def("add_shells", &add_shells<Real>, nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),
            nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),
-           nb::arg("tabulate") = true, nb::arg("warped") = false, nb::arg("viscous") = false,
+           nb::arg("tabulate") = true, nb::arg("treatment") = Treatment::plain, nb::arg("viscous") = false,
            nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
-           "Add a block of one-point 4-node shells; blocks and their elements are numbered as they come.")
+           "Add a block of one-point shells of 3 or 4 nodes; blocks and their elements are numbered as they come.")
       .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
            nb::arg("damping") = 0.0, "Advance as many cycles of dt [s] as the scales have values.")
       .def("energies", &Loop::energies, nb::arg("dt"), nb::kw_only(), nb::arg("damping") = 0.0,
@@ -363,6 +368,11 @@ void bind_explicit(nb::module_& m) {
           nb::arg("single") = false,
           "Advance points by strain increments (n, 3); returns stress (n, 3), equivalent plastic strain (n), thickness "
           "strain increment (n).");
+
+  nb::enum_<Treatment>(m, "ShellTreatment", "How a shell of one point is made enough.")
+      .value("plain", Treatment::plain, "Belytschko, Lin & Tsay 1984")
+      .value("warped", Treatment::warped, "with the terms of Belytschko, Wong & Chiang 1992")
+      .value("stabilized", Treatment::stabilized, "with hourglass stresses of the material's own");
 
   bind_loop<double>(m, "ShellLoop", "Central differences for shells; mm, s, t, N, MPa.");
   bind_loop<float>(m, "ShellLoopSingle", "ShellLoop in single precision, positions and work excepted.");

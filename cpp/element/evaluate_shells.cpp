@@ -36,6 +36,11 @@ constexpr ShellType shell(std::string_view name) {
           &tabulate<mesh_cell, n_points>};
 }
 
+constexpr ShellType stabilized(std::string_view name) {
+  using Evaluator = StabilizedPack<Pack>;
+  return {name, 4, 1, Evaluator::internal_values, &Evaluator::evaluate_pack, &tabulate<Cell::quad4, 1>};
+}
+
 const ShellType shells[] = {
     shell<Cell::tri3, 1>("shell3"),
     shell<Cell::tri3, 3, Tying::mitc>("shell3_mitc"),
@@ -50,6 +55,7 @@ const ShellType shells[] = {
     shell<Cell::quad4, 1>("shell4_reduced"),
     shell<Cell::quad4, 4, Tying::mitc>("shell4_mitc"),
     shell<Cell::quad4, 4, Tying::mitc_plus>("shell4_mitc_plus"),
+    stabilized("shell4_1pt"),
     shell<Cell::quad8, 9>("shell8"),
     shell<Cell::quad8, 9, Tying::selective>("shell8_selective"),
     shell<Cell::quad8, 4>("shell8_reduced"),

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "element/shell_pack.hpp"
+#include "element/shell4_stabilized_pack.hpp"
 
 namespace presswork {
 

@@ -5,6 +5,7 @@
 // isotropic laws are diagonal. A law has
 //   rows()                                     values that a point keeps: sum, difference, shear of stress, then others
 //   advance(sum, difference, shear, dt, state) updates them by increments of strain; gives that of thickness strain
+//   young_at(state)                            Young's modulus at present
 //   young, poisson                             elasticity, for transverse shear, stable step and hourglass control
 #pragma once
 
@@ -20,6 +21,16 @@ struct GeneralSheet {
   double young = law.young, poisson = law.poisson;
 
   int rows() const { return 3 + law.history_size(); }
+
+  template <class T>
+  T young_at(const T* state) const {
+    return law.young_at(state[3]);
+  }
+  FloatPack young_at(const FloatPack* state) const {
+    FloatPack young;
+    for (int half = 0; half < 2; ++half) narrow(law.young_at(widen(state[3], half)), half, young);
+    return young;
+  }
 
   template <class T>
   T advance(T sum, T difference, T shear, double dt, T* state) const {
@@ -49,10 +60,18 @@ struct FastMises : TabulatedMises {
   static constexpr int rows() { return 4; }
 
   template <class T>
+  T young_at(const T*) const {
+    return T(young);
+  }
+
+  template <class T>
   T advance(T sum, T difference, T shear, double, T* state) const {
     return TabulatedMises::advance(sum, difference, shear, state);
   }
 };
+
+inline constexpr double negligible_square = 1e-12;   // [MPa2]: square of a stress that is none
+inline constexpr double elastic_ratio = 1.0 - 2e-6;  // of stress to trial stress: what is more is round-off of floats
 
 // Heights in half thicknesses, -1 to 1, and weights that add up to one.
 struct LayerRule {
@@ -67,12 +86,21 @@ struct Resultants {
   T work;              // of the increment, by area [N/mm]
 };
 
+// Square of von Mises' stress, by sum, difference and shear.
+template <class T>
+[[gnu::always_inline]] inline T mises_square(T sum, T difference, T shear) {
+  return T(0.25) * sum * sum + T(0.75) * difference * difference + T(3.0) * shear * shear;
+}
+
 // Advance all layers by the increments of membrane strain and curvature [1/mm]; layers: (points, rows) in place.
+// retained, unless null: what plastic flow leaves of stress beside that at the centre, as means over the layers of von
+// Mises' stress after the step over the elastic trial's, for membrane and for bending; 1 in elastic steps.
 template <class T, class Law>
 [[gnu::always_inline]] inline void advance_section(const Law& law, const LayerRule& rule, const T membrane[3],
                                                    const T curvature[3], T thickness, double dt, T* layers,
-                                                   Resultants<T>& out) {
+                                                   Resultants<T>& out, T* retained = nullptr) {
   T half = T(0.5) * thickness, bend[3], mean[3], turn[3], work(0.0), across(0.0);
+  T found[2] = {T(negligible_square), T(negligible_square)}, trial[2] = {T(negligible_square), T(negligible_square)};
   for (int i = 0; i < 3; ++i) bend[i] = half * curvature[i], mean[i] = turn[i] = T(0.0);
   const int points = static_cast<int>(rule.height.size()), rows = law.rows();
   for (int k = 0; k < points; ++k, layers += rows) {
@@ -80,7 +108,16 @@ template <class T, class Law>
     T sum = membrane[0] + height * bend[0], difference = membrane[1] + height * bend[1];
     T shear = membrane[2] + height * bend[2];
     T before[3] = {layers[0], layers[1], layers[2]};
+    const T young = retained ? law.young_at(layers) : T(0.0);
     across += weight * law.advance(sum, difference, shear, dt, layers);
+    if (retained) {
+      T s = before[0] + young * T(1.0 / (1.0 - law.poisson)) * sum, d = young * T(1.0 / (1.0 + law.poisson));
+      T tried = weight * mises_square(s, before[1] + d * difference, before[2] + T(0.5) * d * shear);
+      T now = weight * mises_square(layers[0], layers[1], layers[2]);
+      T square = height * height;
+      trial[0] += tried, trial[1] += square * tried;
+      found[0] += now, found[1] += square * now;
+    }
     // stress : strain = (sums + differences)/2 + shear
     work += weight * (T(0.5) * ((before[0] + layers[0]) * sum + (before[1] + layers[1]) * difference) +
                       (before[2] + layers[2]) * shear);
@@ -93,6 +130,11 @@ template <class T, class Law>
   for (int i = 0; i < 3; ++i) out.force[i] = thickness * mean[i], out.moment[i] = thickness * half * turn[i];
   out.thickness_strain = across;
   out.work = T(0.5) * thickness * work;
+  if (retained)
+    for (int i = 0; i < 2; ++i) {
+      T ratio = square_root(found[i] / trial[i]);
+      retained[i] = select(ratio < T(elastic_ratio), ratio, T(1.0));
+    }
 }
 
 }  // namespace presswork

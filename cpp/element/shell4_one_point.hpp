@@ -42,18 +42,19 @@ namespace shell4 {
 
 inline constexpr double shear_factor = 5.0 / 6.0;
 // rows of an element's state: thickness, inverse reference sides (2x2), transverse shear stress xz, yz, hourglass
-// forces (membrane x, y, deflection, rotations x, y), work, hourglass work, rounding of the thickness; then the layers
+// forces (membrane x, y, deflection, rotations x, y, none; of stabilised shells those of shell4_forms.hpp), work,
+// hourglass work, rounding of the thickness; then the layers
 enum Row {
   thickness = 0,
   reference = 1,
   shear_xz = 5,
   shear_yz = 6,
   hourglass = 7,
-  work = 12,
-  hourglass_work = 13,
-  thickness_rounding = 14
+  work = 13,
+  hourglass_work = 14,
+  thickness_rounding = 15
 };
-inline constexpr int head_rows = 15;
+inline constexpr int head_rows = 16;
 
 // Adds an increment of thickness strain. What rounding takes is added to the next increment (Kahan 1965): steps of 1e-6
 // are 16 units in the last place of a float, all rounded the same way, and would drift.
@@ -245,7 +246,7 @@ void hourglass_viscosities(const ShellControl& control, double young, double poi
 
 // Bound of the highest frequency squared of an element of this mass, its rotary inertia alpha times that. Membrane:
 // with G the matrix b b^T and g1 > g2 its eigenvalues, 4 c^2 (g1 + nu g2), exact for a rectangle; bending and shear as
-// a sum.
+// a sum, in which the projection of shear on the edges weighs rotations more the more the element is out of line.
 template <class T>
 T bound_frequency(double young, double poisson, const Geometry<T>& g, T thickness, T mass, T alpha) {
   T gxx = T(2.0) * (g.bx[0] * g.bx[0] + g.bx[1] * g.bx[1]), gyy = T(2.0) * (g.by[0] * g.by[0] + g.by[1] * g.by[1]);
@@ -255,7 +256,8 @@ T bound_frequency(double young, double poisson, const Geometry<T>& g, T thicknes
   T specific = T(young) * g.area * thickness / mass;  // modulus over density
   T membrane = T(4.0 / (1.0 - poisson * poisson)) * specific * (g1 + T(poisson) * g2);
   T bending = membrane * thickness * thickness * T(1.0 / 12.0) * over;
-  T shear = T(0.5 * shear_factor / (1.0 + poisson)) * specific * (T(4.0) * g1 + over);
+  T projected = T(1.0) + T(0.25) * (gxx + gyy) * (g.H[0] * g.H[0] + g.H[1] * g.H[1]);
+  T shear = T(0.5 * shear_factor / (1.0 + poisson)) * specific * (T(4.0) * g1 + projected * over);
   return larger(membrane, bending + shear);
 }
 

@@ -29,7 +29,18 @@ struct LayerResponse {
   T thickness_strain;
 };
 
+// Squares of von Mises' stress, of the elastic trial and of the stress itself, with derivatives by E
+template <class T>
+struct StressSquares {
+  Dual<T, 3> trial, found;
+};
+
 namespace layer {
+
+template <class V>
+V mises_square(const V s[3]) {
+  return s[0] * s[0] - s[0] * s[1] + s[1] * s[1] + V(3.0) * s[2] * s[2];
+}
 
 template <class V>
 struct Stretch {
@@ -81,9 +92,10 @@ void thickness_slope(T young, double poisson, const T D[3][3], T slope[3]) {
 // Advance a layer by E over dt; gives the lanes in which the law failed.
 template <class T>
 Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_modulus, Layer<T>& state,
-                      LayerResponse<T>& out) {
+                      LayerResponse<T>& out, StressSquares<T>* squares = nullptr) {
   using V = Dual<T, 3>;
   T D[3][3], young = law.young_at(state.history[0]);
+  const T before[3] = {state.stress[0], state.stress[1], state.stress[2]};
   layer::Stretch<T> u;
   layer::stretch_from(E, u);
   Mask<T> failed = update_sheet(law, u.strain, dt, T(1.0), state.stress, state.history, out.thickness_strain,
@@ -93,7 +105,21 @@ Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_mo
   T x = u.inverse[1] * c - u.inverse[2] * s, y = u.inverse[0] * s - u.inverse[2] * c;  // U = adj(U^-1) det U
   T length = T(1.0) / square_root(x * x + y * y);
   state.direction[0] = x * length, state.direction[1] = y * length;
+  // trial stress: plane stress elasticity from `before`
+  auto try_elastic = [&](const auto* strain, auto* trial) {
+    using S = std::remove_cvref_t<decltype(*trial)>;
+    const double poisson = law.poisson;
+    const S plane(young * T(1.0 / (1.0 - poisson * poisson))), shear(young * T(0.5 / (1.0 + poisson)));
+    trial[0] = S(before[0]) + plane * (strain[0] + S(poisson) * strain[1]);
+    trial[1] = S(before[1]) + plane * (strain[1] + S(poisson) * strain[0]);
+    trial[2] = S(before[2]) + shear * strain[2];
+  };
   if (!with_modulus) {
+    if (squares) {
+      T trial[3];
+      try_elastic(u.strain, trial);
+      squares->trial = V(layer::mises_square(trial)), squares->found = V(layer::mises_square(state.stress));
+    }
     layer::pull_back(u, state.stress, out.thickness_strain, out.force);
     return failed;
   }
@@ -109,6 +135,11 @@ Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_mo
       if (k == 0) stress[i] = V(state.stress[i]);
       for (int j = 0; j < 3; ++j) stress[i].slope[k] += D[i][j] * v.strain[j].slope[k];
     }
+  }
+  if (squares) {
+    V trial[3];
+    try_elastic(v.strain, trial);
+    squares->trial = layer::mises_square(trial), squares->found = layer::mises_square(stress);
   }
   layer::pull_back(v, stress, across, S);
   for (int i = 0; i < 3; ++i) {

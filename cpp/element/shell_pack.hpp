@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "element/layered_section.hpp"
 #include "element/shell.hpp"
 #include "element/shell_bubble.hpp"
 
@@ -42,6 +43,44 @@ struct ShellView {
 struct ShellFailure {
   int cell = -1;
   ShellFault fault = ShellFault::none;
+};
+
+// What plastic flow leaves of stress beside that at the centre: von Mises' stress over that of the elastic trial, as a
+// mean over the layers, of membrane stress and, weighted by z^2, of bending; 1 in elastic steps. With derivatives.
+template <class T>
+struct Retained {
+  T trial[2], found[2], trial_slope[2][3][3], found_slope[2][3][3];  // slopes by E0, E1, E2
+
+  Retained() {
+    for (int m = 0; m < 2; ++m) {
+      trial[m] = found[m] = T(negligible_square);
+      for (int p = 0; p < 3; ++p)
+        for (int c = 0; c < 3; ++c) trial_slope[m][p][c] = found_slope[m][p][c] = T(0.0);
+    }
+  }
+
+  // height: of the layer in half thicknesses; z [mm]
+  void add(const StressSquares<T>& s, const T Q[3][3], double weight, double height, T z) {
+    for (int m = 0; m < 2; ++m) {
+      T power(m == 0 ? weight : weight * height * height);
+      trial[m] += power * s.trial.value, found[m] += power * s.found.value;
+      for (int p = 0; p < 3; ++p, power *= z)
+        for (int c = 0; c < 3; ++c)
+          for (int i = 0; i < 3; ++i) {
+            trial_slope[m][p][c] += power * Q[i][c] * s.trial.slope[i];
+            found_slope[m][p][c] += power * Q[i][c] * s.found.slope[i];
+          }
+    }
+  }
+
+  T evaluate(int m, T slope[3][3]) const {
+    T ratio = square_root(found[m] / trial[m]), half = T(0.5) * ratio;
+    const auto flows = ratio < T(1.0);
+    T of_found = select(flows, half / found[m], T(0.0)), of_trial = select(flows, half / trial[m], T(0.0));
+    for (int p = 0; p < 3; ++p)
+      for (int c = 0; c < 3; ++c) slope[p][c] = of_found * found_slope[m][p][c] - of_trial * trial_slope[m][p][c];
+    return select(flows, ratio, T(1.0));
+  }
 };
 
 namespace lanes {
@@ -106,7 +145,7 @@ struct ShellPack {
 
   // All layers of point q: their resultants, new thickness and volumes
   ShellFailure run_layers(int q, const typename Kernel::Surface& surface, const typename Kernel::Strain& strain,
-                          bool with_modulus, typename Kernel::Resultants& sum) const {
+                          bool with_modulus, typename Kernel::Resultants& sum, Retained<T>* retained = nullptr) const {
     const std::size_t rows = static_cast<std::size_t>(n_points) * view.n_layers;
     T h, stretch(0.0);
     load(view.thickness_n, n_points, q, 1, &h);
@@ -125,7 +164,9 @@ struct ShellPack {
       T c11 = T(1.0) + T(2.0) * E[0], c22 = T(1.0) + T(2.0) * E[1];
       T least = smaller(c11, c11 * c22 - E[2] * E[2]);
       if (auto bad = find(!(least > T(1e-6)), ShellFault::inside_out); bad.cell >= 0) return bad;
-      auto failed = respond_layer(law, view.dt, E, with_modulus, state, response);
+      StressSquares<T> squares;
+      auto failed = respond_layer(law, view.dt, E, with_modulus, state, response, retained ? &squares : nullptr);
+      if (retained) retained->add(squares, Q, 0.5 * view.layer_weight[k], view.layer_position[k], z);
       if (auto bad = find(failed, ShellFault::law); bad.cell >= 0) return bad;
       T weight = T(0.5 * table.shape.weight[q] * view.layer_weight[k]) * area * h;
       T across = exponential(response.thickness_strain);

@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// 4-node one-point shells of one section and law in the explicit loop (element/shell4_one_point.hpp).
+// 4-node one-point shells of one section and law in the explicit loop (element/shell4_one_point.hpp,
+// shell4_stabilized.hpp).
 #pragma once
 
-#include "element/shell4_one_point.hpp"
-#include "explicit/element_block.hpp"
+#include "element/shell4_stabilized.hpp"
+#include "explicit/shell_section.hpp"
 
 namespace presswork::explicit_dynamics {
-
-struct ShellSection {
-  std::variant<FastMises, GeneralSheet> law;
-  LayerRule rule;
-  double density;  // [t/mm3]
-  bool warped;     // with the warping terms
-  ShellControl control;
-};
 
 template <class Real>
 class Shell4Block final : public ElementBlock<Real> {
@@ -29,7 +22,7 @@ class Shell4Block final : public ElementBlock<Real> {
  private:
   using P = PackOf<Real>;
   static constexpr int lanes = ElementBlock<Real>::lanes;
-  template <bool warped, class Law>
+  template <Treatment treatment, class Law>
   void advance_packs(const Law& law, const Nodes<Real>& nodes, const ShellControl& control, int first, int last,
                      Real* force);
 

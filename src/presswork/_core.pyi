@@ -501,6 +501,18 @@ class TabulatedMises:
         Advance points by strain increments (n, 3); returns stress (n, 3), equivalent plastic strain (n), thickness strain increment (n).
         """
 
+class ShellTreatment(enum.Enum):
+    """How a shell of one point is made enough."""
+
+    plain = 0
+    """Belytschko, Lin & Tsay 1984"""
+
+    warped = 1
+    """with the terms of Belytschko, Wong & Chiang 1992"""
+
+    stabilized = 2
+    """with hourglass stresses of the material's own"""
+
 class ShellLoop:
     """Central differences for shells; mm, s, t, N, MPa."""
 
@@ -555,9 +567,9 @@ class ShellLoop:
     def restore_contact(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Take over what dump_contact gave."""
 
-    def add_shells4(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
+    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """
-        Add a block of one-point 4-node shells; blocks and their elements are numbered as they come.
+        Add a block of one-point shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
     def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
@@ -692,9 +704,9 @@ class ShellLoopSingle:
     def restore_contact(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Take over what dump_contact gave."""
 
-    def add_shells4(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, warped: bool = False, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
+    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """
-        Add a block of one-point 4-node shells; blocks and their elements are numbered as they come.
+        Add a block of one-point shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
     def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:

@@ -30,7 +30,7 @@ SolidElement = Literal[
 ShellElement = Literal[
     "shell3", "shell3_mitc", "shell3_mitc_plus",
     "shell6", "shell6_selective", "shell6_reduced", "shell6_mitc",
-    "shell4", "shell4_selective", "shell4_reduced", "shell4_mitc", "shell4_mitc_plus",
+    "shell4", "shell4_selective", "shell4_reduced", "shell4_mitc", "shell4_mitc_plus", "shell4_1pt",
     "shell8", "shell8_selective", "shell8_reduced",
     "shell9", "shell9_selective", "shell9_reduced", "shell9_mitc",
 ]  # fmt: skip

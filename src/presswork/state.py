@@ -35,7 +35,8 @@ class ShellArrays:
     shear: list[FloatArray]
     """Transverse shear force per area of the reference cell, contravariant (n_cells, q, 2)."""
     internal: list[FloatArray]
-    """What a cell keeps besides its points (n_cells, m): the bubble of shell3_mitc_plus."""
+    """What a cell keeps besides its points (n_cells, m): the bubble of shell3_mitc_plus; of shell4_1pt the hourglass
+    forces (6), the energy stored by them and that lost to plastic flow [N mm]."""
     fading: FloatArray
     """What loads and supports of the stage before still do when a stage begins, and cease to over it (n_points, 6)
     [N, N mm]."""

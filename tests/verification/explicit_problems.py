@@ -31,6 +31,13 @@ def grid(nx: int, ny: int, length: float, width: float, *, distort: float = 0.0)
     return points, np.stack([first, first + 1, first + nx + 2, first + nx + 1], axis=1).astype(np.int32)
 
 
+def triangles(cells: npt.NDArray[np.int32], part: npt.NDArray[np.bool_] | None = None) -> npt.NDArray[np.int32]:
+    """Quadrilaterals (n, 4), those of `part` (default: all) halved: triangles have their last node twice."""
+    cut = np.ones(len(cells), dtype=bool) if part is None else part
+    halves = [cells[~cut], cells[cut][:, [0, 1, 2, 2]], cells[cut][:, [0, 2, 3, 3]]]
+    return np.concatenate(halves)
+
+
 def stiffness(shells: ExplicitShells, size: float = 1e-7) -> Array:
     """Tangent (6 n, 6 n) of the internal force, column by column by differences; for small meshes."""
     n = len(shells.position)
@@ -52,5 +59,6 @@ def solve_static(matrix: Array, free: npt.NDArray[np.bool_], load: Array) -> Arr
 
 
 def elastic_options(**changes: object) -> ShellOptions:
-    """Two points through the thickness are exact for an elastic shell."""
-    return ShellOptions(**({"n_points": 2} | changes))  # type: ignore[arg-type]
+    """Two points through the thickness are exact for an elastic shell; without warping terms stiffness control."""
+    control = {"hourglass": "stiffness"} if changes.get("warping") is False or "coefficients" in changes else {}
+    return ShellOptions(**({"n_points": 2} | control | changes))  # type: ignore[arg-type]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -48,10 +49,16 @@ def test_a_supported_disc_collapses_at_its_limit_load() -> None:
     assert collapse_load(quarter_disc(8), wanted, clamped=False) == pytest.approx(wanted, rel=2.5e-3)
 
 
-def test_a_clamped_disc_collapses_above_its_limit_load_the_less_the_finer() -> None:
-    """The hinge at the rim is as wide as a cell: 3.4 % too high with 48 MITC4, 1.2 % with 192."""
+@pytest.mark.parametrize("element", ["shell4_mitc", "shell4_1pt"])
+def test_a_clamped_disc_collapses_above_its_limit_load_the_less_the_finer(element) -> None:
+    """The hinge at the rim is as wide as a cell: 3.4 % too high with 48 MITC4, 1.2 % with 192; one point 2.6 and 0.7 %.
+
+    Hourglass stresses that did not flow with the material would carry load on without end.
+    """
     wanted = limit_load_of_disc(-2 / np.sqrt(3) + 1e-7) * plastic_moment() / SIZE**2
-    assert 1.0 < collapse_load(quarter_disc(4), wanted, clamped=True) / wanted < 1.04
+    mesh = quarter_disc(4)
+    mesh = replace(mesh, blocks=tuple(replace(block, element=element) for block in mesh.blocks))
+    assert 1.0 < collapse_load(mesh, wanted, clamped=True) / wanted < 1.04
 
 
 def test_a_supported_square_plate_collapses_at_its_limit_load() -> None:

@@ -56,7 +56,8 @@ STEPS = {"initial_increment": 0.05, "max_increment": 0.05}
 
 
 @pytest.mark.parametrize(("element", "n"), [
-    ("shell4_mitc_plus", 16), ("shell3_mitc", 16), ("shell3_mitc_plus", 16), ("shell6_mitc", 8), ("shell9_mitc", 8),
+    ("shell4_mitc_plus", 16), ("shell4_1pt", 16),
+    ("shell3_mitc", 16), ("shell3_mitc_plus", 16), ("shell6_mitc", 8), ("shell9_mitc", 8),
 ])  # fmt: skip
 def test_cantilever_under_end_shear(element, n) -> None:
     model = shell_model(strip(element, 10, n), elastic(1.2e6, 0.0), [("left", CLAMPED)],
@@ -103,7 +104,14 @@ def dome(element: str, n: int) -> Model:
     return shell_model(mesh, elastic(6.825e7, 0.3), held, forces=pull, **STEPS)
 
 
-@pytest.mark.parametrize(("element", "n", "tolerance"), [("shell4_mitc_plus", 16, 0.011), ("shell9_mitc", 8, 0.012)])
+@pytest.mark.parametrize(
+    ("element", "n", "tolerance"),
+    [
+        ("shell4_mitc_plus", 16, 0.011),
+        ("shell9_mitc", 8, 0.012),
+        ("shell4_1pt", 16, 0.02),
+    ],
+)
 def test_hemisphere_with_hole(element, n, tolerance) -> None:
     found, _ = follow(dome(element, n), [("bottom_left", X), ("bottom_right", Y)])
     assert deviation(found, "hemisphere_18deg_hole", [1, 2]) < tolerance

@@ -22,6 +22,7 @@ _WORDS: dict[str, str] = {
     "shell4_reduced": "4-node degenerated shells, one point, no hourglass control",
     "shell4_mitc": "4-node shells, tied transverse shear (MITC4)",
     "shell4_mitc_plus": "4-node shells, tied transverse shear and in-plane strains (MITC4+)",
+    "shell4_1pt": "4-node shells, one point, physical stabilisation",
     "shell8": "8-node degenerated shells, 3 x 3 points",
     "shell8_selective": "8-node degenerated shells, transverse shear from 2 x 2 points",
     "shell8_reduced": "8-node degenerated shells, 2 x 2 points",

@@ -36,7 +36,7 @@ _ELEMENTS_OF_KIND = {
 _SHELLS_OF_KIND = {
     "tri3": "shell3_mitc_plus, shell3_mitc, shell3",
     "tri6": "shell6_mitc, shell6, shell6_selective, shell6_reduced",
-    "quad4": "shell4_mitc_plus, shell4_mitc, shell4, shell4_selective, shell4_reduced",
+    "quad4": "shell4_mitc_plus, shell4_mitc, shell4_1pt, shell4, shell4_selective, shell4_reduced",
     "quad8": "shell8_reduced, shell8, shell8_selective",
     "quad9": "shell9_mitc, shell9, shell9_selective, shell9_reduced",
 }

@@ -13,6 +13,7 @@ Units are mm, s, t, N, MPa. A node has six freedoms: displacements u, v, w and r
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,7 +22,7 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.procedure.explicit_input import ExplicitError as ExplicitError
-from presswork.procedure.explicit_input import check_shells
+from presswork.procedure.explicit_input import check_shells, is_triangle, with_four_nodes
 from presswork.procedure.explicit_tools import ToolsOfRun
 
 Array = npt.NDArray[np.float64]
@@ -41,7 +42,8 @@ class ShellOptions:
 
     n_points, rule: points through the thickness; "gauss" or, with points on both surfaces, "lobatto".
     warping: Belytschko, Wong & Chiang's terms for warped elements; without them it is Belytschko & Tsay's shell.
-    hourglass: "stiffness" or "viscous" control, with its coefficients for membrane, deflection and rotations.
+    hourglass: "physical", stresses with the material's own moduli; or "stiffness" or "viscous" control by perturbation,
+    with its coefficients for membrane, deflection and rotations.
     tabulate: hardening is looked up in a table that follows its law within 1e-8 where it is smooth; von Mises with
     isotropic hardening alone takes a fast update besides.
     """
@@ -49,7 +51,7 @@ class ShellOptions:
     n_points: int = 5
     rule: Literal["gauss", "lobatto"] = "gauss"
     warping: bool = True
-    hourglass: Literal["stiffness", "viscous"] = "stiffness"
+    hourglass: Literal["physical", "stiffness", "viscous"] = "physical"
     coefficients: tuple[float, float, float] = (0.03, 0.03, 0.03)
     tabulate: bool = True
 
@@ -59,6 +61,18 @@ class ShellOptions:
             raise ExplicitError(f"n_points = {self.n_points}: a {self.rule} rule has {least} to 51 points")
         if any(not 0 <= c <= 0.2 for c in self.coefficients):
             raise ExplicitError(f"coefficients = {self.coefficients}: hourglass coefficients lie between 0 and 0.2")
+        if self.hourglass == "physical" and not self.warping:
+            raise ExplicitError(
+                'warping = False: hourglass = "physical" includes the warping terms; with them off, give hourglass = '
+                '"stiffness" or "viscous"'
+            )
+
+    @property
+    def treatment(self) -> _core.ShellTreatment:
+        """The kernel's name for it."""
+        if self.hourglass == "physical":
+            return _core.ShellTreatment.stabilized
+        return _core.ShellTreatment.warped if self.warping else _core.ShellTreatment.plain
 
 
 @dataclass(frozen=True)
@@ -142,9 +156,10 @@ def order_along_curve(points: Array) -> npt.NDArray[np.intp]:
 
 
 class ExplicitShells(ToolsOfRun):
-    """4-node shells in explicit dynamics.
+    """4-node and 3-node shells in explicit dynamics.
 
-    points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell; thickness [mm], one or (n); law in
+    points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell, a triangle with its last node twice,
+    or (n, 3) of triangles alone; thickness [mm], one or (n); law in
     plane stress; density [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each
     shell.
     precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
@@ -168,11 +183,15 @@ class ExplicitShells(ToolsOfRun):
         if precision not in LOOPS:
             raise ExplicitError(f"precision = {precision!r}: give 'double' or 'single'")
         x = np.array(points, dtype=float)
-        cells = np.array(connectivity, dtype=np.int32)
+        cells = with_four_nodes(np.array(connectivity, dtype=np.int32))
         sheet = np.broadcast_to(np.asarray(thickness, dtype=float), len(cells)).copy()
         check_shells(x, cells, sheet, density)
-        self._elements = order_along_curve(x[cells].mean(axis=1))
-        first = cells[self._elements].ravel()
+        curve = order_along_curve(x[cells].mean(axis=1))
+        triangular = is_triangle(cells)
+        kinds = [(part, n) for n in (4, 3) if len(part := curve[triangular[curve] == (n == 3)])]
+        self._elements = np.concatenate([part for part, _ in kinds])
+        self._counts = [len(part) for part, _ in kinds]
+        first = cells[curve].ravel()
         _, at = np.unique(first, return_index=True)
         used = first[np.sort(at)]
         self._nodes = np.concatenate([used, np.setdiff1d(np.arange(len(x)), used)])
@@ -182,19 +201,20 @@ class ExplicitShells(ToolsOfRun):
         height, weight = layer_rule(options.n_points, options.rule)
         self._loop = LOOPS[precision](x[self._nodes])
         try:
-            self._loop.add_shells4(
-                place[cells[self._elements]],
-                sheet[self._elements],
-                np.ascontiguousarray(axes[self._elements]),
-                law,
-                density,
-                height,
-                weight,
-                tabulate=options.tabulate,
-                warped=options.warping,
-                viscous=options.hourglass == "viscous",
-                hourglass=options.coefficients,
-            )
+            for part, n in kinds:
+                self._loop.add_shells(
+                    place[cells[part, :n]],
+                    sheet[part],
+                    np.ascontiguousarray(axes[part]),
+                    law,
+                    density,
+                    height,
+                    weight,
+                    tabulate=options.tabulate,
+                    treatment=options.treatment,
+                    viscous=options.hourglass == "viscous",
+                    hourglass=options.coefficients,
+                )
         except ValueError as error:
             raise ExplicitError(str(error)) from None
         self._fixed = np.zeros((len(x), 6), dtype=np.uint8)
@@ -215,6 +235,9 @@ class ExplicitShells(ToolsOfRun):
         out = np.empty_like(inside)
         out[self._elements] = inside
         return out
+
+    def _of_blocks(self, values: Callable[[int], Array]) -> Array:
+        return np.concatenate([values(block) for block in range(len(self._counts))])
 
     @property
     def position(self) -> Array:
@@ -260,17 +283,17 @@ class ExplicitShells(ToolsOfRun):
     @property
     def stress(self) -> Array:
         """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up."""
-        return self._by_element(self._loop.stress(0))
+        return self._by_element(self._of_blocks(self._loop.stress))
 
     @property
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (n, n_points)."""
-        return self._by_element(self._loop.history(0)[:, :, 0])
+        return self._by_element(self._of_blocks(self._loop.history)[:, :, 0])
 
     @property
     def thickness(self) -> Array:
         """Thickness (n) [mm]."""
-        return self._by_element(self._loop.thickness(0))
+        return self._by_element(self._of_blocks(self._loop.thickness))
 
     @property
     def mass(self) -> Array:
@@ -296,7 +319,11 @@ class ExplicitShells(ToolsOfRun):
 
     def stable_step(self) -> float:
         """Give the bound of the stable time step [s] of the shells as they are now."""
-        return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))
+        return float(2.0 / np.sqrt(self.bound_frequencies().max()))
+
+    def bound_frequencies(self) -> Array:
+        """Give the bound of each shell's highest frequency squared (n) [1/s2] as it is now."""
+        return self._by_element(self._loop.bound_frequencies())
 
     def scale_mass(self, target_step: float) -> MassScaling:
         """Add mass to shells whose stable step is below the target [s], take the target as the step; report the mass.
@@ -374,7 +401,7 @@ class ExplicitShells(ToolsOfRun):
         return {
             "position": position,
             "velocity": velocity,
-            "state": states[0],
+            "state": np.concatenate(states),
             "forces": forces,
             "element_mass": self._loop.element_mass,
             "contact": self._loop.dump_contact(),
@@ -387,5 +414,6 @@ class ExplicitShells(ToolsOfRun):
         self.cycle = int(cycle)
         self._reference = None if np.isnan(start) else (start, largest)
         self._loop.element_mass = dump["element_mass"]
-        self._loop.restore(dump["position"], dump["velocity"], [dump["state"]], dump["forces"], external, damping)
+        states = np.split(dump["state"], np.cumsum(self._counts)[:-1])
+        self._loop.restore(dump["position"], dump["velocity"], states, dump["forces"], external, damping)
         self._restore_tools(dump["contact"], step)

@@ -15,6 +15,16 @@ class ExplicitError(ValueError):
     """Input that no run can start from, or a run that cannot go on."""
 
 
+def with_four_nodes(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+    """Give connectivity (n, 4): of triangles (n, 3) with the last node twice."""
+    return cells[:, [0, 1, 2, 2]] if cells.ndim == 2 and cells.shape[1] == 3 else cells
+
+
+def is_triangle(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
+    """Say which shells of connectivity (n, 4) have their last node twice."""
+    return np.asarray(cells[:, 2] == cells[:, 3])
+
+
 def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float) -> None:
     """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
     if points.ndim != 2 or points.shape[1] != 3:
@@ -22,7 +32,7 @@ def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, 
     if not np.isfinite(points).all():
         raise ExplicitError(f"node {np.argwhere(~np.isfinite(points))[0, 0]} has a coordinate that is not a number")
     if cells.ndim != 2 or cells.shape[1] != 4 or len(cells) == 0:
-        raise ExplicitError(f"connectivity has shape {cells.shape}: it must be (n, 4) with at least one shell")
+        raise ExplicitError(f"connectivity has shape {cells.shape}: it must be (n, 4) or (n, 3), n > 0")
     outside = (cells < 0) | (cells >= len(points))
     if outside.any():
         shell, corner = np.argwhere(outside)[0]
@@ -41,6 +51,7 @@ def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, 
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     turn = (np.cross(after, before) * normal[:, None, :]).sum(axis=2)
     concave = turn <= 1e-6 * (normal**2).sum(axis=1)[:, None]
+    concave[is_triangle(cells), 1:] = False  # all corners of a triangle are alike
     if concave.any():
         shell, corner = np.argwhere(concave)[0]
         raise ExplicitError(

@@ -15,9 +15,12 @@ from presswork.results.shell_fields import back_stress
 from presswork.sheet_law import make_yield_function
 from presswork.state import State
 
+STORED, LOST = 6, 7
+"""Where shell4_1pt keeps the energy of its hourglass stresses: what is stored, what plastic flow has taken."""
+
 
 def elastic_energy(model: Model, state: State) -> float:
-    """Return the energy stored elastically [N mm], transverse shear included."""
+    """Return the energy stored elastically [N mm], with that of transverse shear and of hourglass stresses."""
     total = 0.0
     points = model.mesh.points + state.displacement[:, :3]
     for i, block in enumerate(model.mesh.blocks):
@@ -32,6 +35,8 @@ def elastic_energy(model: Model, state: State) -> float:
         shear = state.shells.shear[i]
         stiffness = 5 / 6 * material.young / (2 * (1 + material.poisson)) * state.shells.thickness[i] * area
         total += float((np.einsum("cqj,cqjk,cqk->cq", shear, metric, shear) * weights / (2 * stiffness)).sum())
+        if block.element == "shell4_1pt":
+            total += float(state.shells.internal[i][:, STORED].sum())
     return total
 
 
@@ -59,6 +64,8 @@ def plastic_work(model: Model, laws: list[_core.SheetLaw], state_n: State, trial
             along = (0.5 * (before + after)[flows] * gradient).sum(axis=1)
             work.reshape(-1)[flows] += along * dp.ravel()[flows]
         total += float((work * trial.volume[i]).sum())
+        if block.element == "shell4_1pt":
+            total += float((trial.shells.internal[i] - state_n.shells.internal[i])[:, LOST].sum())
     return total
 
 

@@ -37,9 +37,10 @@ def build(**changes: object) -> ExplicitShells:
         ({"points": POINTS[:, :2]}, "points has shape"),
         ({"points": np.where(POINTS == 2, np.nan, POINTS)}, "node 2 has a coordinate that is not a number"),
         ({"connectivity": [[0, 1, 4, 3], [1, 2, 6, 4]]}, "shell 1 names node 6: nodes are numbered from 0 to 5"),
-        ({"connectivity": [[0, 1, 4]]}, "connectivity has shape"),
+        ({"connectivity": [[0, 1]]}, r"connectivity has shape .* it must be \(n, 4\) or \(n, 3\)"),
         ({"connectivity": [[0, 1, 4, 3], [1, 2, 4, 5]]}, r"shell 1 \(nodes \[1, 2, 4, 5\]\) is folded"),
         ({"connectivity": [[0, 1, 4, 3], [1, 2, 2, 4]]}, "shell 1 .* is folded or without area"),
+        ({"connectivity": [[0, 1, 4], [0, 1, 2]]}, r"shell 1 \(nodes \[0, 1, 2, 2\]\) is folded or without area"),
         ({"precision": "half"}, "precision = 'half': give 'double' or 'single'"),
         ({"axis": (0.0, 0.0, 1.0)}, "axis of its material is normal to it"),
     ],
@@ -55,6 +56,7 @@ def test_bad_shells(changes: dict[str, object], message: str) -> None:
         ({"n_points": 0}, "n_points = 0: a gauss rule has 1 to 51"),
         ({"n_points": 1, "rule": "lobatto"}, "n_points = 1: a lobatto rule has 2 to 51"),
         ({"coefficients": (0.03, 0.03, 3.0)}, "between 0 and 0.2"),
+        ({"warping": False}, 'warping = False: hourglass = "physical" includes the warping terms; .* give hourglass'),
     ],
 )
 def test_bad_options(options: dict[str, object], message: str) -> None:
