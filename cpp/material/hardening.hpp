@@ -95,10 +95,11 @@ struct Hardening {
         break;
       }
       case HardeningLaw::ludwik: {
-        T base = larger(p, T(1e-12));  // the slope at p = 0 is infinite; it is cut at p = 1e-12
-        T rise = T(c[1]) * power(base, c[2]);
-        flow = T(c[0]) + rise;
-        slope = T(c[2]) * rise / base;
+        // the slope at p = 0 is infinite: below 1e-12 the curve rises straight from s0
+        T base = larger(p, T(1e-12)), rise = T(c[1]) * power(base, c[2]);
+        auto straight = p < T(1e-12);
+        flow = T(c[0]) + select(straight, rise * (p * T(1e12)), rise);
+        slope = select(straight, T(1.0), T(c[2])) * rise / base;
         break;
       }
       case HardeningLaw::voce: {
@@ -108,11 +109,11 @@ struct Hardening {
         break;
       }
       case HardeningLaw::hockett_sherby: {
-        T base = larger(p, T(1e-12));
-        T exponent = T(c[2]) * power(base, c[3]);
-        T gap = T(c[1] - c[0]) * exponential(-exponent);
-        flow = T(c[1]) - gap;
-        slope = T(c[3]) * gap * exponent / base;
+        T base = larger(p, T(1e-12)), exponent = T(c[2]) * power(base, c[3]);  // straight below 1e-12, as above
+        T gap = T(c[1] - c[0]) * exponential(-exponent), rise = T(c[1] - c[0]) - gap;
+        auto straight = p < T(1e-12);
+        flow = T(c[0]) + select(straight, rise * (p * T(1e12)), rise);
+        slope = select(straight, rise, T(c[3]) * gap * exponent) / base;
         break;
       }
       case HardeningLaw::swift_voce: {

@@ -244,3 +244,16 @@ def test_in_no_time_a_law_with_a_rate_answers_elastically() -> None:
     np.testing.assert_allclose(elastic_strain(answer), strain, rtol=1e-12)
     assert not kept.any()
     assert not failed.any()
+
+
+@pytest.mark.parametrize("hardening", HARDENINGS)
+def test_the_first_plastic_strain_is_found_however_small(hardening) -> None:
+    """Trial stresses past the first yield by 1e-9 to 1e-1 of it, where Ludwik's curve rises without bound."""
+    law = make_law(hardening=hardening)
+    first = law.flow_stress(np.zeros(1))[0][0]
+    strain = elastic_strain(np.outer(first * (1 + np.geomspace(1e-9, 1e-1, 400)), [1.0, 0.0, 0.0]))
+    stress, history, _, _, failed = law.update(strain, np.zeros_like(strain), np.zeros((400, law.history_size)))
+    assert not failed.any()
+    assert (history[:, 0] > 0).all()
+    effective = np.sqrt(stress[:, 0] ** 2 - stress[:, 0] * stress[:, 1] + stress[:, 1] ** 2)
+    np.testing.assert_allclose(effective, law.flow_stress(history[:, 0])[0], rtol=1e-9)

@@ -16,7 +16,7 @@ from presswork.case.errors import CaseError, Problem
 from presswork.case.references import check_set_names
 from presswork.case.shell import FREEDOMS, HOLDS
 from presswork.case.stamping import RAMP, VELOCITY, StampingCase, StampingStage
-from presswork.case.stamping_checks import check_fit, check_names, check_tools
+from presswork.case.stamping_checks import check_fit, check_names, check_target_step, check_tools, check_ways
 from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
@@ -35,7 +35,9 @@ SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 def build_stamping_model(case: StampingCase) -> StampingModel:
     """Build the Model of a stamping; raises CaseError with every problem of the first kind that is found."""
     _stop_at(check_names(case), case)
-    _stop_at(check_tools(case), case)
+    _stop_at(check_tools(case) + check_ways(case), case)
+    stages = tuple(build_stage(stage) for stage in case.stages)
+    _stop_at(check_target_step(case, stages), case)
     mesh = _build_mesh(case)
     uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
     for index, stage in enumerate(case.stages):
@@ -63,7 +65,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         tools=tools,
         symmetry=symmetry,
         supports=(*supports, *(entry.build() for entry in case.boundary.values())),
-        stages=tuple(build_stage(stage) for stage in case.stages),
+        stages=stages,
         explicit=ExplicitSettings(**case.explicit.model_dump()),
         output=StampingOutput(**case.output.model_dump()),
         case_text=case.text,

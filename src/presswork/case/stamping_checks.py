@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from presswork.case.blank import BlankFile, CircularBlank
@@ -13,6 +15,7 @@ from presswork.case.stamping_shapes import clearance
 from presswork.case.stamping_tools import DrawnTool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
 from presswork.model import Mesh
+from presswork.model_stamping import StampingStage as StageModel
 from presswork.model_stamping import StampingTool
 
 MOST_CELLS = 5_000_000
@@ -121,6 +124,35 @@ def _explain_clearance(punch: str, die: str, kind: str, gap: float, thickness: f
     else:
         text = f"the clearance of {gap:.4g} mm between {punch} and {die} is less than the blank's {thickness:g} mm"
     return Problem(f"tools.{punch}", text, f"make the punch smaller or the opening of the {kind} larger")
+
+
+def check_ways(case: StampingCase) -> list[Problem]:
+    """Return a problem for each tool laid on the blank whose strokes only take it away from there."""
+    problems = []
+    for name, tool in case.tools.items():
+        if tool.position is not None:
+            continue
+        strokes = [stage.tools[name].stroke or 0.0 if name in stage.tools else 0.0 for stage in case.stages]
+        first = next((index for index, stroke in enumerate(strokes) if stroke), None)
+        if first is None or max(itertools.accumulate(strokes)) > 0:
+            continue
+        away, toward = ("down", "up") if tool.kind == "die" else ("up", "down")
+        fault = f"the {tool.kind} only moves {away}, away from the blank"
+        remedy = f"strokes of a {tool.kind} count {toward}: write stroke = {-strokes[first]:g}"
+        problems.append(Problem(f"stages.{first}.tools.{name}.stroke", fault, remedy, strokes[first]))
+    return problems
+
+
+def check_target_step(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Problem]:
+    """Return a problem where the time step asked for is longer than the smooth start of a stage."""
+    target = case.explicit.target_step
+    if target is None or not stages:
+        return []
+    shortest = min(stages, key=lambda stage: stage.ramp)
+    if target <= shortest.ramp:
+        return []
+    fault = f'longer than the smooth start of the stage "{shortest.name}", {shortest.ramp:.3g} s'
+    return [Problem("explicit.target_step", fault, "take a few times the step without it, about 1 us", target)]
 
 
 def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:

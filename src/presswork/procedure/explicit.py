@@ -368,10 +368,11 @@ class ExplicitShells(ToolsOfRun):
         self.time += n * self.dt
         finite = np.isfinite(self.position).all(axis=1)
         if not finite.all():
+            allowed = SAFETY * self.stable_step()
+            now = f" (the shells allow {allowed:g} s now)" if np.isfinite(allowed) else ""
             raise ExplicitError(
                 f"node {np.argmin(finite)} has left for infinity by cycle {self.cycle} (t = {self.time:g} s): "
-                f"the step {self.dt:g} s is too long (the shells allow {SAFETY * self.stable_step():g} s now) or its "
-                "shells have collapsed"
+                f"the step {self.dt:g} s is too long{now}, its shells have collapsed, or their material law has failed"
             )
         self._check_tools()
 

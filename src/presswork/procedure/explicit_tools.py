@@ -207,7 +207,7 @@ class ToolsOfRun:
         if lost >= 0:
             raise ExplicitError(
                 f"{self._name_point(lost)} has gone through a tool by cycle {self.cycle} (t = {self.time:g} s): drive "
-                "the tools slower, refine the mesh, or raise the penalty"
+                "the tools slower, push them less hard, or refine the mesh"
             )
 
     def _restore_tools(self, dump: Array, step: float) -> None:

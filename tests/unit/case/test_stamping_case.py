@@ -124,6 +124,9 @@ def test_times_follow_from_velocity_duration_and_ramp() -> None:
     ("tools.punch.shape", "hemisferical", ["tools.punch.shape", "did you mean `hemispherical`"]),
     ("tools.punch", {"kind": "die", "shape": "hemispherical", "diameter": 50}, ["hemispherical nose"]),
     ("tools.punch.mu", -0.1, ["tools.punch.mu", ">= 0"]),
+    ("stages.0.tools.punch.stroke", -20, ["stages.0.tools.punch.stroke = -20", "only moves up", "stroke = 20"]),
+    ("stages.0.tools.die", {"stroke": -1}, ["stages.0.tools.die.stroke = -1", "only moves down", "stroke = 1"]),
+    ("explicit", {"target_step": 1}, ["explicit.target_step = 1", 'smooth start of the stage "draw", 0.00111 s']),
     ("stages.0.tools.punsh", {"stroke": 1}, ["stages.0.tools.punsh", "did you mean `punch`"]),
     ("stages.0.tools.punch", {}, ["stages.0.tools.punch.stroke", "either stroke or force"]),
     ("stages.0.tools.punch", {"stroke": 1, "force": 1}, ["either stroke or force"]),
@@ -147,6 +150,11 @@ def test_bad_input_is_named(path, value, fragments) -> None:
         build_model(StampingCase.model_validate(data))
     for fragment in fragments:
         assert fragment in str(error.value)
+
+
+def test_a_punch_may_go_back_after_its_stroke() -> None:
+    back = {"name": "lift", "tools": {"punch": {"stroke": -20}}}
+    assert build(stages=[*CUP["stages"], back]).stages[1].actions["punch"].stroke == -20
 
 
 @pytest.mark.parametrize("missing", ["die", "holder"])
