@@ -45,7 +45,7 @@ PYTHON_ROOMS = {
         "results",
         "sheet_law",
         "umat",
-    },  # fmt: skip
+    },
     "post": {"formability", "mesh", "model", "results"},
     "view": {"formability", "model", "results", "post"},
     "run": {"model", "model_stamping", "procedure", "results"},

@@ -49,8 +49,8 @@ def plot_all(
     surface. Of dynamics: energies against time; of a stamping the section along x, draw-in, and the whole part,
     mirrored by its symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
     `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping STAMPING_FIELDS, of a one-step run
-    ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder. sections: x, y of where a section begins [mm], and its angle from x [degree]; each is
-    drawn, and its thickness written as CSV.
+    ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder. sections: x, y of where a section begins [mm],
+    and its angle from x [degree]; each is drawn, and its thickness written as CSV.
     Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
     """
     require_matplotlib()
