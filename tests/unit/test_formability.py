@@ -142,3 +142,20 @@ def test_the_model_carries_the_curve_the_margin_and_the_normal_anisotropy(materi
 def test_a_limit_that_cannot_be_found_is_refused_by_its_key_in_the_case(material: dict, words: str) -> None:
     with pytest.raises(CaseError, match=words):
         build_model(pulled_strip(**material))
+
+
+def test_a_computed_limit_of_the_library_gives_way_to_back_stresses_of_the_case(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    own: dict = {"library": "aa6016_t4", "kinematic": {"law": "chaboche", "C": [2000], "gamma": [20]}}
+    case = pulled_strip().model_dump()
+    judged = build_model(StampingCase.model_validate(case | {"materials": {"steel": own}})).materials[0].formability
+    assert judged.curve is None
+    assert "its forming limit is computed for isotropic hardening" in caplog.text
+    points = own | {"forming_limit": {"law": "points", "points": [[-0.2, 0.5], [0.2, 0.4]]}}
+    kept = build_model(StampingCase.model_validate(case | {"materials": {"steel": points}})).materials[0].formability
+    assert kept.curve is not None
+    alone = {"library": "aa6016_t4"}
+    found = build_model(StampingCase.model_validate(case | {"materials": {"steel": alone}})).materials[0].formability
+    assert found.curve is not None
+    assert "Marciniak" in found.curve.method
