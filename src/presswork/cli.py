@@ -23,6 +23,7 @@ from presswork.model_onestep import OneStepModel
 from presswork.model_stamping import AnyModel
 from presswork.onestep.commands import add_commands as add_onestep_commands
 from presswork.onestep.commands import compute as compute_onestep
+from presswork.post import trace_outline, write_outline
 from presswork.procedure.one_step import OneStepError
 from presswork.run import Outcome, StartError, check_start, run_model
 from presswork.run import Progress as RunProgress
@@ -138,16 +139,19 @@ def _draw(
     quiet: bool = False,
     fields: list[str] | None = None,
     steps: list[int] | None = None,
+    sections: list[tuple[float, float, float]] | None = None,
 ) -> None:
     from presswork.view import plot_all
 
     try:
-        paths = plot_all(result, out, fields, steps or "last")
+        paths = plot_all(result, out, fields, steps or "last", sections=sections or ())
     except ImportError as error:
         console.print(f"no pictures: {error}", markup=False)
         return
     if not quiet and paths:
         console.print(f"{len(paths)} pictures in {paths[0].parent}", markup=False)
+    if not quiet and (verdict := result.summary.get("formability")):
+        console.print(f"at the end: {verdict['verdict']}", markup=False)
 
 
 @app.command()
@@ -172,14 +176,43 @@ def plot(
     ] = None,
     step: Annotated[list[int] | None, typer.Option(help="Saved steps to draw, from 0, or from the end: -1.")] = None,
     out: Annotated[Path | None, typer.Option(help="Where to write; default: DIR/plots.")] = None,
+    section: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="[X,Y,]ANGLE",
+            help="Of a sheet: draw the section along a ray at an angle from x [degree], from the origin or from X, Y "
+            "[mm]; write its thickness as CSV.",
+        ),
+    ] = None,
+    outline: Annotated[
+        Path | None, typer.Option(help="Of a sheet: write its outline as .csv or .dxf, at the last of the steps.")
+    ] = None,
 ) -> None:
-    """Draw PNG pictures of results: mesh with fields, history, contact stress along the interface."""
+    """Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram."""
+    sections = [_read_section(text) for text in section or ()]
     try:
         for folder in folders:
             target = out / folder.name if out and len(folders) > 1 else out
-            _draw(Result(folder), target, fields=field, steps=step)
+            result = Result(folder)
+            _draw(result, target, fields=field, steps=step, sections=sections)
+            if outline:
+                path = outline.with_stem(f"{outline.stem}_{folder.name}") if len(folders) > 1 else outline
+                write_outline(trace_outline(result, step[-1] if step else -1), path)
+                console.print(f"outline in {path}", markup=False)
     except OutputError as error:
         raise _refuse(str(error)) from error
+
+
+def _read_section(text: str) -> tuple[float, float, float]:
+    """Return x, y [mm] and angle [degree] of "ANGLE" or "X,Y,ANGLE"."""
+    try:
+        numbers = [float(number) for number in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 3):
+        raise _refuse(f"--section = {text}: expected ANGLE or X,Y,ANGLE, for instance 45 or 10,0,90")
+    x, y, angle = (0.0, 0.0, *numbers)[-3:]
+    return x, y, angle
 
 
 @app.command()

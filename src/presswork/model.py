@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
+from presswork.formability import Formability
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -167,6 +168,8 @@ class Material:
     """Of a solid: the law, instead of hardening."""
     density: float = 0.0
     """[t/mm3]; only dynamics asks for it."""
+    formability: Formability = field(default_factory=Formability)
+    """Of a sheet: what its strains are judged by."""
 
 
 @dataclass(frozen=True)

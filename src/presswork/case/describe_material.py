@@ -29,6 +29,16 @@ def describe_material(material: model.Material) -> str:
     return ", ".join(parts)
 
 
+def describe_forming_limit(material: model.Material) -> str:
+    """Say what a part's strains will be judged by."""
+    judged = material.formability
+    if judged.curve is None:
+        return "none: the material has no forming_limit, so nothing will be said of cracks"
+    minor, major = judged.curve.lowest()
+    reserve = 100 * judged.safety_margin
+    return f"{judged.curve.method}, lowest at minor {minor:.3g}, major {major:.3g}; safety margin {reserve:g} %"
+
+
 def _describe_kinematic(kinematic: model.Kinematic) -> str:
     p = kinematic.parameters
     if kinematic.law == "chaboche":

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from presswork.case.describe_material import describe_material
+from presswork.case.describe_material import describe_forming_limit, describe_material
 from presswork.mesh.swept_tool import SweptTool
 from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 
@@ -38,6 +38,7 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     for each in problem.materials:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
+    yield f"forming limit: {describe_forming_limit(material)}"
     for tool in problem.tools:
         yield f"tool {tool.name}: {_describe_tool(tool)}"
     yield from _hint_at_coarse_mesh(problem)

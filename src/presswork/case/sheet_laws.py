@@ -102,7 +102,15 @@ class YoungDecrease(Part):
     rate: Number = Field(gt=0, description="rate of the decrease per unit of plastic strain")
 
 
-class KeelerLimit(Part):
+class _Limit(Part):
+    """What every forming limit has."""
+
+    safety_margin: Number | None = Field(
+        default=None, ge=0, lt=1, description="part of the limit's height held in reserve; 0.1, of aluminium 0.08"
+    )
+
+
+class KeelerLimit(_Limit):
     """Keeler and Brazier's curve for mild and conventional high-strength steel."""
 
     law: Literal["keeler"] = "keeler"
@@ -110,20 +118,20 @@ class KeelerLimit(Part):
     n: Number = Field(gt=0, description="hardening exponent n")
 
 
-class PointsLimit(Part):
+class PointsLimit(_Limit):
     """A measured forming limit."""
 
     law: Literal["points"] = "points"
     points: tuple[tuple[Number, Number], ...] = Field(description="[minor, major] true strains")
 
 
-class SwiftHillLimit(Part):
+class SwiftHillLimit(_Limit):
     """Hill's localised and Swift's diffuse necking."""
 
     law: Literal["swift_hill"] = "swift_hill"
 
 
-class MarciniakKuczynskiLimit(Part):
+class MarciniakKuczynskiLimit(_Limit):
     """Marciniak and Kuczynski's computed limit."""
 
     law: Literal["marciniak_kuczynski"] = "marciniak_kuczynski"

@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork import _core, model
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.forming_limit.build import build_sheets
 from presswork.case.grid import grid_lines
 from presswork.case.library import list_keys
 from presswork.case.references import check_set_names
@@ -40,7 +41,7 @@ def build_shell_model(case: ShellCase) -> model.Model:
         analysis="shell",
         depth=1.0,
         mesh=mesh,
-        materials=tuple(material.to_model(name) for name, material in case.materials.items()),
+        materials=build_sheets(case.materials, case.workpiece.material, case.source),
         tools=(),
         supports=tuple(entry.build() for entry in case.boundary.values()),
         stages=tuple(_build_stage(stage) for stage in case.stages),

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,11 @@ from presswork.case.errors import CaseError
 from presswork.case.library import find_sheet, list_keys
 from presswork.case.sheet import SheetLaws
 from presswork.case.units import fault
+
+logger = logging.getLogger(__name__)
+
+COMPUTED = ("swift_hill", "marciniak_kuczynski")
+"""Forming limits that are computed from the other laws of the sheet, which must harden isotropically."""
 
 
 class ShellMaterial(SheetLaws):
@@ -37,7 +43,16 @@ class ShellMaterial(SheetLaws):
         except CaseError as error:
             said = "; ".join(f"{problem}" for problem in error.problems)
             raise fault(said, "`presswork materials` lists the library", key="library") from None
-        return {**sheet.material.model_dump(), **data}
+        taken = sheet.material.model_dump()
+        limit = taken["forming_limit"]
+        if data.get("kinematic") is not None and "forming_limit" not in data and limit and limit["law"] in COMPUTED:
+            taken["forming_limit"] = None
+            logger.warning(
+                "library = %s: its forming limit is computed for isotropic hardening, and the case adds back stresses: "
+                "none is taken; give forming_limit = keeler or points",
+                data["library"],
+            )
+        return {**taken, **data}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:

@@ -13,6 +13,7 @@ import numpy as np
 from presswork import model
 from presswork.case.blank import BlankFile, CircularBlank
 from presswork.case.errors import CaseError, Problem
+from presswork.case.forming_limit.build import build_sheets
 from presswork.case.references import check_set_names
 from presswork.case.shell import FREEDOMS, HOLDS
 from presswork.case.stamping import RAMP, VELOCITY, StampingCase, StampingStage
@@ -59,8 +60,8 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         mesh=mesh,
         rolling_direction=(cos(angle), sin(angle), 0.0),
         materials=tuple(
-            replace(material.to_model(name), density=material.find_density())
-            for name, material in case.materials.items()
+            replace(sheet, density=case.materials[sheet.name].find_density())
+            for sheet in build_sheets(case.materials, case.blank.material, case.source)
         ),
         tools=tools,
         symmetry=symmetry,

@@ -14,10 +14,10 @@ import typer
 from rich.console import Console
 
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.forming_limit.build import build_curve
 from presswork.case.library import find_sheet, list_sheets
 from presswork.case.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
-from presswork.material.build import build_curve
 from presswork.material.fit_plot import draw_curves, draw_fit
 from presswork.material.identify import (
     LAWS,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.material.forming_limit import FormingLimitCurve
+from presswork.formability import FormingLimitCurve
 from presswork.material.identify import HardeningFit
 from presswork.material.tensile import TensileTest
 from presswork.view.style import DPI, clean_axes, new_figure

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
-from presswork.material.forming_limit import FormingLimitCurve
-from presswork.material.proportional import ProportionalPath, find_stress
+from presswork.case.forming_limit.proportional import ProportionalPath, find_stress
+from presswork.formability import FormingLimitCurve
 from presswork.model import FloatArray
 
 

@@ -3,9 +3,12 @@
 
 from presswork.post.contact_force import integrate_contact_force
 from presswork.post.die_fill import DieFill, measure_die_fill
+from presswork.post.formability import judge_cells, judge_part
 from presswork.post.interface import Interface, order_along_boundary, trace_interface
 from presswork.post.neutral_radius import NeutralRadius, find_neutral_radius
 from presswork.post.nodal import average_to_nodes, cell_areas, count_corners
+from presswork.post.outline import trace_outline, write_outline
+from presswork.post.section import cut_sheet, cut_tool, measure_draw_in, write_section
 from presswork.post.tool_profile import distance_to_profile, trace_profile
 
 __all__ = [
@@ -15,11 +18,19 @@ __all__ = [
     "average_to_nodes",
     "cell_areas",
     "count_corners",
+    "cut_sheet",
+    "cut_tool",
     "distance_to_profile",
     "find_neutral_radius",
     "integrate_contact_force",
+    "judge_cells",
+    "judge_part",
     "measure_die_fill",
+    "measure_draw_in",
     "order_along_boundary",
     "trace_interface",
+    "trace_outline",
     "trace_profile",
+    "write_outline",
+    "write_section",
 ]

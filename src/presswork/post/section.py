@@ -1,38 +1,47 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sections of a stamping by a plane through the axis: where the sheet runs, how thick it is, where the tools are."""
+"""Sections of a stamping by an upright plane: where the sheet runs, how thick it is, where the tools are."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from presswork.model import FloatArray, IntArray
 from presswork.results import Result
+from presswork.results.whole_file import replace_whole
+
+ORIGIN = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class SheetSection:
-    """The sheet along a plane that cuts it, cell by cell, from the middle outwards."""
+    """The sheet along a plane that cuts it, cell by cell, outwards from where the section begins."""
 
     way: FloatArray
-    """Undeformed distance from the axis of the middle of each piece (n,) [mm]."""
+    """Undeformed distance from the beginning of the middle of each piece (n,) [mm]."""
     line: FloatArray
-    """Ends of each piece as distance from the axis, and height (n, 2, 2) [mm], as deformed."""
+    """Ends of each piece as distance from the beginning, and height (n, 2, 2) [mm], as deformed."""
     cell: IntArray
     """Cell of each piece (n,)."""
 
 
-def cut_sheet(result: Result, angle: float = 0.0, step: int = -1) -> SheetSection:
-    """Cut the sheet along the radius at an angle from x [rad], in the undeformed blank, so that the same material is
-    seen at every step.
+def cut_sheet(
+    result: Result, angle: float = 0.0, step: int = -1, *, start: tuple[float, float] = ORIGIN
+) -> SheetSection:
+    """Cut the sheet along the ray from `start` (x, y) [mm] at an angle from x [rad].
+
+    The ray is drawn on the undeformed blank, so that the same material is seen at every step; of its places now the
+    part along the ray is returned. A ray that starts outside the blank cuts it from side to side.
 
     Pieces where the radius runs along a side of two cells belong to one of them.
     """
     out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
-    start, now = result.mesh.points, result.points(step)
-    along, off = start[:, :2] @ out, start[:, :2] @ across
-    size = float(np.ptp(start[:, :2], axis=0).max())
+    origin = np.asarray(start, dtype=float)
+    before, now = result.mesh.points[:, :2] - origin, result.points(step)
+    along, off = before @ out, before @ across
+    size = float(np.ptp(before, axis=0).max())
     off = np.where(np.abs(off) < 1e-9 * size, 0.0, off)
     pieces: list[tuple[float, FloatArray, int]] = []
     first = 0
@@ -48,7 +57,7 @@ def cut_sheet(result: Result, angle: float = 0.0, step: int = -1) -> SheetSectio
             places.sort(key=lambda place: float(place[0]))
             middle = 0.5 * float(places[0][0] + places[1][0])
             if middle > 0:
-                line = np.array([[float(p[:2] @ out), float(p[2])] for _, p in places])
+                line = np.array([[float((p[:2] - origin) @ out), float(p[2])] for _, p in places])
                 pieces.append((middle, line, first + int(number)))
         first += len(cells)
     pieces.sort(key=lambda piece: piece[0])
@@ -75,10 +84,15 @@ def _between(values: FloatArray, first: int, second: int, part: float) -> FloatA
     return np.asarray((1 - part) * values[first] + part * values[second])
 
 
-def cut_tool(result: Result, tool: str, angle: float = 0.0, step: int = -1) -> FloatArray:
-    """Cut a tool in space by the half plane at an angle from x [rad]: lines (n, 2, 2) of distance and height [mm]."""
+def cut_tool(
+    result: Result, tool: str, angle: float = 0.0, step: int = -1, *, start: tuple[float, float] = ORIGIN
+) -> FloatArray:
+    """Cut a tool in space by the half plane from `start` (x, y) [mm] at an angle from x [rad].
+
+    Return lines (n, 2, 2) of distance from the start and height [mm].
+    """
     points, triangles = result.surfaces[tool]
-    points = points + result.surface_displacement(tool, step)
+    points = points + result.surface_displacement(tool, step) - (*start, 0.0)
     out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     corners = points[triangles]
     off = corners[:, :, :2] @ across
@@ -101,3 +115,22 @@ def measure_draw_in(result: Result, angle: float = 0.0, step: int = -1) -> float
     """Return how far the blank's edge has come in along the radius at an angle from x [rad] [mm]."""
     start, now = cut_sheet(result, angle, 0).line[-1, 1], cut_sheet(result, angle, step).line[-1, 1]
     return float(start[0] - now[0])
+
+
+def write_section(
+    result: Result, path: Path | str, angle: float = 0.0, step: int = -1, *, start: tuple[float, float] = ORIGIN
+) -> None:
+    """Write the thickness along a section as CSV, a row a piece of the sheet.
+
+    Columns: undeformed distance from the start of the ray, that of the deformed sheet and its height [mm] at the middle
+    of the piece, thickness [mm], thickness strain. Arguments as cut_sheet. Raises OutputError.
+    """
+    sheet = cut_sheet(result, angle, step, start=start)
+    middle = sheet.line.mean(axis=1)
+    fields = [result.field(name, step)[sheet.cell] for name in ("thickness", "thickness_strain")]
+    rows = np.column_stack([sheet.way, middle, *fields])
+    lines = ["undeformed_distance_mm,distance_mm,z_mm,thickness_mm,thickness_strain"]
+    lines += [",".join(f"{value:.7g}" for value in row) for row in rows]
+    content = ("\n".join(lines) + "\n").encode()
+    with replace_whole(Path(path), needed_bytes=len(content)) as temporary:
+        temporary.write_bytes(content)

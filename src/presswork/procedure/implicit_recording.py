@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.formability import Formability
 from presswork.model import Mesh, Model, ToolMotion
 from presswork.procedure.arc_length import ArcLengthProcedure
 from presswork.procedure.implicit import (
@@ -25,6 +26,7 @@ from presswork.procedure.penetration import Penetration
 from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.tool_quantities import ToolQuantities, measure_tools
 from presswork.results import history_columns
+from presswork.results.formability import FormingVerdict, formability_fields, judge_fields
 
 CUT_EDGE = 0.25
 """Part of the shortest boundary edge by which a tool may cut into an edge without a warning."""
@@ -132,10 +134,11 @@ class ImplicitRecording:
         procedure, model = self.procedure, self.model
         state = procedure.state
         forces = procedure.contact.forces(state, procedure.equilibrium.fixed(self._stage()))
+        cells = procedure.mechanics.cell_fields(state)
         return Snapshot(
             time=float(state.progress[TIME]),
             point_data=procedure.mechanics.point_fields(state, forces, procedure.interface_stress()),
-            cell_data=procedure.mechanics.cell_fields(state),
+            cell_data=cells | formability_fields(cells, self._judged()),
             tools={t.name: t.segments for t in model.tools},
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
@@ -146,8 +149,22 @@ class ImplicitRecording:
                 "depth": model.depth,
                 "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
                 "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
+                **(self._judged().to_info() if model.analysis == "shell" else {}),
             },
         )
+
+    def _judged(self) -> Formability:
+        """What the strains of a sheet are judged by: it is of one material."""
+        return self.model.materials[self.mesh.blocks[0].material].formability
+
+    def _judge(self) -> FormingVerdict | None:
+        """Return the verdict on a sheet; None of a solid."""
+        mechanics, state = self.procedure.mechanics, self.procedure.state
+        if self.model.analysis != "shell":
+            return None
+        points = self.mesh.points + state.displacement[:, :3]
+        centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in self.mesh.blocks])
+        return judge_fields(mechanics.cell_fields(state), centres, self._judged())
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return the converged state."""
@@ -176,6 +193,7 @@ class ImplicitRecording:
         elastic_volume = procedure.mechanics.elastic_dilatation(state)
         volume, initial = procedure.volume(), procedure.initial_volume
         extremes = procedure.mechanics.extremes(state)
+        verdict = self._judge()
         contact = {
             "tolerance_mm": procedure.contact.tolerance,
             "largest_node_penetration_mm": self.penetration.node,
@@ -200,7 +218,8 @@ class ImplicitRecording:
             "contact": contact,
             "energy": procedure.energy_balance(),
             "linear_solver": procedure.equilibrium.solver.name,
-            "warnings": _warn(contact),
+            **({"formability": verdict.to_summary()} if verdict else {}),
+            "warnings": [*_warn(contact), *(verdict.warnings() if verdict else ())],
         }
 
     def _shortest_edge(self) -> float:

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.formability import Info
 from presswork.model import FloatArray, IntArray, Mesh
 from presswork.procedure.timing import Timing
 
@@ -45,7 +46,7 @@ class Snapshot:
     """[s]"""
     point_data: Mapping[str, FloatArray]
     cell_data: Mapping[str, FloatArray]
-    info: Mapping[str, str | float]
+    info: Info
     tools: Mapping[str, FloatArray] = field(default_factory=dict)
     tool_centre: Mapping[str, FloatArray] = field(default_factory=dict)
     tool_displacement: Mapping[str, FloatArray] = field(default_factory=dict)

@@ -31,6 +31,7 @@ from presswork.procedure.explicit_fields import OnePointFields
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.stamping_tools import StampingTools, mean_speeds
 from presswork.procedure.timing import Timing
+from presswork.results.formability import formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
 
 STAGE, ROW, CYCLES, ADDED_MASS = range(4)
@@ -84,6 +85,7 @@ class ExplicitStamping:
         )
         self._fields = OnePointFields(model.mesh, section, np.asarray(model.rolling_direction), model.symmetry)
         self._thickness = section.thickness
+        self._judged = material.formability
         self._progress = np.zeros(4)
         self._mass = float(self.shells.mass[:, 0].sum())
         if model.explicit.target_step is not None:
@@ -248,6 +250,7 @@ class ExplicitStamping:
         shells, mesh = self.shells, self.model.mesh
         points = shells.position
         reaction = shells.internal_force * self._held()
+        cells = self._fields.cell_fields(points, shells.thickness, shells.stress, shells.equivalent_plastic_strain)
         planes = "".join(name for name, is_cut in zip("xy", self.model.symmetry, strict=True) if is_cut)
         return Snapshot(
             time=shells.time,
@@ -257,10 +260,8 @@ class ExplicitStamping:
                 "reaction_moment": reaction[:, 3:],
                 "contact_force": shells.contact_force,
             },
-            cell_data=self._fields.cell_fields(
-                points, shells.thickness, shells.stress, shells.equivalent_plastic_strain
-            ),
-            info={"title": self.model.title, "analysis": "stamping", "symmetry": planes},
+            cell_data=cells | formability_fields(cells, self._judged),
+            info={"title": self.model.title, "analysis": "stamping", "symmetry": planes, **self._judged.to_info()},
             surfaces=self.tools.surfaces(),
             tool_displacement=self.tools.displacement(),
         )
@@ -300,6 +301,9 @@ class ExplicitStamping:
         """Return counts, extremes and energies, with warnings where they are out of hand."""
         shells = self.shells
         fields = self.snapshot().cell_data
+        centres = shells.position[self.model.mesh.blocks[0].connectivity].mean(axis=1)
+        verdict = judge_fields(fields, centres, self._judged)
+        assert verdict is not None
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         cycles = int(self._progress[CYCLES])
         names_of_tools = [t.name for t in self.model.tools]
@@ -312,9 +316,11 @@ class ExplicitStamping:
             "mass": {"blank_t": self._mass, "added_percent": float(self._progress[ADDED_MASS])},
             "energy": {e: float(history[f"{e}_energy"][-1]) for e in ENERGIES} if len(history["time"]) else {},
             "time_simulated": shells.time,
+            "formability": verdict.to_summary(),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
                 *warn_of_energies(history),
+                *verdict.warnings(),
             ],
         }
 

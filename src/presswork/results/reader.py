@@ -15,9 +15,11 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.formability import Formability
 from presswork.model import FloatArray, IntArray
 from presswork.pose import ToolPose, place_segments
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
+from presswork.results.formability import FORMABILITY_FIELDS
 from presswork.results.history import read_history
 from presswork.results.vtkhdf import open_results
 from presswork.results.whole_file import OutputError
@@ -89,10 +91,18 @@ class Result:
             return np.asarray(file["VTKHDF/Steps/Values"][()], dtype=np.float64)
 
     @cached_property
-    def info(self) -> dict[str, str | float]:
-        """What the run said of itself: title, analysis."""
+    def info(self) -> dict[str, Any]:
+        """What the run said of itself: title, analysis, the sheet's forming limit; texts, numbers and arrays."""
         with self._open() as file:
-            return {name: value.item() if hasattr(value, "item") else value for name, value in _attributes(file)}
+            return {
+                name: value.item() if np.ndim(value) == 0 and hasattr(value, "item") else value
+                for name, value in _attributes(file)
+            }
+
+    @property
+    def formability(self) -> Formability:
+        """What the strains of a sheet are judged by; without a curve if its material had no forming limit."""
+        return Formability.from_info(self.info)
 
     @cached_property
     def mesh(self) -> ResultMesh:
@@ -219,6 +229,8 @@ class Result:
         if name not in names:
             near = difflib.get_close_matches(name, [*names, *(ALIASES if what == "field" else ())], n=1)
             hint = f" (did you mean {near[0]}?)" if near else ""
+            if name in FORMABILITY_FIELDS and self.is_shell:
+                hint = " (the material has no forming_limit, or the results are older than this field)"
             there_are = ", ".join(sorted(names)) or "none"
             raise ResultError(f"{self.folder} has no {what} {name}{hint}; there are: {there_are}")
 

@@ -20,6 +20,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.formability import Info
 from presswork.model import FloatArray, IntArray, Mesh
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
@@ -47,6 +48,10 @@ UNITS = {
     "body": "1",
     "thickness": "mm",
     "thickness_strain": "1",
+    "thinning": "%",
+    "wrinkling_indicator": "1",
+    "forming_limit_margin": "1",
+    "formability_zone": "1",
     "reaction_force": "N",
     "reaction_moment": "N mm",
     **{f"{name}_{place}": "MPa" for name in _SHEET_STRESSES for place in _PLACES},
@@ -70,7 +75,7 @@ def append_step(
     tool_displacement: Mapping[str, FloatArray] | None = None,
     tool_angle: Mapping[str, float] | None = None,
     surfaces: Mapping[str, tuple[FloatArray, IntArray]] | None = None,
-    info: Mapping[str, str | float] | None = None,
+    info: Info | None = None,
 ) -> None:
     """Append one saved step; the first one creates the file.
 
@@ -181,7 +186,7 @@ def _write_geometry(file: h5py.File, mesh: Mesh) -> None:
         steps.create_group(f"{kind}DataOffsets")
 
 
-def _write_extras(file: h5py.File, mesh: Mesh, info: Mapping[str, str | float]) -> None:
+def _write_extras(file: h5py.File, mesh: Mesh, info: Info) -> None:
     """Write what VTK has no place for: the blocks and the boundary edges."""
     extras = file.create_group("presswork")
     extras.attrs.update(info)

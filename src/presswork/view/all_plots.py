@@ -7,9 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast
 
-from presswork.results import OutputError, Result
+import numpy as np
+
+from presswork.post.section import write_section
+from presswork.results import OutputError, Result, ResultError
+from presswork.results.formability import FORMABILITY_FIELDS
 from presswork.results.whole_file import explain_write_error, replace_whole
 from presswork.view.blank_plot import plot_blank
+from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_energies, plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
@@ -22,7 +27,8 @@ if TYPE_CHECKING:
 
 FIELDS = ("effective_stress", "equivalent_plastic_strain")
 SHELL_FIELDS = (*FIELDS, "thickness_strain", "major_strain_top", "minor_strain_top")
-STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain")
+STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
+"""The last if the run knows a forming limit."""
 ONESTEP_FIELDS = ("thickness_strain", "major_strain_middle", "minor_strain_middle", "equivalent_plastic_strain")
 _PNG_BYTES = 200_000
 
@@ -34,25 +40,31 @@ def plot_all(
     steps: Literal["last"] | Sequence[int] = "last",
     *,
     mirror: Mirror = "",
+    sections: Sequence[tuple[float, float, float]] = (),
 ) -> list[Path]:
     """Write the pictures of a run as PNG and return their paths.
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
     space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
     surface. Of dynamics: energies against time; of a stamping the section along x, draw-in, and the whole part,
-    mirrored by its symmetry planes. `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping
-    STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder.
-    Raises ResultError for an unknown field or step before anything is written.
+    mirrored by its symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
+    `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping STAMPING_FIELDS, of a one-step run
+    ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder. sections: x, y of where a section begins [mm],
+    and its angle from x [degree]; each is drawn, and its thickness written as CSV.
+    Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
     """
     require_matplotlib()
     folder = result.folder / "plots" if out_dir is None else Path(out_dir)
     chosen = [-1] if steps == "last" else list(steps)
     if fields is None:
         fields = _default_fields(result)
+        fields = [field for field in fields if field in result.field_names or field not in FORMABILITY_FIELDS]
     count = len(result.times)
     for step in chosen:
         for field in fields:
             result.field(field, step)
+    if sections and not result.is_shell:
+        raise ResultError(f"{result.folder} holds no sheet that a section could cut")
     _create(folder)
     paths = []
     if (result.is_stamping or result.is_onestep) and not mirror:
@@ -62,6 +74,12 @@ def plot_all(
             figure = plot_section(result, 0.0, step, figure=_new_figure())
             figure.set_size_inches(7.0, 6.0)
             paths.append(_save(figure, folder / f"section_{step:03d}.png"))
+        for section in sections:
+            paths.append(_draw_section(result, section, step, folder))
+        if result.formability.curve is not None:
+            figure = plot_forming_limit(result, step, figure=_new_figure())
+            figure.set_size_inches(7.0, 5.2)
+            paths.append(_save(figure, folder / f"forming_limit_{step:03d}.png"))
         for field in fields:
             if result.is_shell:
                 figure = plot_shell(result, field, step, mirror=mirror, figure=_new_figure())
@@ -84,6 +102,16 @@ def _default_fields(result: Result) -> Sequence[str]:
     if result.is_onestep:
         return ONESTEP_FIELDS
     return SHELL_FIELDS if result.is_shell else FIELDS
+
+
+def _draw_section(result: Result, section: tuple[float, float, float], step: int, folder: Path) -> Path:
+    """Draw one section, and write its thickness beside the picture."""
+    x, y, angle = section
+    path = folder / f"section_{x:g}_{y:g}_{angle:g}_{step:03d}.png"
+    figure = plot_section(result, angle, step, start=(x, y), figure=_new_figure())
+    figure.set_size_inches(7.0, 6.0)
+    write_section(result, path.with_suffix(".csv"), float(np.radians(angle)), step, start=(x, y))
+    return _save(figure, path)
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:

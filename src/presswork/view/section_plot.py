@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.post.section import cut_sheet, cut_tool, measure_draw_in
-from presswork.results import Result
+from presswork.post.section import ORIGIN, cut_sheet, cut_tool, measure_draw_in
+from presswork.results import Result, ResultError
 from presswork.view.style import clean_axes, describe_step, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
@@ -18,19 +18,31 @@ _DRAW_IN_ANGLES = (0.0, 45.0, 90.0)
 _TOOL_COLOURS = ("0.45", "#8a5a2b", "#2b6a8a", "#5a8a2b")
 
 
-def plot_section(result: Result, angle: float = 0.0, step: int = -1, *, figure: Figure | None = None) -> Figure:
-    """Draw the section along the radius at an angle from x [degree]: sheet and tools above, thickness strain below."""
+def plot_section(
+    result: Result,
+    angle: float = 0.0,
+    step: int = -1,
+    *,
+    start: tuple[float, float] = ORIGIN,
+    figure: Figure | None = None,
+) -> Figure:
+    """Draw the section along the ray from `start` (x, y) [mm] at an angle from x [degree].
+
+    Sheet and tools above, thickness strain below. Raises ResultError where the ray misses the sheet.
+    """
     require_matplotlib()
     from matplotlib.collections import LineCollection, PolyCollection
 
     figure = new_figure(7.0, 6.0) if figure is None else figure
     upper, lower = figure.subplots(2, 1, height_ratios=(2, 1))
     radians = float(np.radians(angle))
-    sheet = cut_sheet(result, radians, step)
+    sheet = cut_sheet(result, radians, step, start=start)
+    if len(sheet.way) == 0:
+        raise ResultError(f"the section from ({start[0]:g}, {start[1]:g}) mm at {angle:g} degrees misses the blank")
     lines = sheet.line
     thickness = result.field("thickness", step)[sheet.cell]
     for colour, tool in zip(_TOOL_COLOURS, result.surfaces, strict=False):
-        cut = cut_tool(result, tool, radians, step)
+        cut = cut_tool(result, tool, radians, step, start=start)
         upper.add_collection(LineCollection(list(cut), colors=colour, linewidths=1.0))
         upper.plot([], [], color=colour, label=tool)
     along = lines[:, 1] - lines[:, 0]
@@ -40,18 +52,21 @@ def plot_section(result: Result, angle: float = 0.0, step: int = -1, *, figure: 
     upper.add_collection(PolyCollection(list(faces), facecolor="#c03030", edgecolor="#c03030", linewidths=0.3))
     low, high = lines.reshape(-1, 2).min(axis=0), lines.reshape(-1, 2).max(axis=0)
     margin = 0.08 * float((high - low).max())
-    upper.set(xlim=(0.0, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
+    left = 0.0 if start == ORIGIN else float(low[0]) - margin
+    upper.set(xlim=(left, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     upper.set_aspect("equal")
-    upper.set_xlabel("distance from the axis [mm]")
+    beginning = "the axis" if start == ORIGIN else f"({start[0]:g}, {start[1]:g}) mm"
+    upper.set_xlabel(f"distance from {beginning} [mm]")
     upper.set_ylabel("z [mm]")
     if result.surfaces:
         upper.legend(frameon=False, fontsize="small", loc="center left")
     title = str(result.info.get("title", "")).strip()
     upper.set_title(f"{title}\n{describe_step(result, step)}, section at {angle:g} degrees", fontsize="medium")
     lower.plot(sheet.way, result.field("thickness_strain", step)[sheet.cell], ".-", linewidth=1.2, markersize=3)
-    lower.set_xlabel("distance from the axis in the undeformed blank [mm]")
+    lower.set_xlabel(f"distance from {beginning} in the undeformed blank [mm]")
     lower.set_ylabel("thickness strain [–]")
-    lower.set_xlim(left=0.0)
+    if start == ORIGIN:
+        lower.set_xlim(left=0.0)
     clean_axes(lower)
     return figure
 

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from presswork.formability import ZONES
 from presswork.model import FloatArray
 from presswork.post.section import cut_tool
 from presswork.results import Result, ResultError
 from presswork.results.reader import IN_PLANE
 from presswork.view.cells import outline_cells
 from presswork.view.mesh_plot import Mirror
-from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
+from presswork.view.style import COLOURS, ZONE_COLOURS, describe_step, label_field, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 _TOOL_GREYS = ("0.2", "#8a5a2b", "#2b6a8a", "#5a8a2b")
 _TOOL_SECTIONS = (0.0, 90.0, 180.0, 270.0)
 """Half planes in which tools are drawn [degree]: whole surfaces would hide the sheet."""
+ZONE_FIELD = "formability_zone"
 _LIGHT = np.array([0.35, -0.5, 0.8])
 
 
@@ -53,7 +55,7 @@ def plot_shell(
     points = result.mesh.points + scale * (moved - result.mesh.points)
     outlines = outline_cells(result.mesh, points)
     values = None if field is None else _cell_values(result, field, step)
-    colours = _colours(values, outlines)
+    colours = _colours(values, outlines, by_zone=field == ZONE_FIELD)
     width = float(np.clip(10.0 / np.sqrt(len(outlines)), 0.04, 0.6)) if show_edges else 0.0
     low, high = points.min(axis=0), points.max(axis=0)
     for sign in _images(mirror):
@@ -64,7 +66,9 @@ def plot_shell(
     if result.surfaces:
         _draw_tools(ax, result, step, low, high)
     _frame(ax, low, high)
-    if field is not None and values is not None:
+    if field == ZONE_FIELD and values is not None:
+        _add_zone_legend(figure, values)
+    elif field is not None and values is not None:
         _add_colour_bar(figure, ax, values, label_field(result, field))
     title = str(result.info.get("title", "")).strip()
     magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
@@ -119,13 +123,15 @@ def _cell_values(result: Result, field: str, step: int) -> FloatArray:
     return np.concatenate([values[block.connectivity].mean(axis=1) for block in result.mesh.blocks])
 
 
-def _colours(values: FloatArray | None, outlines: list[FloatArray]) -> FloatArray:
+def _colours(values: FloatArray | None, outlines: list[FloatArray], *, by_zone: bool) -> FloatArray:
     """Return one colour per cell, darker where the sheet turns away from the light."""
     from matplotlib import colormaps
-    from matplotlib.colors import Normalize
+    from matplotlib.colors import Normalize, to_rgba_array
 
     if values is None:
         colours = np.tile([0.82, 0.87, 0.93, 1.0], (len(outlines), 1))
+    elif by_zone:
+        colours = to_rgba_array(ZONE_COLOURS)[values.astype(int)]
     else:
         finite = values[np.isfinite(values)]
         low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
@@ -153,6 +159,19 @@ def _frame(ax: Axes3D, low: FloatArray, high: FloatArray) -> None:
     for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
         axis.pane.set_alpha(0.0)
     ax.grid(visible=False)
+
+
+def _add_zone_legend(figure: Figure, values: FloatArray) -> None:
+    """Name the zones below the sheet, with the number of elements in each."""
+    from matplotlib.patches import Patch
+
+    counts = np.bincount(values.astype(int), minlength=len(ZONES))
+    patches = [
+        Patch(color=colour, label=f"{name} ({count})")
+        for colour, name, count in zip(ZONE_COLOURS, ZONES, counts, strict=True)
+    ]
+    title = "zone (elements)"
+    figure.legend(handles=patches, loc="outside lower center", ncols=3, frameon=False, fontsize="small", title=title)
 
 
 def _add_colour_bar(figure: Figure, ax: Axes3D, values: FloatArray, label: str) -> None:

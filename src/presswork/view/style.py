@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = "viridis"
+ZONE_COLOURS = ("#3a9d4a", "#f2b134", "#c8102e", "#b8bcc2", "#7fb2e5", "#2b4c9b")
+"""Of formability.ZONES: green, amber and red towards cracks, grey where little happens, blues towards wrinkles."""
 DPI = 150
 
 

@@ -8,8 +8,9 @@ import pytest
 
 from presswork import _core
 from presswork.case.errors import CaseError
-from presswork.material.forming_limit import ZONES, curve_from_points, find_zones, keeler_curve, swift_hill_curve
-from presswork.material.marciniak import marciniak_kuczynski_curve
+from presswork.case.forming_limit.curves import curve_from_points, keeler_curve, swift_hill_curve
+from presswork.case.forming_limit.marciniak import marciniak_kuczynski_curve
+from presswork.formability import ZONES, find_zones
 
 POINTS = [(0.3, 0.4), (-0.2, 0.5), (0.0, 0.3)]
 VON_MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from presswork.case.errors import CaseError
+from presswork.case.forming_limit.build import build_curve
 from presswork.case.library import FOLDER
 from presswork.case.sheet import check_sheet_material
 from presswork.material import find_sheet, list_sheets, read_sheet
-from presswork.material.build import build_curve
 
 GUIDE = Path(__file__).parents[3] / "docs" / "guide.md"
 GOOD = (FOLDER / "numisheet93_mild_steel.toml").read_text("utf-8")

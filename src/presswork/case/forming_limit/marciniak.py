@@ -21,9 +21,9 @@ import numpy as np
 
 from presswork import _core
 from presswork.case.errors import CaseError, Problem
+from presswork.case.forming_limit.proportional import ProportionalPath, find_stress, turn_stress
 from presswork.case.yield_function import r_value
-from presswork.material.forming_limit import FormingLimitCurve
-from presswork.material.proportional import ProportionalPath, find_stress, turn_stress
+from presswork.formability import FormingLimitCurve
 from presswork.model import BoolArray, FloatArray
 
 _LARGEST_STEP = 2e-3

@@ -1,50 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Forming limit curves: Keeler's, from points, Swift-Hill; what lies above; the six zones of formability.
+"""Forming limit curves: Keeler's, from points, Swift-Hill.
 
-Strains are true (logarithmic). Marciniak-Kuczynski is in marciniak.py, limits in stresses are in stress_limit.py.
+Strains are true (logarithmic). Marciniak-Kuczynski is in marciniak.py, limits in stresses are in material/.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from presswork import _core
 from presswork.case.errors import CaseError, Problem
-from presswork.material.proportional import find_stress
-from presswork.model import FloatArray, IntArray
+from presswork.case.forming_limit.proportional import find_stress
+from presswork.formability import FormingLimitCurve
+from presswork.model import FloatArray
 
 MINOR_RANGE = (-0.5, 0.5)
 """Minor strains over which Keeler's curve is drawn."""
-ZONES = ("safe", "risk of cracks", "cracks", "insufficient stretch", "wrinkling tendency", "wrinkles")
-"""Names of the zones, by the number that find_zones gives."""
-
-
-@dataclass(frozen=True)
-class FormingLimitCurve:
-    """Largest major strain against minor strain, straight between points, the end pieces going on."""
-
-    minor: FloatArray
-    """Minor strains, increasing, shape (n,)."""
-    major: FloatArray
-    """Limit of the major strain, shape (n,)."""
-    method: str
-    """How the curve was found, in words."""
-
-    def limit(self, minor: FloatArray) -> FloatArray:
-        """Return the limit of the major strain at minor strains, never below the line major = minor."""
-        minor = np.asarray(minor, dtype=float)
-        i = np.clip(np.searchsorted(self.minor, minor), 1, len(self.minor) - 1)
-        slope = (self.major[i] - self.major[i - 1]) / (self.minor[i] - self.minor[i - 1])
-        return np.asarray(np.maximum(self.major[i - 1] + slope * (minor - self.minor[i - 1]), minor))
-
-    def lowest(self) -> tuple[float, float]:
-        """Return minor and major strain of the lowest point."""
-        i = int(np.argmin(self.major))
-        return float(self.minor[i]), float(self.major[i])
 
 
 def keeler_curve(thickness: float, n: float) -> FormingLimitCurve:
@@ -121,30 +95,3 @@ def _find_necking(law: _core.SheetLaw, z: float) -> float:
         flow, slope = law.flow_stress(np.array([middle]))
         low, high = (low, middle) if slope[0] <= z * flow[0] else (middle, high)
     return float(0.5 * (low + high))
-
-
-def find_zones(
-    major: FloatArray,
-    minor: FloatArray,
-    curve: FormingLimitCurve,
-    *,
-    r: float = 1.0,
-    margin: float = 0.1,
-    least_stretch: float = 0.02,
-) -> IntArray:
-    """Return the zone of formability of strain points, as an index into ZONES.
-
-    cracks: above the curve. risk of cracks: within `margin` of its height (custom: 0.1 for steel, 0.08 for aluminium).
-    wrinkles: the sheet thickens, minor < -major. wrinkling tendency: between that and uniaxial tension, minor =
-    -r/(1+r) major. insufficient stretch: |major| and |minor| below `least_stretch`. safe: the rest. A point is in the
-    first of these that holds, cracks before all, insufficient stretch before wrinkles.
-    """
-    major, minor = np.asarray(major, dtype=float), np.asarray(minor, dtype=float)
-    limit = curve.limit(minor)
-    zone = np.zeros(major.shape, dtype=np.int32)
-    zone[minor < -r / (1 + r) * major] = 4
-    zone[minor < -major] = 5
-    zone[(np.abs(major) < least_stretch) & (np.abs(minor) < least_stretch)] = 3
-    zone[(major > (1 - margin) * limit) & (zone != 3)] = 1
-    zone[major > limit] = 2
-    return zone

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a part of a saved run splits or wrinkles: by the forming limit saved with it, or by another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.formability import Formability
+from presswork.model import FloatArray
+from presswork.results import Result, ResultError
+from presswork.results.formability import NEEDED, FormingVerdict, formability_fields, judge_fields
+
+
+def judge_cells(result: Result, step: int = -1, judged: Formability | None = None) -> dict[str, FloatArray]:
+    """Return thinning [%], wrinkling_indicator, forming_limit_margin and formability_zone of the cells (n_cells,).
+
+    judged: the limit to judge by; without it that of the run. Without a curve the first two.
+    Raises ResultError for a body that is no sheet.
+    """
+    return formability_fields(_strains(result, step), result.formability if judged is None else judged)
+
+
+def judge_part(result: Result, step: int = -1, judged: Formability | None = None) -> FormingVerdict:
+    """Return how many cells lie in each zone, and the worst; arguments and errors as judge_cells."""
+    points = result.points(step)
+    centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in result.mesh.blocks])
+    verdict = judge_fields(_strains(result, step), centres, result.formability if judged is None else judged)
+    assert verdict is not None
+    return verdict
+
+
+def _strains(result: Result, step: int) -> dict[str, FloatArray]:
+    if missing := set(NEEDED) - set(result.field_names):
+        raise ResultError(f"{result.folder} holds no sheet: it has no {', '.join(sorted(missing))}")
+    return {name: result.field(name, step) for name in NEEDED}

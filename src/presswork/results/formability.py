@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fields of formability, from the strains in the middle of a sheet; and the verdict on a part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from presswork.formability import (
+    CRACKS,
+    ZONES,
+    Formability,
+    find_margin,
+    find_thinning,
+    find_wrinkling,
+    find_zones,
+)
+from presswork.model import FloatArray
+
+FORMABILITY_FIELDS = ("thinning", "wrinkling_indicator", "forming_limit_margin", "formability_zone")
+"""The last two need a forming limit."""
+NEEDED = ("major_strain_middle", "minor_strain_middle", "thickness_strain")
+
+
+def formability_fields(fields: Mapping[str, FloatArray], judged: Formability) -> dict[str, FloatArray]:
+    """Return FORMABILITY_FIELDS (n_cells,) from the fields NEEDED; without a curve the first two, of solids none."""
+    if not set(NEEDED) <= set(fields):
+        return {}
+    major, minor, thickness = (fields[name] for name in NEEDED)
+    found = {"thinning": find_thinning(thickness), "wrinkling_indicator": find_wrinkling(major, minor, judged.r)}
+    if judged.curve is not None:
+        zone = find_zones(major, minor, judged.curve, r=judged.r, margin=judged.safety_margin)
+        found["forming_limit_margin"] = find_margin(major, minor, judged.curve)
+        found["formability_zone"] = zone.astype(np.float64)
+    return found
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A cell that is worst in something."""
+
+    value: float
+    cell: int
+    """Its number, from 0, blocks one after the other."""
+    place: tuple[float, float, float]
+    """Its middle, deformed [mm]."""
+
+    def where(self) -> str:
+        """Say where it lies."""
+        return f"at ({', '.join(f'{x:.4g}' for x in self.place)}) mm"
+
+
+@dataclass(frozen=True)
+class FormingVerdict:
+    """Whether a part splits, and where it comes nearest to it."""
+
+    forming_limit: str
+    """How the curve was found; empty without one."""
+    zones: dict[str, int]
+    """Number of cells by the name of the zone; empty without a curve."""
+    margin: Extreme | None
+    """The cell with the least margin; None without a curve."""
+    thinning: Extreme
+    """The thinnest cell, in per cent."""
+
+    @property
+    def failing(self) -> int:
+        """Number of cells above the curve."""
+        return self.zones.get(ZONES[CRACKS], 0)
+
+    def text(self) -> str:
+        """Say it in a sentence."""
+        thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"
+        if self.margin is None:
+            return f"{thin}; the material has no forming_limit, so nothing is said of cracks"
+        count, worst = sum(self.zones.values()), 100 * self.margin.value
+        if self.failing:
+            return (
+                f"the part splits: {self.failing} of {count} elements lie above the forming limit, the worst by "
+                f"{-worst:.1f} % {self.margin.where()}; {thin}"
+            )
+        near = self.zones[ZONES[1]]
+        risk = f", {near} of {count} elements at risk" if near else ""
+        return (
+            f"no element lies above the forming limit{risk}; least margin {worst:.1f} % {self.margin.where()}; {thin}"
+        )
+
+    def to_summary(self) -> dict[str, Any]:
+        """Return what summary.json keeps."""
+        margin = None if self.margin is None else asdict(self.margin)
+        return {
+            "verdict": self.text(),
+            "forming_limit": self.forming_limit,
+            "zones": self.zones,
+            "failing_cells": self.failing,
+            "least_margin": margin,
+            "largest_thinning_percent": asdict(self.thinning),
+        }
+
+    def warnings(self) -> list[str]:
+        """Return the verdict if the part splits."""
+        return [self.text()] if self.failing else []
+
+
+def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: Formability) -> FormingVerdict | None:
+    """Return the verdict from the fields NEEDED and the deformed middles of the cells (n_cells, 3) [mm].
+
+    None for a body that is no sheet.
+    """
+    found = formability_fields(fields, judged)
+    if not found:
+        return None
+
+    def extreme(values: FloatArray, cell: np.intp) -> Extreme:
+        x, y, z = (float(c) for c in centres[cell])
+        return Extreme(float(values[cell]), int(cell), (x, y, z))
+
+    thinnest = extreme(found["thinning"], np.argmax(found["thinning"]))
+    if judged.curve is None:
+        return FormingVerdict("", {}, None, thinnest)
+    counts = np.bincount(found["formability_zone"].astype(int), minlength=len(ZONES))
+    margin = found["forming_limit_margin"]
+    zones = {name: int(count) for name, count in zip(ZONES, counts, strict=True)}
+    return FormingVerdict(judged.curve.method, zones, extreme(margin, np.argmin(margin)), thinnest)

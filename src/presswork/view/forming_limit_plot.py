@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The forming limit diagram of a part: strains of all elements below the curve of its sheet, coloured by zone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from presswork.formability import ZONES, Formability
+from presswork.post.formability import judge_cells, judge_part
+from presswork.results import Result
+from presswork.view.style import ZONE_COLOURS, clean_axes, describe_step, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_GREY = "0.35"
+
+
+def plot_forming_limit(
+    result: Result, step: int = -1, *, judged: Formability | None = None, figure: Figure | None = None
+) -> Figure:
+    """Draw major against minor strain of every element, the limit curve and the line of its safety margin.
+
+    judged: the limit to judge by; without it that of the run. Without a curve the strains are drawn alone.
+    Raises ResultError for a body that is no sheet.
+    """
+    figure = new_figure(7.0, 5.2) if figure is None else figure
+    judged = result.formability if judged is None else judged
+    verdict, cells = judge_part(result, step, judged), judge_cells(result, step, judged)
+    major, minor = result.field("major_strain_middle", step), result.field("minor_strain_middle", step)
+    ax = figure.subplots()
+    if "formability_zone" in cells:
+        for number, name in enumerate(ZONES):
+            own = cells["formability_zone"] == number
+            label = f"{name} ({own.sum()})"
+            ax.plot(minor[own], major[own], "o", color=ZONE_COLOURS[number], markersize=3, label=label)
+    else:
+        ax.plot(minor, major, "o", color=_GREY, markersize=3, label="no forming limit given")
+    top = 1.1 * max(float(major.max()), 0.1 if judged.curve is None else judged.curve.lowest()[1])
+    left, right = min(1.1 * float(minor.min()), -0.4 * top), max(1.1 * float(minor.max()), 0.4 * top)
+    if judged.curve is not None:
+        _draw_curve(ax, judged, left, right)
+        beside = float(judged.curve.limit(np.array([max(float(minor.max()), 0.0)]))[0])
+        top = max(top, 1.35 * judged.curve.lowest()[1], 1.1 * beside)
+    r = judged.r
+    for slope, text in ((-(1 + r) / r, f"tension, r = {r:.3g}"), (-1.0, "thickens"), (1.0, "balanced")):
+        ax.plot([0.0, top / slope], [0.0, top], color="0.75", linewidth=0.8, zorder=0)
+        end = min(top, slope * (left if slope < 0 else right))
+        side = "left" if slope < 0 else "right"
+        ax.annotate(text, (0.97 * end / slope, 0.97 * end), color="0.5", fontsize=7, ha=side, va="top")
+    ax.set_xlim(left, right)
+    ax.set_ylim(min(0.0, float(major.min())), top)
+    ax.set_xlabel("minor true strain [–]")
+    ax.set_ylabel("major true strain [–]")
+    title = str(result.info.get("title", "")).strip()
+    ax.set_title("\n".join(filter(None, (title, describe_step(result, step)))), fontsize="medium")
+    said = f"{verdict.failing} of {len(major)} elements above the limit" if verdict.margin else "no forming limit"
+    ax.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), title=said)
+    clean_axes(ax)
+    return figure
+
+
+def _draw_curve(ax: Axes, judged: Formability, left: float, right: float) -> None:
+    """Draw the curve from end to end, dashed where it is drawn on beyond its points, and its margin."""
+    curve = judged.curve
+    assert curve is not None
+    inside = np.linspace(max(left, curve.minor[0]), min(right, curve.minor[-1]), 200)
+    ax.plot(inside, curve.limit(inside), color="k", linewidth=1.6, label=curve.method)
+    reserve = f"safety margin {100 * judged.safety_margin:g} %"
+    ax.plot(inside, (1 - judged.safety_margin) * curve.limit(inside), "--", color="k", linewidth=1.0, label=reserve)
+    for low, high in ((left, curve.minor[0]), (curve.minor[-1], right)):
+        if low < high:
+            beyond = np.linspace(low, high, 50)
+            ax.plot(beyond, curve.limit(beyond), ":", color="k", linewidth=1.0)
