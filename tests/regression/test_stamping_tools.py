@@ -15,6 +15,7 @@ from presswork.examples import copy_example
 from presswork.post.section import cut_sheet, cut_tool, measure_draw_in
 from presswork.run import check_start, run_model
 from presswork.view.all_plots import plot_all
+from presswork.view.shell_plot import plot_shell
 
 STROKE = 8.0
 
@@ -159,6 +160,7 @@ def test_examples_begin_well(name, tmp_path) -> None:
     outcome = run_model(build_model(read_case(tmp_path / f"{name}.toml", short)), tmp_path / "out", threads=1)
     assert outcome.status == "completed", outcome.reason
     assert outcome.result.history["punch.force"].max() > 50
+    assert plot_shell(outcome.result).axes  # also where tools do not reach the planes that they are drawn in
 
 
 def write_stl(path: Path, points: np.ndarray, triangles: np.ndarray) -> None:

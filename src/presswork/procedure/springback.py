@@ -21,7 +21,7 @@ from presswork.model import FloatArray, Model, OutputSettings, ShellElement, Sol
 from presswork.model_stamping import StampingModel
 from presswork.procedure.explicit import EnergyBalance
 from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
-from presswork.procedure.recording import GaveUpError, Row, Snapshot
+from presswork.procedure.recording import GaveUpError, Row, Snapshot, StartError
 from presswork.procedure.stamping import ENERGIES, ExplicitStamping, RowReport
 from presswork.procedure.transfer import TransferError, carry_to_implicit
 
@@ -116,13 +116,14 @@ class StampingWithSpringback(ExplicitStamping):
     def _release(self) -> ImplicitProcedure:
         """Take the tools away: hand the state over to an implicit procedure."""
         try:
-            self._implicit = ImplicitProcedure(make_springback_model(self.model), threads=self._threads)
-            carry_to_implicit(self.shells, self._implicit)
-        except (MeshError, TransferError) as error:
+            released = ImplicitProcedure(make_springback_model(self.model), threads=self._threads)
+            carry_to_implicit(self.shells, released)
+        except (MeshError, StartError, TransferError) as error:
             raise GaveUpError(f"springback cannot begin: {error}") from error
-        self._elastic = self._implicit.mechanics.elastic_energy(self._implicit.state)
+        self._elastic = released.mechanics.elastic_energy(released.state)
         self._formed = self.shells.position - self.model.mesh.points
-        return self._implicit
+        self._implicit = released
+        return released
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed; springback counts as a small one."""
