@@ -73,6 +73,14 @@ class ExplicitSettings:
 
 
 @dataclass(frozen=True)
+class Springback:
+    """How the implicit procedure lets the formed part go."""
+
+    increments: int = 5
+    """In which the forces of the tools are taken away."""
+
+
+@dataclass(frozen=True)
 class StampingOutput:
     """What is saved, and when."""
 
@@ -101,6 +109,8 @@ class StampingModel:
     stages: tuple[StampingStage, ...]
     explicit: ExplicitSettings
     output: StampingOutput
+    springback: Springback | None = None
+    """After the last stage; None: the part stays as it is."""
     case_text: str = ""
 
     @property

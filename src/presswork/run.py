@@ -21,6 +21,7 @@ from presswork.model_stamping import AnyModel, StampingModel
 from presswork.procedure.explicit_input import ExplicitError
 from presswork.procedure.implicit_recording import ImplicitRecording
 from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
+from presswork.procedure.springback import StampingWithSpringback
 from presswork.procedure.stamping import ExplicitStamping
 from presswork.procedure.supports import NotHeldError
 from presswork.results import (
@@ -104,7 +105,8 @@ def _begin(model: AnyModel, threads: int) -> Recording:
     """Make the procedure that a model asks for."""
     if isinstance(model, StampingModel):
         try:
-            return ExplicitStamping(model, threads=threads)
+            procedure = ExplicitStamping if model.springback is None else StampingWithSpringback
+            return procedure(model, threads=threads)
         except ExplicitError as error:
             raise StartError(str(error)) from error
     return ImplicitRecording(model, threads=threads)

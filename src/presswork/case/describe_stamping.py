@@ -48,6 +48,8 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     for number, stage in enumerate(problem.stages, 1):
         yield f'stage {number} "{stage.name}", {stage.duration:.4g} s, {stage.ramp:.3g} s to start and to stop:'
         yield from (f"  {line}" for line in _describe_stage(stage))
+    if problem.springback is not None:
+        yield f"then springback: tools and boundaries away, implicit, in {problem.springback.increments} increments"
     speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
     step = problem.explicit.target_step or problem.explicit.safety * WAVE * shortest / speed
     cycles = sum(stage.duration for stage in problem.stages) / step

@@ -32,6 +32,7 @@ RAMP = 0.1
 """Part of a stage that starts it smoothly, and part that ends it, where it says nothing."""
 
 _EXPLICIT = model_stamping.ExplicitSettings()
+_SPRINGBACK = model_stamping.Springback()
 _OUTPUT = model_stamping.StampingOutput()
 Whole = Annotated[int, Field(strict=True, ge=1)]
 
@@ -127,6 +128,12 @@ class Explicit(Part):
     )
 
 
+class Springback(Part):
+    """The formed part let go, after the last stage: tools and boundaries away, symmetry planes kept."""
+
+    increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
+
+
 class StampingOutput(Part):
     """What is saved, and when."""
 
@@ -153,6 +160,9 @@ class StampingCase(Part):
     boundary: dict[str, ShellBoundary] = Field(default={}, description="what holds the blank beside the tools, by name")
     stages: tuple[StampingStage, ...] = Field(min_length=1, description="the process, stage by stage")
     explicit: Explicit = Field(default=Explicit(), description="how the explicit procedure steps through time")
+    springback: Springback | None = Field(
+        default=None, description="an empty table lets the part go after the last stage, by the implicit procedure"
+    )
     output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")
 
     _source: Path | None = PrivateAttr(default=None)

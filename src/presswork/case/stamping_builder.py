@@ -24,7 +24,7 @@ from presswork.mesh import MeshError
 from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
-from presswork.model_stamping import ExplicitSettings, StampingModel, StampingOutput, ToolAction
+from presswork.model_stamping import ExplicitSettings, Springback, StampingModel, StampingOutput, ToolAction
 from presswork.model_stamping import StampingStage as StageModel
 
 logger = logging.getLogger(__name__)
@@ -69,6 +69,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         stages=stages,
         explicit=ExplicitSettings(**case.explicit.model_dump()),
         output=StampingOutput(**case.output.model_dump()),
+        springback=Springback(**case.springback.model_dump()) if case.springback else None,
         case_text=case.text,
     )
 

@@ -198,6 +198,7 @@ class ExplicitShells(ToolsOfRun):
         place = np.empty(len(x), dtype=np.int32)
         place[self._nodes] = np.arange(len(x))
         axes = np.broadcast_to(np.asarray(axis, dtype=float), (len(cells), 3))
+        self.start, self.connectivity, self.axis, self.options = x, cells, axes, options
         height, weight = layer_rule(options.n_points, options.rule)
         self._loop = LOOPS[precision](x[self._nodes])
         try:
@@ -288,7 +289,26 @@ class ExplicitShells(ToolsOfRun):
     @property
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (n, n_points)."""
-        return self._by_element(self._of_blocks(self._loop.history)[:, :, 0])
+        return np.asarray(self.history[:, :, 0])
+
+    @property
+    def history(self) -> Array:
+        """What the law keeps at each layer (n, n_points, n_history), equivalent plastic strain first."""
+        return self._by_element(self._of_blocks(self._loop.history))
+
+    def set_layers(self, stress: npt.ArrayLike, history: npt.ArrayLike) -> None:
+        """Begin with stress and history in the form of these properties; internal forces follow from them."""
+        s, kept = np.asarray(stress, dtype=float), np.asarray(history, dtype=float)
+        for name, given, own in (("stress", s, self.stress), ("history", kept, self.history)):
+            if given.shape != own.shape:
+                raise ExplicitError(f"{name} has shape {given.shape}: these shells have {own.shape}")
+        sums = np.stack([s[..., 0] + s[..., 1], s[..., 0] - s[..., 1], s[..., 2]], axis=-1)
+        rows = np.concatenate([sums, kept], axis=2)[self._elements].reshape(len(s), -1)
+        begin = self.dump()
+        begin["state"][:, -rows.shape[1] :] = rows  # an element's layers come last
+        self.restore(begin)
+        begin["forces"] = self._loop.trial_force(np.zeros(self._fixed.shape))
+        self.restore(begin)
 
     @property
     def thickness(self) -> Array:

@@ -57,16 +57,24 @@ def find_model_directors(model: Model) -> Directors:
     blocks = model.mesh.blocks
     slopes = [_core.shell_shape(b.element)[3] for b in blocks]
     found = find_directors(model.mesh.points, blocks, slopes, model.mesh.normals)
+    lay_directors(model, found, found.vectors)
+    return found
+
+
+def lay_directors(model: Model, directors: Directors, vectors: FloatArray) -> None:
+    """Lay vectors (n_directors, 3) of directors at nodes on symmetry planes into these, and give all the length one."""
     for support in model.supports:
+        if all(support.fix[:3]):
+            continue  # a clamp, not a plane
         for normal in range(3):
             others = [3 + (normal + 1) % 3, 3 + (normal + 2) % 3]
             if not (support.fix[normal] and all(support.fix[r] for r in others)):
                 continue
-            on_plane = np.isin(found.node, model.mesh.node_sets[support.node_set]) & found.smooth[found.node]
-            on_plane &= np.abs(found.vectors[:, normal]) < 0.5  # a clamp fixes the same, also across the sheet
-            found.vectors[on_plane, normal] = 0.0
-    found.vectors[:] /= np.linalg.norm(found.vectors, axis=1, keepdims=True)
-    return found
+            on_plane = np.isin(directors.node, model.mesh.node_sets[support.node_set])
+            on_plane &= directors.smooth[directors.node]
+            on_plane &= np.abs(vectors[:, normal]) < 0.5  # not where the plane holds the sheet's face
+            vectors[on_plane, normal] = 0.0
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 class ShellMechanics:

@@ -34,6 +34,7 @@ _SHEET_STRESSES = ("stress", "lamina_stress", "back_stress", "effective_stress")
 _SHEET_STRAINS = ("strain", "lamina_strain", "major_strain", "minor_strain", "equivalent_plastic_strain")
 UNITS = {
     "displacement": "mm",
+    "springback": "mm",
     "gap": "mm",
     "contact_status": "1",
     "contact_pressure": "MPa",

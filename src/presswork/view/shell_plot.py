@@ -86,6 +86,8 @@ def _draw_tools(ax: Axes3D, result: Result, step: int, low: FloatArray, high: Fl
             lines = cut_tool(result, tool, float(angle), step)
             space = np.concatenate([lines[..., :1] * (np.cos(angle), np.sin(angle)), lines[..., 1:]], axis=2)
             kept = _clip(space, low - margin, high + margin)
+            if len(kept) == 0:  # a strip's tools do not reach this plane
+                continue
             ax.add_collection3d(Line3DCollection(kept, colors=grey, linewidths=0.9))
 
 

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A stamping that ends with springback: what holds the part, what is recorded, checkpoint and resume."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork import Result
+from presswork.case import StampingCase, build_model
+from presswork.case.errors import CaseError
+from presswork.model import PrescribedDisplacement
+from presswork.model_stamping import StampingModel
+from presswork.procedure.implicit import ImplicitProcedure
+from presswork.procedure.springback import hold_rigidly, make_springback_model
+from presswork.run import run_model
+from presswork.view.all_plots import plot_all
+
+YOUNG, YIELD, THICKNESS, LENGTH = 206e3, 200.0, 1.0, 20.0
+CURVATURE = 12 * YIELD / (YOUNG * THICKNESS)
+"""Six times that of first yield [1/mm]."""
+TANGENT = 0.1 * YOUNG
+
+
+def bend(**changes: Any) -> dict[str, Any]:
+    """Half a strip turned at its end about y; it hardens linearly, so that its curvature is uniform."""
+    modulus = YOUNG * TANGENT / (YOUNG - TANGENT)
+    return {
+        "title": "strip bent and let go",
+        "analysis": "stamping",
+        "blank": {"shape": "rectangle", "size": [2 * LENGTH, 2], "thickness": THICKNESS, "element_size": 2.0,
+                  "material": "steel", "symmetry": ["x"], "points": 21, "rule": "lobatto"},
+        "materials": {"steel": {"young": YOUNG, "poisson": 0.4999,
+                                "hardening": {"law": "linear", "yield_stress": YIELD, "modulus": modulus}}},
+        "stages": [{"name": "bend", "duration": "5 ms", "ramp": "2.5 ms"}],
+        "explicit": {"damping": 2e3},
+        "springback": {"increments": 4},
+        "output": {"rows": 20, "steps": 2, "checkpoint_every": 1},
+        **changes,
+    }  # fmt: skip
+
+
+def bend_model() -> StampingModel:
+    """Its Model, with the turn of the end, which no case file has words for."""
+    model = build_model(StampingCase.model_validate(bend()))
+    turn = PrescribedDisplacement("right", 4, CURVATURE * LENGTH)
+    return replace(model, stages=(replace(model.stages[0], prescribed=(turn,)),))
+
+
+def moment(curvature: float) -> float:
+    """Moment per width of a strip of uniaxial layers at first loading."""
+    half, core = THICKNESS / 2, YIELD / (YOUNG * curvature)
+    outside = YIELD * (1 - TANGENT / YOUNG) * (half**2 - core**2) + 2 / 3 * TANGENT * curvature * (half**3 - core**3)
+    return 2 / 3 * YOUNG * curvature * core**3 + outside
+
+
+@pytest.fixture(scope="module")
+def bent(tmp_path_factory) -> Result:
+    outcome = run_model(bend_model(), tmp_path_factory.mktemp("bend") / "out")
+    assert outcome.status == "completed", outcome.reason
+    return outcome.result
+
+
+def curvature_of(points: np.ndarray) -> float:
+    """Curvature of the circle through nodes in the x-z plane, by least squares."""
+    x, z = points[:, 0], points[:, 2]
+    (a, b, c), *_ = np.linalg.lstsq(np.column_stack([x, z, np.ones_like(x)]), x**2 + z**2, rcond=None)
+    return float(1 / np.sqrt(c + 0.25 * (a**2 + b**2)))
+
+
+def test_a_bent_strip_keeps_the_curvature_of_the_closed_form(bent) -> None:
+    """k - M(k)/E I, as in tests/verification/test_transfer.py, from case file to results."""
+    assert len(bent.times) == 4
+    assert curvature_of(bent.points(2)) == pytest.approx(CURVATURE, rel=1e-3)
+    kept = CURVATURE - moment(CURVATURE) / (YOUNG * THICKNESS**3 / 12)
+    assert kept < 0.7 * CURVATURE
+    assert curvature_of(bent.points(3)) == pytest.approx(kept, rel=2e-3)
+
+
+def test_what_is_recorded_of_springback(bent) -> None:
+    """The last step holds the released part, with the way since the step before; the middle of the blank stays."""
+    sprung = bent.field("springback", 3)
+    np.testing.assert_allclose(sprung, bent.field("displacement", 3) - bent.field("displacement", 2), atol=1e-12)
+    assert not bent.field("springback", 2).any()
+    assert bent.summary["springback"]["largest_mm"] == pytest.approx(np.linalg.norm(sprung, axis=1).max())
+    assert bent.summary["springback"]["increments"] == 4
+    middle = np.argmin(np.abs(bent.mesh.points[:, :2] - [0, 0]).sum(axis=1))
+    np.testing.assert_allclose(sprung[middle, [0, 2]], 0.0, atol=1e-12)
+    history = bent.history
+    assert list(history["stage"][-5:]) == ["bend", *4 * ["springback"]]
+    assert (np.diff(history["increment"]) == 1).all()
+    assert (np.diff(history["internal_energy"])[-4:] < 0).all()
+    assert history["kinetic_energy"][-1] == 0.0
+    np.testing.assert_allclose(bent.field("eqps", 3), bent.field("eqps", 2), rtol=1e-6)
+    assert bent.field("effective_stress", 3).max() < 0.7 * bent.field("effective_stress", 2).max()
+    reaction = bent.field("reaction_force", 3)
+    assert np.abs(reaction).max() < 1e-3
+
+
+def test_springback_is_drawn(bent, tmp_path) -> None:
+    assert "shell_springback_003.png" in [p.name for p in plot_all(bent, tmp_path)]
+
+
+@pytest.mark.parametrize("stop_after", [20, 22])
+def test_a_run_stopped_before_or_within_springback_resumes_to_the_same_bits(bent, tmp_path: Path, stop_after) -> None:
+    model = bend_model()
+    rows = iter(range(1, 100))
+
+    def stop(progress) -> None:
+        if next(rows) == stop_after:
+            raise KeyboardInterrupt
+
+    stopped = run_model(model, tmp_path / "out", threads=1, on_increment=stop)
+    assert stopped.status == "interrupted"
+    assert len(stopped.result.history["time"]) == stop_after
+    assert run_model(model, tmp_path / "out", threads=1, resume=True).status == "completed"
+    other = Result(tmp_path / "out")
+    assert (tmp_path / "out" / "history.csv").read_bytes() == (bent.folder / "history.csv").read_bytes()
+    assert list(other.times) == list(bent.times)
+    for name in bent.field_names:
+        np.testing.assert_array_equal(other.field(name, 3), bent.field(name, 3))
+
+
+@pytest.mark.parametrize("symmetry", [[], ["x"], ["y"], ["x", "y"]])
+@pytest.mark.parametrize("size", [[40, 30], [40, 2]])
+def test_a_part_is_held_by_as_little_as_keeps_it_still(symmetry, size) -> None:
+    """With the planes there are as many supports as rigid motions: not one more, which would bend the part."""
+    pull = [{"name": "pull", "duration": "1 ms", "displacement": [{"set": "right", "component": "x", "value": 1}]}]
+    case = bend(blank={**bend()["blank"], "symmetry": symmetry, "size": size}, stages=pull)
+    model = build_model(StampingCase.model_validate(case))
+    ImplicitProcedure(make_springback_model(model), threads=1)  # raises NotHeldError of a part free to move
+    held = hold_rigidly(model.mesh.points, model.symmetry)
+    assert sum(sum(fixed) for fixed in held.values()) == {0: 6, 1: 3, 2: 1}[len(symmetry)]
+
+
+def test_springback_in_no_increments_is_refused() -> None:
+    with pytest.raises(CaseError, match=r"springback\.increments"):
+        StampingCase.model_validate(bend(springback={"increments": 0}))
