@@ -13,7 +13,7 @@ from typing import Literal
 
 from presswork.mesh.swept_tool import SweptTool
 from presswork.mesh.tool_file import TriangulatedTool
-from presswork.model import FloatArray, Material, Mesh, Model, PrescribedDisplacement, Support
+from presswork.model import FloatArray, Material, Mesh, Model, PrescribedDisplacement, SolverSettings, Support
 
 ToolKind = Literal["punch", "die", "holder"]
 
@@ -89,7 +89,7 @@ class StampingModel:
     """A complete stamping."""
 
     title: str
-    procedure: Literal["explicit"]
+    procedure: Literal["explicit", "implicit"]
     mesh: Mesh
     rolling_direction: tuple[float, float, float]
     """Unit vector."""
@@ -100,6 +100,7 @@ class StampingModel:
     supports: tuple[Support, ...]
     stages: tuple[StampingStage, ...]
     explicit: ExplicitSettings
+    implicit: SolverSettings
     output: StampingOutput
     case_text: str = ""
 

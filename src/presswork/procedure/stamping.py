@@ -29,7 +29,7 @@ from presswork.procedure.explicit import (
 )
 from presswork.procedure.explicit_fields import OnePointFields
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
-from presswork.procedure.stamping_tools import StampingTools, mean_speeds
+from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, mean_speeds
 from presswork.procedure.timing import Timing
 from presswork.sheet_law import make_sheet_law
 
@@ -261,7 +261,7 @@ class ExplicitStamping:
                 points, shells.thickness, shells.stress, shells.equivalent_plastic_strain
             ),
             info={"title": self.model.title, "analysis": "stamping", "symmetry": planes},
-            surfaces=self.tools.surfaces(),
+            surfaces=cut_surfaces(self.model),
             tool_displacement=self.tools.displacement(),
         )
 
