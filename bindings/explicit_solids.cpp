@@ -143,16 +143,6 @@ void bind_explicit_solids(nb::module_& m) {
           nb::arg("segments"), nb::kw_only(), nb::arg("mu") = 0.0,
           "Add a rigid profile; they are numbered as they come.")
       .def(
-          "wall_gaps",
-          [](const SolidLoop& self, int wall) {
-            const RigidWall& w = wall_of(self, wall);
-            double* gap;
-            auto gaps = new_array({std::size_t(self.n_nodes)}, &gap);
-            for (int i = 0; i < self.n_nodes; ++i) gap[i] = w.gap(&self.position[2 * std::size_t(i)]);
-            return gaps;
-          },
-          nb::arg("wall"), "Gap of every node (n_nodes) to a wall; infinite where none faces it.")
-      .def(
           "wall_force",
           [](const SolidLoop& self, int wall) {
             return copy(wall_of(self, wall).force, {std::size_t(self.n_nodes), 2});

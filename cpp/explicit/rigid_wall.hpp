@@ -32,8 +32,6 @@ class RigidWall {
   double velocity[2] = {0.0, 0.0};  // [mm/s]
   std::vector<double> force;        // (n_nodes, 2) on the nodes in the last cycle [N]
 
-  double gap(const double x[2]) const { return search_.touch(x[0] - offset[0], x[1] - offset[1]).gap; }
-
   // Correct the velocity v of a node at x over a step dt, in which the wall moves at w; free: 1 or 0 for each freedom.
   // Returns whether it touches; normal and slide are the changes of velocity by the wall's pressure and friction.
   bool constrain(const double x[2], double dt, const double w[2], const double free[2], double v[2], double normal[2],

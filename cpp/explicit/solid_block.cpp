@@ -62,7 +62,7 @@ int SolidBlock::advance(const double* points, const double* increment, double dt
 }
 
 void SolidBlock::bound_frequencies(const double* points, double* squared) const {
-#pragma omp parallel for schedule(static) if (n_ > 1000)
+#pragma omp parallel for schedule(static) if (n_ > 4000)
   for (int pack = 0; pack < n_packs(); ++pack) bound_(*this, points, pack, squared);
 }
 

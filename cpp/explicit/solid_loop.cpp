@@ -9,7 +9,7 @@ namespace presswork::explicit_dynamics {
 namespace {
 
 constexpr int chunk = 256;             // nodes whose work is summed up in one go: the sums do not depend on the threads
-constexpr int serial_elements = 1000;  // fewer are left to one thread: waking a second costs more than it gives
+constexpr int serial_elements = 4000;  // fewer are left to one thread: waking a second costs more than it gives
 
 }  // namespace
 

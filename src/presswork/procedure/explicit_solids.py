@@ -261,8 +261,8 @@ class ExplicitSolids:
         speed = float(np.abs(velocity).max(initial=0.0))
         if speed > self._fastest:
             raise ExplicitError(
-                f"a velocity of {speed:g} mm/s is beyond the material's sound, {self._fastest:.3g} mm/s: velocities are in "
-                "mm/s, 1 m/s is 1000"
+                f"a velocity of {speed:g} mm/s is beyond the material's sound, {self._fastest:.3g} mm/s: velocities "
+                "are in mm/s, 1 m/s is 1000"
             )
 
     def nodes_of(self, nodes: str | npt.ArrayLike) -> npt.NDArray[np.intp]:
@@ -305,9 +305,7 @@ class ExplicitSolids:
             raise ExplicitError(f"segments of wall {name} must be finite numbers of shape (n, 7)")
         if not 0 <= mu <= 2:
             raise ExplicitError(f"mu of wall {name} = {mu}: it must lie between 0 and 2")
-        self._loop.add_wall(profile, mu=mu)
-        wall = Wall(self._loop, len(self._walls), name)
-        gap = self._loop.wall_gaps(len(self._walls))
+        gap = _core.touch_profile(profile, self.position)[0]
         rim = np.unique(self.mesh.boundary_edges)
         size = float(np.ptp(self.mesh.points, axis=0).max())
         deepest = rim[np.argmin(gap[rim])]
@@ -316,6 +314,8 @@ class ExplicitSolids:
                 f"wall {name}: node {deepest} lies {-gap[deepest]:g} mm inside it at the start: move the wall off, or "
                 "turn its direction round (metal is on the right)"
             )
+        self._loop.add_wall(profile, mu=mu)
+        wall = Wall(self._loop, len(self._walls), name)
         self._walls.append(wall)
         return wall
 
@@ -438,7 +438,9 @@ def check_solids(
     if mesh.points.ndim != 2 or mesh.points.shape[1] != 2:
         raise ExplicitError(f"points has shape {mesh.points.shape}: solids in the plane have (n_nodes, 2)")
     if not np.isfinite(mesh.points).all():
-        raise ExplicitError(f"node {np.argwhere(~np.isfinite(mesh.points))[0, 0]} has a coordinate that is not a number")
+        raise ExplicitError(
+            f"node {np.argwhere(~np.isfinite(mesh.points))[0, 0]} has a coordinate that is not a number"
+        )
     if not depth > 0:
         raise ExplicitError(f"depth = {depth}: it must be above zero")
     if not 0 <= hourglass_fraction <= 1:
@@ -461,6 +463,6 @@ def check_solids(
         if (turn <= 0).any():
             cell = int(np.argwhere(turn <= 0)[0, 0])
             raise ExplicitError(
-                f"cell {cell} of {block.element} (nodes {cells[cell].tolist()}) has no area or a corner of 180 degrees: "
-                "give its nodes counter-clockwise"
+                f"cell {cell} of {block.element} (nodes {cells[cell].tolist()}) has no area or a corner of 180 degrees "
+                "or more: give its nodes counter-clockwise"
             )
