@@ -69,8 +69,8 @@ def ring_frequency(element: str) -> float:
 
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_frequency_of_a_breathing_ring(element: str) -> None:
-    """Within 0.1 % of the thin ring's: hoop stress and the mass of rings."""
-    assert ring_frequency(element) == pytest.approx(1.0, abs=1e-3)
+    """Within 0.01 % of the thin ring's: hoop stress and the mass of rings."""
+    assert ring_frequency(element) == pytest.approx(1.0, abs=1e-4)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -140,7 +140,7 @@ def element_frequency(mesh: Mesh, run: ExplicitSolids, axisymmetric: bool) -> fl
 @pytest.mark.parametrize("axisymmetric", [False, True])
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_stable_step_is_bounded_by_the_eigenvalue(element: str, axisymmetric: bool) -> None:
-    """60 cells of random shapes, also on the axis: the bound of the frequency is never below, at most 1.25 times it."""
+    """60 cells of random shapes, also on the axis: the bound of the frequency is never below, at most 1.1 times it."""
     random = np.random.default_rng(1)
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])[: 3 if element == "tri3" else 4]
     template = rectangle("quad4_1pt", 1, 1, 1.0, 1.0).blocks[0]
@@ -156,7 +156,7 @@ def test_stable_step_is_bounded_by_the_eigenvalue(element: str, axisymmetric: bo
         run = ExplicitSolids(mesh, [elastic()], axisymmetric=axisymmetric)
         ratios.append(2.0 / run.stable_step() / np.sqrt(element_frequency(mesh, run, axisymmetric)))
     assert min(ratios) >= 1.0 - 1e-9
-    assert max(ratios) < 1.25
+    assert max(ratios) < 1.1
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -260,9 +260,9 @@ def test_block_sliding_along_a_wall_is_braked_by_friction(mu: float) -> None:
     before = run.time
     cycles = round(0.5 * 1000.0 / (mu * pull) / run.dt)
     run.advance(cycles)
-    lost = mu * pull * (run.time - before)
-    speed = (run.mass @ run.velocity)[0] / run.mass.sum()
-    assert speed == pytest.approx(1000.0 - lost, rel=0.01)
+    speed, upward = run.mass @ run.velocity / run.mass.sum()
+    lost = mu * (pull * (run.time - before) + upward)  # what the floor has pushed, by the momentum it gave
+    assert speed == pytest.approx(1000.0 - lost, rel=1e-3)
     way = run.position[:, 0].mean() - start
     assert run.energies().friction - settled == pytest.approx(mu * pull * run.mass.sum() * way, rel=0.02)
     assert abs(run.energies().error_percent) < 0.05
