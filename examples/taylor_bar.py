@@ -63,7 +63,6 @@ def main() -> None:
     print(f"length {np.ptp(x[:, 1]):.2f} mm, foot {2 * x[mesh.node_sets['bottom'], 0].max():.2f} mm")
     print(f"strain {run.equivalent_plastic_strain.max():.2f}, temperature {run.temperature.max():.0f} C")
     print(f"cycles {run.cycle}, energy error {balance.error_percent:.4f} %")
-    print(*balance.warnings(), sep="\n")
     print(f"wrote {target}")
 
 

@@ -21,7 +21,8 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.model import Hardening, Mesh, Rate
-from presswork.procedure.explicit import HEAVIEST, SAFETY, EnergyBalance, ExplicitError
+from presswork.procedure.explicit import SAFETY, EnergyBalance
+from presswork.procedure.explicit_input import HEAVIEST, ExplicitError
 
 Array = npt.NDArray[np.float64]
 FREEDOMS = "uv"
