@@ -17,7 +17,8 @@ from matplotlib.collections import PolyCollection
 
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import Hardening, Rate
-from presswork.procedure.explicit_solids import ExplicitSolids, Heating, SolidMaterial
+from presswork.procedure.explicit_solids import ExplicitSolids
+from presswork.procedure.solid_material import Heating, SolidMaterial
 
 STEEL = SolidMaterial(
     young=206.9e3,

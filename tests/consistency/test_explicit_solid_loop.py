@@ -9,7 +9,8 @@ import pytest
 from presswork import _core
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import CellBlock, Hardening, Mesh, Rate
-from presswork.procedure.explicit_solids import ExplicitSolids, Heating, SolidMaterial
+from presswork.procedure.explicit_solids import ExplicitSolids
+from presswork.procedure.solid_material import Heating, SolidMaterial
 
 STEEL = SolidMaterial(
     young=206.9e3,

@@ -9,7 +9,8 @@ import pytest
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import CellBlock, Mesh
 from presswork.procedure.explicit import ExplicitError
-from presswork.procedure.explicit_solids import ExplicitSolids, Heating, SolidMaterial
+from presswork.procedure.explicit_solids import ExplicitSolids
+from presswork.procedure.solid_material import Heating, SolidMaterial
 
 STEEL = {"young": 210e3, "poisson": 0.3, "density": 7.85e-9}
 
