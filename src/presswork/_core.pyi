@@ -800,6 +800,7 @@ def evaluate_inverse(triangles: Annotated[NDArray[numpy.int32], dict(order='C', 
     """
     Forces (n, 3, 3) [N] of the triangles of a part whose nodes come from `blank`, their derivatives (n, 6, 6) along the nodes' bases, and the index of a triangle turned over in the blank, or -1.
     """
+
 class AdiabaticMises:
     """
     Von Mises plasticity with strain rate, softening by temperature and adiabatic heating.
