@@ -17,6 +17,7 @@ void bind_tool_surface(nb::module_& m);
 void bind_assembly(nb::module_& m);
 void bind_explicit(nb::module_& m);
 void bind_one_step(nb::module_& m);
+void bind_explicit_solids(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -37,4 +38,5 @@ NB_MODULE(_core, m) {
   bind_assembly(m);
   bind_explicit(m);
   bind_one_step(m);
+  bind_explicit_solids(m);
 }

@@ -8,8 +8,9 @@
 // fbar (de Souza Neto et al. 1996, with the element's volume average in place of the centroid): the stress is that of
 // F (Jbar/J)^(1/3), in plane strain of the in-plane part times (Jbar/J)^(1/2); Jbar = v(t+dt)/v(t) of the element.
 // one_point (Flanagan & Belytschko 1981): centroid stress, and hourglass forces Q = R Q_n + k gamma.du on the hourglass
-// vector gamma, k = 2 fraction * G_now * V * sum |grad N|^2 with G_now = G before first yield, then flow + slope/3, so
-// that the control stays weak beside plastic flow. In axisymmetry gradients and N/r are the element's volume averages.
+// vector gamma, k = 2 fraction * G_now * V * sum |grad N|^2 with G_now = G before first yield, then flow + slope/3 (at
+// most G), so that the control stays weak beside plastic flow. In axisymmetry gradients and N/r are the element's
+// volume averages.
 //
 // Elements are taken pack_width at a time; lane l of pack p is element p*pack_width + l. The last pack repeats the last
 // element. Element matrices are written as [pack][row][column][lane], forces as [pack][row][lane]; row = 2 node +
@@ -50,8 +51,10 @@ struct BlockView {
   const double* user_n = nullptr;  // (n_cells, q, n_state + UmatHistory::size)
   double* user = nullptr;
   int first_cell = 0;          // of the block in the mesh
-  UmatPlace when;              // stage, increment and times
+  UmatPlace when = {};         // stage, increment and times
   UmatFault* fault = nullptr;  // (n_packs)
+  // of AdiabaticMises: user is the rise of temperature (n_cells, q), when.dt the time of the increment
+  double* work = nullptr;  // (n_cells, 2) [N mm]: those of stress and of hourglass control are added, or null
 };
 
 template <Cell cell, int n_points, Treatment treatment>
@@ -199,8 +202,9 @@ struct Solid2d {
     }
   }
 
-  static void add_hourglass(const VonMises& law, double fraction, const T x[][2], const T du[][2],
-                            const PointGeometry& g, const T now[][3], T eqps_n, T Q[2], T* force, T* K) {
+  // Returns the work of the hourglass forces.
+  static T add_hourglass(const VonMises& law, double fraction, const T x[][2], const T du[][2], const PointGeometry& g,
+                         const T now[][3], T eqps_n, T Q[2], T* force, T* K) {
     // 1. hourglass vectors at t and at t+dt: orthogonal to every linear field there
     constexpr double h[4] = {1, -1, 1, -1};
     T at_t[2] = {T(0.0), T(0.0)}, at_end[2] = {T(0.0), T(0.0)}, norm(0.0), gamma[4], gamma_end[4];
@@ -217,19 +221,23 @@ struct Solid2d {
     // 2. modulus now
     T flow, slope;
     law.hardening.evaluate(eqps_n, flow, slope);
-    T modulus = select(eqps_n > T(0.0), flow + slope * T(1.0 / 3), T(law.shear_modulus()));
+    const T elastic(law.shear_modulus());
+    T modulus = select(eqps_n > T(0.0), smaller(flow + slope * T(1.0 / 3), elastic), elastic);
     T k = T(2.0 * fraction) * modulus * g.volume_t * norm;
     // 3. forces, turned with the material; gamma at t+dt keeps the balance of moments
     T a = g.F[0] + g.F[3], b = g.F[2] - g.F[1], trace = square_root(a * a + b * b);
     T c = a / trace, s = b / trace;
     T turned[2] = {c * Q[0] - s * Q[1], s * Q[0] + c * Q[1]};
+    T work(0.0);
     for (int i = 0; i < 2; ++i) {
-      Q[i] = turned[i];
-      for (int n = 0; n < 4; ++n) Q[i] += k * gamma[n] * du[n][i];
+      T mode(0.0);
+      for (int n = 0; n < 4; ++n) mode += gamma[n] * du[n][i];
+      Q[i] = turned[i] + k * mode;
+      work += T(0.5) * (turned[i] + Q[i]) * mode;
       for (int n = 0; n < 4; ++n) force[2 * n + i] += gamma_end[n] * Q[i];
     }
     // 4. tangent: dQ (stiffness, and turning: dtheta = (a db - b da) / (a^2 + b^2)) and d gamma_end = -B (gamma_end.du)
-    if (!K) return;
+    if (!K) return work;
     T inv = T(1.0) / (trace * trace);
     for (int m = 0; m < 4; ++m) {
       const T dtheta[2] = {(-a * g.grad[m][1] - b * g.grad[m][0]) * inv, (a * g.grad[m][0] - b * g.grad[m][1]) * inv};
@@ -241,6 +249,7 @@ struct Solid2d {
           column[j * freedoms] += k * gamma_end[n] * gamma[m];
         }
     }
+    return work;
   }
 
   // Element volume ratio Jbar, and (with stiffness) the mean divergence row of every freedom.
@@ -301,7 +310,7 @@ struct Solid2d {
   // Evaluate the pack whose first cell is `first`. Returns the index of a cell turned inside out, or -1.
   template <class Law>
   static int evaluate(const BlockView& b, const PointSettings& settings, const Law& law, int pack) {
-    constexpr bool is_umat = std::is_same_v<Law, Umat>;
+    constexpr bool is_umat = std::is_same_v<Law, Umat>, is_adiabatic = std::is_same_v<Law, AdiabaticMises>;
     static_assert(!(is_umat && treatment == Treatment::one_point), "hourglass control needs a flow stress");
     const int first = pack * pack_width;
     int cells[pack_width];
@@ -351,9 +360,17 @@ struct Solid2d {
       T F[5] = {g[q].F[0], g[q].F[1], g[q].F[2], g[q].F[3], g[q].F[4]};
       if constexpr (treatment == Treatment::fbar) use_mean_dilatation(b, mean, g[q], F);
       PointResponse<T> response;
+      T stress_work(0.0), hourglass_work(0.0);
       if constexpr (is_umat) {
         const UmatLanes lanes = find_lanes(b, law, cells, std::min(pack_width, b.n_cells - first), x, du, g, q);
         respond(settings, law, lanes, first, F, state, response, b.fault[pack]);
+      } else if constexpr (is_adiabatic) {
+        T rise;
+        for (int lane = 0; lane < pack_width; ++lane)
+          rise.set(lane, b.user_n[static_cast<std::size_t>(cells[lane]) * n_points + q]);
+        stress_work = respond(settings, law, F, b.when.dt, state, rise, response) * g[q].volume_t;
+        for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane)
+          b.user[static_cast<std::size_t>(cells[lane]) * n_points + q] = rise[lane];
       } else {
         respond(settings, law, F, state, response);
       }
@@ -370,7 +387,13 @@ struct Solid2d {
         T Q[2];
         for (int lane = 0; lane < pack_width; ++lane)
           for (int i = 0; i < 2; ++i) Q[i].set(lane, b.hourglass_n[2 * cells[lane] + i]);
-        add_hourglass(law, b.hourglass_fraction, x, du, g[q], now, eqps_n, Q, force, with_K ? K : nullptr);
+        const VonMises* mises;
+        if constexpr (is_adiabatic)
+          mises = &law.mises;
+        else
+          mises = &law;
+        hourglass_work =
+            add_hourglass(*mises, b.hourglass_fraction, x, du, g[q], now, eqps_n, Q, force, with_K ? K : nullptr);
         for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane)
           for (int i = 0; i < 2; ++i) b.hourglass[2 * cells[lane] + i] = Q[i][lane];
       }
@@ -379,6 +402,11 @@ struct Solid2d {
         for (int i = 0; i < 4; ++i) b.stress[4 * at + i] = state.stress[i][lane];
         b.eqps[at] = state.eqps[lane];
         b.volume[at] = dv[lane];
+        if constexpr (is_adiabatic)
+          if (b.work) {
+            b.work[2 * cells[lane]] += stress_work[lane];
+            b.work[2 * cells[lane] + 1] += hourglass_work[lane];
+          }
       }
     }
 

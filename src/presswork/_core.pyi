@@ -800,3 +800,154 @@ def evaluate_inverse(triangles: Annotated[NDArray[numpy.int32], dict(order='C', 
     """
     Forces (n, 3, 3) [N] of the triangles of a part whose nodes come from `blank`, their derivatives (n, 6, 6) along the nodes' bases, and the index of a triangle turned over in the blank, or -1.
     """
+
+class AdiabaticMises:
+    """
+    Von Mises plasticity with strain rate, softening by temperature and adiabatic heating.
+    """
+
+    def __init__(self, mises: VonMises, *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], start: float = 0.0, reference: float = 0.0, melting: float = 0.0, exponent: float = 1.0, heating: float = 0.0) -> None: ...
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float, stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rise: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Advance points by strain increments (n, 4) in dt; returns stress (n, 4), equivalent plastic strain (n) and rise of temperature (n).
+        """
+
+class SolidEnergies:
+    """Energies of an explicit run of solids [N mm]."""
+
+    @property
+    def kinetic(self) -> float: ...
+
+    @property
+    def internal(self) -> float: ...
+
+    @property
+    def hourglass(self) -> float: ...
+
+    @property
+    def external(self) -> float: ...
+
+    @property
+    def damping(self) -> float: ...
+
+    @property
+    def contact(self) -> float: ...
+
+    @property
+    def friction(self) -> float: ...
+
+class SolidLoop:
+    """Central differences for solids in the plane; mm, s, t, N, MPa."""
+
+    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], contact: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float = 1.0, hourglass_fraction: float = 0.05) -> None: ...
+
+    def add(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises, density: float) -> None:
+        """
+        Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come.
+        """
+
+    def add_wall(self, segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, mu: float = 0.0) -> None:
+        """Add a rigid profile; they are numbered as they come."""
+
+    def wall_force(self, wall: int) -> NDArray[numpy.float64]:
+        """Forces of a wall on the nodes (n_nodes, 2) in the last cycle."""
+
+    def wall_offset(self, wall: int) -> list[float]:
+        """Displacement of a wall since the start [mm]."""
+
+    def move_wall(self, wall: int, velocity: Sequence[float]) -> None:
+        """Set a wall's velocity [mm/s]."""
+
+    def restore_wall(self, wall: int, offset: Sequence[float], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Take over where a wall was and what it pushed."""
+
+    def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> int:
+        """
+        Advance as many cycles of dt [s] as the scales have values; returns a cell turned inside out, or -1.
+        """
+
+    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> SolidEnergies:
+        """Energies at the present time."""
+
+    def bound_frequencies(self) -> NDArray[numpy.float64]:
+        """Bound of the squared highest frequency of each cell (n) [1/s2]."""
+
+    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 2)."""
+
+    @property
+    def mass(self) -> NDArray[numpy.float64]:
+        """Mass of each node (n_nodes) [t]."""
+
+    @property
+    def work(self) -> list[float]:
+        """
+        Work up to half a step back: external, damping, contact, friction [N mm].
+        """
+
+    @work.setter
+    def work(self, arg: Sequence[float], /) -> None: ...
+
+    @property
+    def position(self) -> NDArray[numpy.float64]:
+        """Positions (n_nodes, 2) [mm]."""
+
+    @position.setter
+    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def velocity(self) -> NDArray[numpy.float64]:
+        """Velocities (n_nodes, 2), half a step back [mm/s]."""
+
+    @velocity.setter
+    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def force(self) -> NDArray[numpy.float64]:
+        """Nodal forces from outside (n_nodes, 2) [N]."""
+
+    @force.setter
+    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def internal_force(self) -> NDArray[numpy.float64]:
+        """Internal forces (n_nodes, 2) [N]."""
+
+    @internal_force.setter
+    def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def stress(self) -> NDArray[numpy.float64]:
+        """Stress xx, yy, zz, xy (n, 4) [MPa]."""
+
+    @stress.setter
+    def stress(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def eqps(self) -> NDArray[numpy.float64]:
+        """Equivalent plastic strain (n)."""
+
+    @eqps.setter
+    def eqps(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def rise(self) -> NDArray[numpy.float64]:
+        """Rise of temperature since the start (n)."""
+
+    @rise.setter
+    def rise(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def hourglass(self) -> NDArray[numpy.float64]:
+        """Hourglass forces (n, 2) [N]."""
+
+    @hourglass.setter
+    def hourglass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def cell_work(self) -> NDArray[numpy.float64]:
+        """Work of stress and of hourglass control (n, 2) [N mm]."""
+
+    @cell_work.setter
+    def cell_work(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...

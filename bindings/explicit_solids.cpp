@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nanobind/stl/array.h>
+
+#include <algorithm>
+
+#include "arrays.hpp"
+#include "explicit/solid_loop.hpp"
+
+namespace presswork::bindings {
+
+namespace {
+
+using namespace explicit_dynamics;
+
+NewDoubles copy(const std::vector<double>& from, const std::vector<std::size_t>& shape) {
+  double* to;
+  auto array = new_array(shape, &to);
+  std::copy(from.begin(), from.end(), to);
+  return array;
+}
+void assign(std::vector<double>& to, Doubles from, const char* message) {
+  require(from.size() == to.size(), message);
+  std::copy_n(from.data(), to.size(), to.begin());
+}
+
+// A nodal field (n_nodes, 2) that can be set.
+template <std::vector<double> SolidLoop::* field>
+void bind_field(nb::class_<SolidLoop>& c, const char* name, const char* text) {
+  c.def_prop_rw(
+      name, [](const SolidLoop& self) { return copy(self.*field, {std::size_t(self.n_nodes), 2}); },
+      [](SolidLoop& self, Doubles x) { assign(self.*field, x, "the array must have shape (n_nodes, 2)"); },
+      nb::rv_policy::move, text);
+}
+
+// A field of all cells of all blocks (n, width).
+template <std::vector<double> SolidBlock::* field, int width>
+void bind_cells(nb::class_<SolidLoop>& c, const char* name, const char* text) {
+  c.def_prop_rw(
+      name,
+      [](const SolidLoop& self) {
+        std::vector<double> all;
+        for (const auto& b : self.blocks) all.insert(all.end(), (b.*field).begin(), (b.*field).end());
+        const std::size_t n = all.size() / width;
+        return width > 1 ? copy(all, {n, std::size_t(width)}) : copy(all, {n});
+      },
+      [](SolidLoop& self, Doubles x) {
+        std::size_t n = 0;
+        for (const auto& b : self.blocks) n += (b.*field).size();
+        require(x.size() == n, "the array must have one row a cell");
+        const double* from = x.data();
+        for (auto& b : self.blocks) {
+          std::copy_n(from, (b.*field).size(), (b.*field).begin());
+          from += (b.*field).size();
+        }
+      },
+      nb::rv_policy::move, text);
+}
+
+RigidWall& wall_of(const SolidLoop& self, int wall) {
+  require(wall >= 0 && std::size_t(wall) < self.walls.size(), "there is no wall of this number");
+  return *self.walls[wall];
+}
+
+void bind_law(nb::module_& m) {
+  nb::class_<AdiabaticMises>(m, "AdiabaticMises",
+                             "Von Mises plasticity with strain rate, softening by temperature and adiabatic heating.")
+      .def(
+          "__init__",
+          [](AdiabaticMises* self, const VonMises& mises, RateLaw rate, std::array<double, 2> parameters, double start,
+             double reference, double melting, double exponent, double heating) {
+            new (self) AdiabaticMises{
+                mises, {rate, parameters[0], parameters[1]}, {reference, melting, exponent}, start, heating};
+          },
+          nb::arg("mises"), nb::kw_only(), nb::arg("rate") = RateLaw::none,
+          nb::arg("rate_parameters") = std::array<double, 2>{0.0, 1.0}, nb::arg("start") = 0.0,
+          nb::arg("reference") = 0.0, nb::arg("melting") = 0.0, nb::arg("exponent") = 1.0, nb::arg("heating") = 0.0)
+      .def(
+          "update",
+          [](const AdiabaticMises& law, Doubles strain, double dt, Doubles stress, Doubles eqps, Doubles rise) {
+            const std::size_t n = eqps.size();
+            require(strain.size() == 4 * n && stress.size() == 4 * n && rise.size() == n,
+                    "strain and stress must have shape (n, 4), eqps and rise (n)");
+            double *new_stress, *new_eqps, *new_rise;
+            auto stresses = new_array({n, 4}, &new_stress);
+            auto strains = new_array({n}, &new_eqps);
+            auto rises = new_array({n}, &new_rise);
+            for (std::size_t i = 0; i < n; ++i) {
+              PointState<double> point;
+              std::copy_n(stress.data() + 4 * i, 4, point.stress);
+              point.eqps = eqps.data()[i];
+              new_rise[i] = rise.data()[i];
+              update_adiabatic_mises(law, strain.data() + 4 * i, dt, point, new_rise[i]);
+              std::copy_n(point.stress, 4, new_stress + 4 * i);
+              new_eqps[i] = point.eqps;
+            }
+            return std::make_tuple(stresses, strains, rises);
+          },
+          nb::arg("strain"), nb::arg("dt"), nb::arg("stress"), nb::arg("eqps"), nb::arg("rise"),
+          "Advance points by strain increments (n, 4) in dt; returns stress (n, 4), equivalent plastic strain (n) and "
+          "rise of temperature (n).");
+}
+
+}  // namespace
+
+void bind_explicit_solids(nb::module_& m) {
+  bind_law(m);
+  nb::class_<SolidEnergies>(m, "SolidEnergies", "Energies of an explicit run of solids [N mm].")
+      .def_ro("kinetic", &SolidEnergies::kinetic)
+      .def_ro("internal", &SolidEnergies::internal)
+      .def_ro("hourglass", &SolidEnergies::hourglass)
+      .def_ro("external", &SolidEnergies::external)
+      .def_ro("damping", &SolidEnergies::damping)
+      .def_ro("contact", &SolidEnergies::contact)
+      .def_ro("friction", &SolidEnergies::friction);
+
+  nb::class_<SolidLoop> c(m, "SolidLoop", "Central differences for solids in the plane; mm, s, t, N, MPa.");
+  c.def(
+       "__init__",
+       [](SolidLoop* self, Doubles points, Bytes contact, bool axisymmetric, double depth, double hourglass_fraction) {
+         require(points.ndim() == 2 && points.shape(1) == 2, "points must have shape (n_nodes, 2)");
+         require(contact.size() == points.shape(0), "contact must have shape (n_nodes)");
+         new (self) SolidLoop(static_cast<int>(points.shape(0)), points.data(), contact.data(),
+                              {axisymmetric, depth, hourglass_fraction});
+       },
+       nb::arg("points"), nb::arg("contact"), nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth") = 1.0,
+       nb::arg("hourglass_fraction") = 0.05)
+      .def(
+          "add",
+          [](SolidLoop& self, const std::string& element, Ints cells, const AdiabaticMises& law, double density) {
+            std::vector<int> list(cells.data(), cells.data() + cells.size());
+            for (int node : list) require(node >= 0 && node < self.n_nodes, "cells name a node that is not there");
+            self.add(element, std::move(list), law, density);
+          },
+          nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
+          "Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come.")
+      .def(
+          "add_wall",
+          [](SolidLoop& self, Doubles segments, double mu) {
+            require(segments.ndim() == 2 && segments.shape(1) == 7 && segments.shape(0) > 0,
+                    "segments must have shape (n > 0, 7)");
+            self.add_wall({segments.data(), segments.data() + segments.size()}, mu);
+          },
+          nb::arg("segments"), nb::kw_only(), nb::arg("mu") = 0.0,
+          "Add a rigid profile; they are numbered as they come.")
+      .def(
+          "wall_force",
+          [](const SolidLoop& self, int wall) {
+            return copy(wall_of(self, wall).force, {std::size_t(self.n_nodes), 2});
+          },
+          nb::arg("wall"), "Forces of a wall on the nodes (n_nodes, 2) in the last cycle.")
+      .def(
+          "wall_offset",
+          [](const SolidLoop& self, int wall) {
+            const double* at = wall_of(self, wall).offset;
+            return std::array<double, 2>{at[0], at[1]};
+          },
+          nb::arg("wall"), "Displacement of a wall since the start [mm].")
+      .def(
+          "move_wall",
+          [](SolidLoop& self, int wall, std::array<double, 2> velocity) {
+            std::copy_n(velocity.begin(), 2, wall_of(self, wall).velocity);
+          },
+          nb::arg("wall"), nb::arg("velocity"), "Set a wall's velocity [mm/s].")
+      .def(
+          "restore_wall",
+          [](SolidLoop& self, int wall, std::array<double, 2> offset, Doubles force) {
+            RigidWall& w = wall_of(self, wall);
+            assign(w.force, force, "force must have shape (n_nodes, 2)");
+            std::copy_n(offset.begin(), 2, w.offset);
+          },
+          nb::arg("wall"), nb::arg("offset"), nb::arg("force"), "Take over where a wall was and what it pushed.")
+      .def(
+          "advance",
+          [](SolidLoop& self, double dt, double dt_before, Doubles force_scale, Doubles velocity_scale,
+             double damping) {
+            require(force_scale.size() == velocity_scale.size(), "the scales must have the same length");
+            nb::gil_scoped_release release;
+            return self.advance(static_cast<int>(force_scale.size()), dt, dt_before, damping, force_scale.data(),
+                                velocity_scale.data());
+          },
+          nb::arg("dt"), nb::arg("dt_before"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
+          nb::arg("damping") = 0.0,
+          "Advance as many cycles of dt [s] as the scales have values; returns a cell turned inside out, or -1.")
+      .def("energies", &SolidLoop::energies, nb::arg("dt"), nb::arg("dt_before"), nb::kw_only(),
+           nb::arg("damping") = 0.0, nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0,
+           "Energies at the present time.")
+      .def(
+          "bound_frequencies",
+          [](const SolidLoop& self) {
+            std::size_t n = 0;
+            for (const auto& b : self.blocks) n += b.n();
+            double* squared;
+            auto array = new_array({n}, &squared);
+            for (const auto& b : self.blocks) {
+              b.bound_frequencies(self.position.data(), squared);
+              squared += b.n();
+            }
+            return array;
+          },
+          "Bound of the squared highest frequency of each cell (n) [1/s2].")
+      .def(
+          "prescribe",
+          [](SolidLoop& self, Bytes fixed, Doubles velocity) {
+            require(fixed.size() == self.fixed.size(), "fixed must have shape (n_nodes, 2)");
+            assign(self.prescribed, velocity, "velocity must have shape (n_nodes, 2)");
+            std::copy_n(fixed.data(), fixed.size(), self.fixed.begin());
+          },
+          nb::arg("fixed"), nb::arg("velocity"), "Prescribe velocities of the freedoms marked in fixed (n_nodes, 2).")
+      .def_prop_ro(
+          "mass", [](const SolidLoop& self) { return copy(self.mass, {std::size_t(self.n_nodes)}); },
+          nb::rv_policy::move, "Mass of each node (n_nodes) [t].")
+      .def_prop_rw(
+          "work",
+          [](const SolidLoop& self) {
+            return std::array<double, 4>{self.work.external, self.work.damping, self.work.contact, self.work.friction};
+          },
+          [](SolidLoop& self, std::array<double, 4> w) { self.work = {w[0], w[1], w[2], w[3]}; },
+          "Work up to half a step back: external, damping, contact, friction [N mm].");
+  bind_field<&SolidLoop::position>(c, "position", "Positions (n_nodes, 2) [mm].");
+  bind_field<&SolidLoop::velocity>(c, "velocity", "Velocities (n_nodes, 2), half a step back [mm/s].");
+  bind_field<&SolidLoop::force>(c, "force", "Nodal forces from outside (n_nodes, 2) [N].");
+  bind_field<&SolidLoop::internal_force>(c, "internal_force", "Internal forces (n_nodes, 2) [N].");
+  bind_cells<&SolidBlock::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");
+  bind_cells<&SolidBlock::eqps, 1>(c, "eqps", "Equivalent plastic strain (n).");
+  bind_cells<&SolidBlock::rise, 1>(c, "rise", "Rise of temperature since the start (n).");
+  bind_cells<&SolidBlock::hourglass, 2>(c, "hourglass", "Hourglass forces (n, 2) [N].");
+  bind_cells<&SolidBlock::work, 2>(c, "cell_work", "Work of stress and of hourglass control (n, 2) [N mm].");
+}
+
+}  // namespace presswork::bindings

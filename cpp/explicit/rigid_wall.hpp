@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rigid tool profile in the explicit loop of solids: no node ends a cycle behind it.
+//
+// The constraint is kinematic: a node that its velocity would take through the profile gets the velocity, along the
+// profile's normal, that takes it onto it; the impulse is its mass times that change. Coulomb friction takes away
+// sliding by at most mu times the normal impulse. Exact for straight profiles; a node's own momentum towards the wall
+// is lost when it strikes, as in a plastic impact.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "contact/profile.hpp"
+
+namespace presswork::explicit_dynamics {
+
+class RigidWall {
+ public:
+  // segments (n, 7) as in contact/profile.hpp [mm]
+  RigidWall(int n_nodes, std::vector<double> segments, double mu)
+      : mu(mu),
+        force(2 * std::size_t(n_nodes)),
+        segments_(std::move(segments)),
+        prepared_(segments_.size() / 7),
+        boxes_(2 * ProfileSearch::count_leaves(static_cast<int>(prepared_.size()))),
+        search_(static_cast<int>(prepared_.size()), segments_.data(), prepared_.data(), boxes_.data()) {}
+  RigidWall(const RigidWall&) = delete;
+  RigidWall& operator=(const RigidWall&) = delete;
+
+  double mu;                        // Coulomb
+  double offset[2] = {0.0, 0.0};    // displacement since the start [mm]
+  double velocity[2] = {0.0, 0.0};  // [mm/s]
+  std::vector<double> force;        // (n_nodes, 2) on the nodes in the last cycle [N]
+
+  // Correct the velocity v of a node at x over a step dt, in which the wall moves at w; free: 1 or 0 for each freedom.
+  // Returns whether it touches; normal and slide are the changes of velocity by the wall's pressure and friction.
+  bool constrain(const double x[2], double dt, const double w[2], const double free[2], double v[2], double normal[2],
+                 double slide[2]) const {
+    const double before[2] = {v[0], v[1]};
+    const Touch touch =
+        search_.touch(x[0] + dt * v[0] - offset[0] - dt * w[0], x[1] + dt * v[1] - offset[1] - dt * w[1]);
+    const double push = push_out(touch.gap, touch.normal, dt, free, v);
+    push_out(touch.second_gap, touch.second_normal, dt, free, v);
+    for (int i = 0; i < 2; ++i) normal[i] = v[i] - before[i], slide[i] = 0.0;
+    if (push == 0.0) return false;
+    const double* n = touch.normal;
+    const double sliding = (v[1] - w[1]) * n[0] - (v[0] - w[0]) * n[1];  // along (-n1, n0)
+    const double held = std::copysign(std::min(std::abs(sliding), mu * push), sliding);
+    slide[0] = free[0] * held * n[1], slide[1] = -free[1] * held * n[0];
+    for (int i = 0; i < 2; ++i) v[i] += slide[i];
+    return true;
+  }
+
+ private:
+  // Returns the change of velocity along the normal.
+  static double push_out(double gap, const double normal[2], double dt, const double free[2], double v[2]) {
+    if (!(gap < 0.0)) return 0.0;
+    const double n[2] = {free[0] * normal[0], free[1] * normal[1]}, square = n[0] * n[0] + n[1] * n[1];
+    if (square < 1e-12) return 0.0;  // cannot move off
+    const double change = -gap / (dt * square);
+    for (int i = 0; i < 2; ++i) v[i] += change * n[i];
+    return change;
+  }
+
+  std::vector<double> segments_;
+  std::vector<profile::Prepared> prepared_;
+  std::vector<profile::Box> boxes_;
+  ProfileSearch search_;
+};
+
+}  // namespace presswork::explicit_dynamics

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Central differences for solids in the plane or in axisymmetry: n cycles a call, threaded, with the same bits for any
+// number of threads.
+//
+// A cycle: nodes    a = (f_ext - f_int)/m, v += a h, walls correct v, increment = v dt
+//          elements forces over the increment (each pack writes forces of its own)
+//          nodes    x += increment, f_int = sum of the elements' forces, in a fixed order
+// h is the mean of this step and the last, so the step may change from call to call. At the end of a call x and f_int
+// belong to time t, v to t - dt/2.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "explicit/rigid_wall.hpp"
+#include "explicit/solid_block.hpp"
+
+namespace presswork::explicit_dynamics {
+
+struct SolidEnergies {
+  double kinetic = 0.0;    // v(-dt/2) m v(+dt/2)/2
+  double internal = 0.0;   // work of the stresses
+  double hourglass = 0.0;  // work of the hourglass forces
+  double external = 0.0;   // work of nodal forces, of prescribed velocities and of moving walls
+  double damping = 0.0;    // taken away by mass damping
+  double contact = 0.0;    // lost where nodes strike walls
+  double friction = 0.0;   // lost in sliding along them
+};
+
+class SolidLoop {
+ public:
+  // points (n, 2) [mm]: x is the radius in axisymmetry. contact (n): nodes that walls hold.
+  SolidLoop(int n_nodes, const double* points, const std::uint8_t* contact, const SolidSettings& settings);
+
+  SolidLoop(const SolidLoop&) = delete;
+  SolidLoop& operator=(const SolidLoop&) = delete;
+
+  void add(std::string_view element, std::vector<int> cells, const AdiabaticMises& law, double density);
+  void add_wall(std::vector<double> segments, double mu);
+
+  // Advance n cycles of dt; the step before was dt_before. The scales (n) multiply force and prescribed velocities (of
+  // walls too) in each cycle; damping [1/s]. Returns the number of a cell turned inside out, counted through the
+  // blocks, or -1.
+  int advance(int n, double dt, double dt_before, double damping, const double* force_scale,
+              const double* velocity_scale);
+  // Energies now; dt is the next step, dt_before the last; scales are those of the next cycle.
+  SolidEnergies energies(double dt, double dt_before, double damping, double force_scale, double velocity_scale) const;
+
+  const SolidSettings settings;
+  int n_nodes;
+  std::vector<SolidBlock> blocks;
+  std::vector<std::unique_ptr<RigidWall>> walls;
+  std::vector<double> position, velocity, force, prescribed, internal_force;  // (n, 2)
+  std::vector<double> mass;                                                   // (n) [t]
+  std::vector<std::uint8_t> fixed;                                            // (n, 2): velocity is prescribed
+  struct Work {
+    double external = 0.0, damping = 0.0, contact = 0.0, friction = 0.0;
+  };
+  Work work;  // up to half a step back
+
+ private:
+  struct Step {
+    double dt, mean_dt, damping, force_scale, velocity_scale;
+  };
+  void find_sources();
+  // Velocity half a step on of one node, and what forces and walls do meanwhile: over the whole step, when the walls'
+  // forces are kept too, or over its first half.
+  Work step_node(int node, const Step& step, bool whole, double after[2]) const;
+  static void add_to(Work& sum, const Work& part);
+  Work move_nodes(int first, int last, const Step& step);
+  void close_nodes(int first, int last);
+
+  std::vector<std::uint8_t> contact_;
+  std::vector<double> increment_, element_force_;
+  std::vector<std::size_t> block_start_;            // of each block in element_force_
+  std::vector<std::size_t> source_start_, source_;  // of each node: where x of its elements' forces stand
+};
+
+}  // namespace presswork::explicit_dynamics

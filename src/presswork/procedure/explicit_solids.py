@@ -1,0 +1,373 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Explicit dynamics of solids in plane strain or axisymmetry: central differences, `n` cycles a call in C++.
+
+    run = ExplicitSolids(mesh, [material], axisymmetric=True)
+    run.fix("left", "u")
+    run.set_velocity("all", (0.0, -287e3))
+    wall = run.add_wall("anvil", line)
+    run.run_to(80e-6)
+    run.energies().error_percent
+
+Units are mm, s, t, N, MPa, degrees Celsius. A node has two freedoms: u along x (the radius), v along y (the axis).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from presswork import _core
+from presswork.model import Mesh
+from presswork.procedure.explicit import SAFETY, EnergyBalance
+from presswork.procedure.explicit_input import ExplicitError
+from presswork.procedure.solid_material import SolidMaterial
+
+Array = npt.NDArray[np.float64]
+FREEDOMS = "uv"
+ELEMENTS = ("quad4_1pt", "tri3")
+"""Elements with one point; tri3 in the crossed pattern is 4CST."""
+RENEWAL = 10
+"""Cycles after which `run_to` finds the stable step anew."""
+
+
+class Wall:
+    """A rigid profile that no node passes."""
+
+    def __init__(self, loop: _core.SolidLoop, number: int, name: str) -> None:
+        self._loop, self._number, self.name = loop, number, name
+        self._velocity = (0.0, 0.0)
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Prescribed velocity [mm/s], times the velocity_scale of each cycle."""
+        return self._velocity
+
+    @velocity.setter
+    def velocity(self, value: tuple[float, float]) -> None:
+        x, y = (float(v) for v in value)
+        if not np.isfinite([x, y]).all():
+            raise ExplicitError(f"velocity of wall {self.name} = {value}: it must be two finite numbers")
+        self._velocity = (x, y)
+        self._loop.move_wall(self._number, self._velocity)
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement since the start (2,) [mm]."""
+        return np.array(self._loop.wall_offset(self._number))
+
+    @property
+    def force(self) -> Array:
+        """Force of the solids on the wall in the last cycle (2,) [N]; of the whole ring in axisymmetry."""
+        return np.asarray(-self._loop.wall_force(self._number).sum(axis=0))
+
+
+class ExplicitSolids:
+    """Solids of quad4_1pt or tri3 in explicit dynamics.
+
+    mesh: points (n_nodes, 2) [mm], blocks of cells; materials: as the blocks number them. depth [mm]: of plane strain.
+    hourglass_fraction: of the shear modulus, that resists hourglass modes of quad4_1pt.
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        materials: Sequence[SolidMaterial],
+        *,
+        axisymmetric: bool,
+        depth: float = 1.0,
+        hourglass_fraction: float = 0.05,
+    ) -> None:
+        check_solids(mesh, materials, axisymmetric, depth, hourglass_fraction)
+        self.mesh = mesh
+        n = len(mesh.points)
+        rim = np.zeros(n, dtype=np.uint8)
+        rim[mesh.boundary_edges.ravel()] = 1
+        self._loop = _core.SolidLoop(
+            np.ascontiguousarray(mesh.points, dtype=float),
+            rim,
+            axisymmetric=axisymmetric,
+            depth=depth,
+            hourglass_fraction=hourglass_fraction,
+        )
+        for block in mesh.blocks:
+            material = materials[block.material]
+            cells = np.ascontiguousarray(block.connectivity, dtype=np.int32)
+            self._loop.add(block.element, cells, material.make_law(), material.density)
+        self._start = np.concatenate([np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks])
+        self._fastest = max(materials[b.material].wave_speed for b in mesh.blocks)
+        self._fixed = np.zeros((n, 2), dtype=np.uint8)
+        self._prescribed = np.zeros((n, 2))
+        self._walls: list[Wall] = []
+        self._reference: tuple[float, float] | None = None
+        self._scales = (0.0, 1.0, 1.0)
+        self.cycle = 0
+        self.time = 0.0
+        self.dt = SAFETY * self.stable_step()
+        self._dt_before = self.dt
+
+    @property
+    def position(self) -> Array:
+        """Positions (n_nodes, 2) [mm]."""
+        return self._loop.position
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities (n_nodes, 2) [mm/s], half a step back."""
+        return self._loop.velocity
+
+    @velocity.setter
+    def velocity(self, value: npt.ArrayLike) -> None:
+        v = self._shaped(value, "velocity")
+        self._check_speed(v)
+        self._loop.velocity = v
+        self._reference = None
+
+    @property
+    def force(self) -> Array:
+        """Nodal forces from outside (n_nodes, 2) [N]; of the whole ring in axisymmetry."""
+        return self._loop.force
+
+    @force.setter
+    def force(self, value: npt.ArrayLike) -> None:
+        self._loop.force = self._shaped(value, "force")
+
+    @property
+    def internal_force(self) -> Array:
+        """Internal forces (n_nodes, 2) [N]."""
+        return self._loop.internal_force
+
+    @property
+    def mass(self) -> Array:
+        """Mass of each node (n_nodes) [t]; of its ring in axisymmetry."""
+        return self._loop.mass
+
+    @property
+    def stress(self) -> Array:
+        """Stress xx, yy, zz (hoop), xy (n_cells, 4) [MPa], through the blocks."""
+        return self._loop.stress
+
+    @property
+    def equivalent_plastic_strain(self) -> Array:
+        """Equivalent plastic strain (n_cells)."""
+        return self._loop.eqps
+
+    @property
+    def temperature(self) -> Array:
+        """Temperature (n_cells) [degrees C]."""
+        return self._start + self._loop.rise
+
+    def _shaped(self, value: npt.ArrayLike, name: str) -> Array:
+        given = np.ascontiguousarray(value, dtype=float)
+        if given.shape != self._fixed.shape:
+            raise ExplicitError(f"{name} has shape {given.shape}: it must be (n_nodes, 2) = {self._fixed.shape}")
+        if not np.isfinite(given).all():
+            raise ExplicitError(f"{name} of node {np.argwhere(~np.isfinite(given))[0, 0]} is not a finite number")
+        return given
+
+    def _check_speed(self, velocity: Array) -> None:
+        speed = float(np.abs(velocity).max(initial=0.0))
+        if speed > self._fastest:
+            raise ExplicitError(
+                f"a velocity of {speed:g} mm/s is beyond the material's sound, {self._fastest:.3g} mm/s: velocities "
+                "are in mm/s, 1 m/s is 1000"
+            )
+
+    def nodes_of(self, nodes: str | npt.ArrayLike) -> npt.NDArray[np.intp]:
+        """Give node numbers: those of a node set of the mesh by its name, or the numbers given."""
+        if isinstance(nodes, str):
+            if nodes not in self.mesh.node_sets:
+                known = ", ".join(sorted(self.mesh.node_sets)) or "none"
+                raise ExplicitError(f"there is no node set {nodes!r}; the mesh has: {known}")
+            return np.asarray(self.mesh.node_sets[nodes], dtype=np.intp)
+        numbers = np.atleast_1d(np.asarray(nodes, dtype=np.intp))
+        outside = (numbers < 0) | (numbers >= len(self._fixed))
+        if outside.any():
+            raise ExplicitError(f"there is no node {numbers[outside][0]}: they are 0 to {len(self._fixed) - 1}")
+        return numbers
+
+    def fix(self, nodes: str | npt.ArrayLike, freedoms: str, velocity: npt.ArrayLike = 0.0) -> None:
+        """Prescribe the velocity [mm/s], one or one for each node, of freedoms "u", "v" or "uv"."""
+        if not freedoms or set(freedoms) - set(FREEDOMS):
+            raise ExplicitError(f"freedoms = {freedoms!r}: give letters of {FREEDOMS!r}")
+        numbers, value = self.nodes_of(nodes), np.asarray(velocity, dtype=float)
+        self._check_speed(value)
+        for letter in freedoms:
+            self._fixed[numbers, FREEDOMS.index(letter)] = 1
+            self._prescribed[numbers, FREEDOMS.index(letter)] = value
+        self._loop.prescribe(self._fixed, self._prescribed)
+
+    def set_velocity(self, nodes: str | npt.ArrayLike, velocity: tuple[float, float]) -> None:
+        """Give nodes a velocity (2,) [mm/s] to start from."""
+        v = self.velocity
+        v[self.nodes_of(nodes)] = velocity
+        self.velocity = v
+
+    def add_wall(self, name: str, segments: npt.ArrayLike, *, mu: float = 0.0) -> Wall:
+        """Add a rigid profile, segments (n, 7) as in model.Tool, its metal on the right; mu: Coulomb friction.
+
+        Every node of the boundary is held off it.
+        """
+        profile = np.atleast_2d(np.ascontiguousarray(segments, dtype=float))
+        if profile.shape[1] != 7 or not np.isfinite(profile).all():
+            raise ExplicitError(f"segments of wall {name} must be finite numbers of shape (n, 7)")
+        if not 0 <= mu <= 2:
+            raise ExplicitError(f"mu of wall {name} = {mu}: it must lie between 0 and 2")
+        gap = _core.touch_profile(profile, self.position)[0]
+        rim = np.unique(self.mesh.boundary_edges)
+        size = float(np.ptp(self.mesh.points, axis=0).max())
+        deepest = rim[np.argmin(gap[rim])]
+        if gap[deepest] < -1e-6 * size:
+            raise ExplicitError(
+                f"wall {name}: node {deepest} lies {-gap[deepest]:g} mm inside it at the start: move the wall off, or "
+                "turn its direction round (metal is on the right)"
+            )
+        self._loop.add_wall(profile, mu=mu)
+        wall = Wall(self._loop, len(self._walls), name)
+        self._walls.append(wall)
+        return wall
+
+    def stable_step(self) -> float:
+        """Give the bound of the stable time step [s] of the cells as they are now."""
+        return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))
+
+    def advance(
+        self,
+        n: int,
+        *,
+        force_scale: float | npt.ArrayLike = 1.0,
+        velocity_scale: float | npt.ArrayLike = 1.0,
+        damping: float = 0.0,
+    ) -> None:
+        """Advance n cycles of `dt`, which may be changed between calls.
+
+        force_scale, velocity_scale: factors on force and on prescribed velocities (walls too), one or one a cycle.
+        damping: mass damping [1/s]. Raises ExplicitError when a cell is turned inside out.
+        """
+        force, velocity = (np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale))
+        if n < 1:
+            raise ExplicitError(f"n = {n}: advance at least one cycle")
+        if self._reference is None:
+            self._scales = (damping, float(force[0]), float(velocity[0]))
+            start = self._sum(self._energies(*self._scales))
+            self._reference = (start, abs(start))
+        failed = self._loop.advance(self.dt, self._dt_before, force, velocity, damping=damping)
+        if failed >= 0:
+            raise ExplicitError(
+                f"cell {failed} is turned inside out between cycles {self.cycle} and {self.cycle + n} "
+                f"(t = {self.time:g} s): shorten the step {self.dt:g} s (the cells allow "
+                f"{SAFETY * self.stable_step():g} s now), refine the mesh, or raise hourglass_fraction"
+            )
+        self._scales = (damping, float(force[-1]), float(velocity[-1]))
+        self._dt_before = self.dt
+        self.cycle += n
+        self.time += n * self.dt
+        finite = np.isfinite(self.position).all(axis=1)
+        if not finite.all():
+            raise ExplicitError(
+                f"node {np.argmin(finite)} has left for infinity by cycle {self.cycle} (t = {self.time:g} s): the step "
+                f"{self.dt:g} s is too long (the cells allow {SAFETY * self.stable_step():g} s now)"
+            )
+
+    def run_to(self, end: float, *, damping: float = 0.0) -> None:
+        """Run to the time `end` [s], with a step that follows the cells' own: found anew every 10 cycles."""
+        if not end > self.time:
+            raise ExplicitError(f"end = {end:g} s: it must lie beyond the time reached, {self.time:g} s")
+        while end - self.time > 1e-9 * end:
+            self.dt = SAFETY * self.stable_step()
+            left = int(np.ceil((end - self.time) / self.dt * (1 - 1e-9)))
+            if left <= RENEWAL:
+                self.dt = (end - self.time) / left
+            self.advance(min(left, RENEWAL), damping=damping)
+
+    def _energies(self, damping: float, force_scale: float, velocity_scale: float) -> _core.SolidEnergies:
+        return self._loop.energies(
+            self.dt, self._dt_before, damping=damping, force_scale=force_scale, velocity_scale=velocity_scale
+        )
+
+    @staticmethod
+    def _sum(e: _core.SolidEnergies) -> float:
+        return e.kinetic + e.internal + e.hourglass + e.damping + e.contact + e.friction - e.external
+
+    def energies(self) -> EnergyBalance:
+        """Give the energies now; damping and scales are taken as in the last cycle."""
+        e = self._energies(*self._scales)
+        start, largest = self._reference or (self._sum(e), 0.0)
+        largest = max(largest, abs(e.kinetic) + abs(e.internal) + abs(e.hourglass), abs(e.external))
+        if self._reference:
+            self._reference = (start, largest)
+        error = 100.0 * (self._sum(e) - start) / largest if largest > 0 else 0.0
+        return EnergyBalance(e.kinetic, e.internal, e.hourglass, e.external, e.damping, error, e.contact, e.friction)
+
+    def dump(self) -> dict[str, Array]:
+        """Give everything that the next cycle depends on, beside the constructor, fix, force and walls."""
+        loop = self._loop
+        walls = [[*loop.wall_offset(i), *loop.wall_force(i).ravel()] for i in range(len(self._walls))]
+        reference = self._reference or (np.nan, np.nan)
+        return {
+            "position": loop.position,
+            "velocity": loop.velocity,
+            "internal_force": loop.internal_force,
+            "stress": loop.stress,
+            "eqps": loop.eqps,
+            "rise": loop.rise,
+            "hourglass": loop.hourglass,
+            "cell_work": loop.cell_work,
+            "walls": np.array(walls),
+            "scalars": np.array(
+                [self.cycle, self.time, self.dt, self._dt_before, *loop.work, *reference, *self._scales], dtype=float
+            ),
+        }
+
+    def restore(self, dump: dict[str, Array]) -> None:
+        """Take over what dump gave: the run goes on with the same bits as one never stopped."""
+        loop = self._loop
+        cycle, self.time, self.dt, self._dt_before, *rest = (float(s) for s in dump["scalars"])
+        self.cycle = int(cycle)
+        loop.work = rest[:4]
+        self._reference = None if np.isnan(rest[4]) else (rest[4], rest[5])
+        self._scales = (rest[6], rest[7], rest[8])
+        for name in ("position", "velocity", "internal_force", "stress", "eqps", "rise", "hourglass", "cell_work"):
+            setattr(loop, name, np.ascontiguousarray(dump[name]))
+        if len(dump["walls"]) != len(self._walls):
+            raise ExplicitError(f"the dump has {len(dump['walls'])} walls, the run {len(self._walls)}: add them first")
+        for i, row in enumerate(dump["walls"]):
+            loop.restore_wall(i, [float(row[0]), float(row[1])], row[2:].copy())
+
+
+def check_solids(
+    mesh: Mesh, materials: Sequence[SolidMaterial], axisymmetric: bool, depth: float, hourglass_fraction: float
+) -> None:
+    """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
+    if mesh.points.ndim != 2 or mesh.points.shape[1] != 2:
+        raise ExplicitError(f"points has shape {mesh.points.shape}: solids in the plane have (n_nodes, 2)")
+    if not np.isfinite(mesh.points).all():
+        raise ExplicitError(
+            f"node {np.argwhere(~np.isfinite(mesh.points))[0, 0]} has a coordinate that is not a number"
+        )
+    if not depth > 0:
+        raise ExplicitError(f"depth = {depth}: it must be above zero")
+    if not 0 <= hourglass_fraction <= 1:
+        raise ExplicitError(f"hourglass_fraction = {hourglass_fraction}: it must lie between 0 and 1")
+    if axisymmetric and (left := mesh.points[:, 0]).min() < -1e-9 * np.ptp(mesh.points):
+        raise ExplicitError(f"node {np.argmin(left)} has radius {left.min():g} mm: x is the radius, from the axis at 0")
+    if not mesh.blocks:
+        raise ExplicitError("the mesh has no cells")
+    for block in mesh.blocks:
+        if block.element not in ELEMENTS:
+            raise ExplicitError(f"element {block.element}: explicit solids are {' or '.join(ELEMENTS)}")
+        if not 0 <= block.material < len(materials):
+            raise ExplicitError(f"a block asks for material {block.material}: there are {len(materials)}, from 0")
+        cells = block.connectivity
+        if cells.min() < 0 or cells.max() >= len(mesh.points):
+            raise ExplicitError(f"a cell names node {cells.max()}: nodes are 0 to {len(mesh.points) - 1}")
+        corners = mesh.points[cells]
+        before, after = np.roll(corners, 1, axis=1) - corners, np.roll(corners, -1, axis=1) - corners
+        turn = after[..., 0] * before[..., 1] - after[..., 1] * before[..., 0]
+        if (turn <= 0).any():
+            cell = int(np.argwhere(turn <= 0)[0, 0])
+            raise ExplicitError(
+                f"cell {cell} of {block.element} (nodes {cells[cell].tolist()}) has no area or a corner of 180 degrees "
+                "or more: give its nodes counter-clockwise"
+            )

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Materials of solids in explicit dynamics: hardening, strain rate, softening by temperature, adiabatic heating."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import Hardening, Rate
+from presswork.procedure.explicit_input import HEAVIEST, ExplicitError
+
+START = 20.0
+"""Temperature at the start [degrees C] unless a material says otherwise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heating:
+    """Adiabatic heating by plastic work, and softening by 1 - T*^exponent, T* from 0 at `reference` to 1 at `melting`.
+
+    Temperatures in degrees C; heat_capacity [mm2/(s2 K)] (steel has 4.6e8, that is 460 J/(kg K)); plastic_fraction: of
+    the plastic work that becomes heat (Taylor & Quinney 1934).
+    """
+
+    melting: float
+    exponent: float
+    heat_capacity: float
+    plastic_fraction: float = 0.9
+    reference: float = START
+    start: float = START
+
+    def __post_init__(self) -> None:
+        if not self.melting > self.reference:
+            raise ExplicitError(f"melting = {self.melting}: it must be above reference = {self.reference}")
+        if not self.reference <= self.start < self.melting:
+            raise ExplicitError(f"start = {self.start}: it must lie from reference up to melting")
+        if not self.exponent > 0:
+            raise ExplicitError(f"exponent = {self.exponent}: it must be above zero")
+        if not self.heat_capacity >= 1e6:
+            raise ExplicitError(
+                f"heat_capacity = {self.heat_capacity:g} mm2/(s2 K) is below that of any metal: steel has 4.6e8, "
+                "a million times the figure in J/(kg K)"
+            )
+        if not 0 <= self.plastic_fraction <= 1:
+            raise ExplicitError(f"plastic_fraction = {self.plastic_fraction}: it must lie between 0 and 1")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolidMaterial:
+    """Von Mises plasticity of a solid in explicit dynamics: stress in MPa, density in t/mm3.
+
+    Without hardening it is elastic. rate: factor on the flow stress. With ludwik's hardening, the rate johnson_cook and
+    heating it is Johnson and Cook's law.
+    """
+
+    young: float
+    poisson: float
+    density: float
+    hardening: Hardening | None = None
+    rate: Rate | None = None
+    heating: Heating | None = None
+
+    def __post_init__(self) -> None:
+        if not self.young > 0:
+            raise ExplicitError(f"young = {self.young}: it must be above zero")
+        if not -1 < self.poisson < 0.5:
+            raise ExplicitError(f"poisson = {self.poisson}: it must lie between -1 and 0.5")
+        if not self.density > 0:
+            raise ExplicitError(f"density = {self.density:g}: it must be above zero; steel has 7.85e-9 t/mm3")
+        if self.density > HEAVIEST:
+            raise ExplicitError(
+                f"density = {self.density:g} t/mm3 is beyond any metal: steel has 7.85e-9 t/mm3, not 7850"
+            )
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of elastic compression waves [mm/s]."""
+        plane = self.young * (1 - self.poisson) / ((1 + self.poisson) * (1 - 2 * self.poisson))
+        return float(np.sqrt(plane / self.density))
+
+    @property
+    def start(self) -> float:
+        """Temperature at the start [degrees C]."""
+        return self.heating.start if self.heating else START
+
+    def make_law(self) -> _core.AdiabaticMises:
+        """Return the compiled law."""
+        if self.hardening is None:
+            mises = _core.VonMises(self.young, self.poisson, _core.HardeningLaw.linear, [1e3 * self.young, 0.0])
+        else:
+            parameters = [float(p) for p in self.hardening.parameters]
+            mises = _core.VonMises(self.young, self.poisson, _core.HardeningLaw[self.hardening.law], parameters)
+        rate = _core.RateLaw[self.rate.law] if self.rate else _core.RateLaw.none
+        rate_parameters = self.rate.parameters if self.rate else (0.0, 1.0)
+        if self.heating is None:
+            return _core.AdiabaticMises(mises, rate=rate, rate_parameters=rate_parameters)
+        h = self.heating
+        return _core.AdiabaticMises(
+            mises,
+            rate=rate,
+            rate_parameters=rate_parameters,
+            start=h.start,
+            reference=h.reference,
+            melting=h.melting,
+            exponent=h.exponent,
+            heating=h.plastic_fraction / (self.density * h.heat_capacity),
+        )
