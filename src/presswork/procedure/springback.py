@@ -24,6 +24,7 @@ from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, Impli
 from presswork.procedure.recording import GaveUpError, Row, Snapshot, StartError
 from presswork.procedure.stamping import ENERGIES, ExplicitStamping, RowReport
 from presswork.procedure.transfer import TransferError, carry_to_implicit
+from presswork.results.formability import formability_fields
 
 NAME = "springback"
 ELEMENT: ShellElement = "shell4_mitc_plus"
@@ -184,6 +185,7 @@ class StampingWithSpringback(ExplicitStamping):
             return replace(snapshot, point_data={**snapshot.point_data, NAME: nothing})
         state, mechanics = self._implicit.state, self._implicit.mechanics
         cells = mechanics.cell_fields(state)
+        cells |= formability_fields(cells, self._judged)
         return replace(
             snapshot,
             time=self.shells.time + float(state.progress[0]),
