@@ -334,6 +334,17 @@ class ToolMotion:
 
 
 @dataclass(frozen=True)
+class Push:
+    """A force that places a tool in space."""
+
+    direction: tuple[float, float, float]
+    """Unit vector along which it pushes, and the tool is free to move."""
+    force: FloatArray
+    """Rows of part of the stage (0 to 1, increasing) and force on what is modelled [N] (n, 2), linear between them and
+    constant beyond."""
+
+
+@dataclass(frozen=True)
 class Stage:
     """A part of the process in which every motion and load is linear in time."""
 
@@ -344,6 +355,8 @@ class Stage:
     """Motion of each moving tool; a tool not named stands still."""
     sheet_tool_move: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """Displacement of each moving tool in space [mm]; a tool not named stands still."""
+    sheet_tool_push: Mapping[str, Push] = field(default_factory=dict)
+    """Of each tool in space that a force places in this stage."""
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()
@@ -435,5 +448,7 @@ class Model:
     sheet_tools: tuple[SheetTool, ...] = ()
     """Tools that a shell touches; `tools` are those of solids in the plane."""
     contacts: tuple[BodyContact, ...] = ()
+    rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    """Of a shell: unit vector that, laid into the sheet, is x of its laws."""
     case_text: str = ""
     """The case file as read, kept with the results."""

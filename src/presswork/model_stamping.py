@@ -13,7 +13,7 @@ from typing import Literal
 
 from presswork.mesh.swept_tool import SweptTool
 from presswork.mesh.tool_file import TriangulatedTool
-from presswork.model import FloatArray, Material, Mesh, Model, PrescribedDisplacement, Support
+from presswork.model import FloatArray, Material, Mesh, Model, PrescribedDisplacement, SolverSettings, Support
 
 ToolKind = Literal["punch", "die", "holder"]
 
@@ -97,7 +97,7 @@ class StampingModel:
     """A complete stamping."""
 
     title: str
-    procedure: Literal["explicit"]
+    procedure: Literal["explicit", "implicit"]
     mesh: Mesh
     rolling_direction: tuple[float, float, float]
     """Unit vector."""
@@ -108,6 +108,7 @@ class StampingModel:
     supports: tuple[Support, ...]
     stages: tuple[StampingStage, ...]
     explicit: ExplicitSettings
+    implicit: SolverSettings
     output: StampingOutput
     springback: Springback | None = None
     """After the last stage; None: the part stays as it is."""

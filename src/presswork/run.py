@@ -20,6 +20,7 @@ from presswork import __version__
 from presswork.model_stamping import AnyModel, StampingModel
 from presswork.procedure.explicit_input import ExplicitError
 from presswork.procedure.implicit_recording import ImplicitRecording
+from presswork.procedure.implicit_stamping import ImplicitStamping
 from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
 from presswork.procedure.springback import StampingWithSpringback
 from presswork.procedure.stamping import ExplicitStamping
@@ -104,6 +105,8 @@ def check_start(model: AnyModel) -> None:
 def _begin(model: AnyModel, threads: int) -> Recording:
     """Make the procedure that a model asks for."""
     if isinstance(model, StampingModel):
+        if model.procedure == "implicit":
+            return ImplicitStamping(model, threads=threads)
         try:
             procedure = ExplicitStamping if model.springback is None else StampingWithSpringback
             return procedure(model, threads=threads)

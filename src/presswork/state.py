@@ -75,6 +75,10 @@ class State:
     """Force of the workpiece on each tool, as modelled, when the stage began (n_tools, 2) [N]."""
     sheet_tool_move: FloatArray
     """Of the tools in space, since the start (n_sheet_tools, 3) [mm]."""
+    sheet_tool_travel: FloatArray
+    """The part of it that forces have made, in the same form."""
+    sheet_tool_travel_increment: FloatArray
+    """Of the last increment."""
     sheet_tool_force: FloatArray
     """Of these tools on the nodes of a shell (n_sheet_tools, n_points, 3) [N]."""
     sheet_friction: FloatArray
@@ -136,6 +140,8 @@ class State:
             tool_gives=np.zeros(n_tools, dtype=np.int8),
             tool_force_start=np.zeros((n_tools, 2)),
             sheet_tool_move=np.zeros((n_sheet_tools, 3)),
+            sheet_tool_travel=np.zeros((n_sheet_tools, 3)),
+            sheet_tool_travel_increment=np.zeros((n_sheet_tools, 3)),
             sheet_tool_force=np.zeros((n_sheet_tools, n, 3)),
             sheet_friction=np.zeros((n_sheet_tools, n, 3)),
             contact=np.zeros((2 * n_tools, n_candidates), dtype=np.int8),

@@ -21,6 +21,7 @@ from presswork.case.shell import ShellBoundary, ShellDisplacement
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.stamping_tools import Tool
 from presswork.case.units import Density, Force, Length, Number, Rate, Time, Velocity, fault
+from presswork.model import SolverSettings
 
 HEAVIEST, LIGHTEST = 1e-6, 1e-10
 """Densities [t/mm3] of no metal: 50 times osmium's, and a sixteenth of magnesium's."""
@@ -34,6 +35,7 @@ RAMP = 0.1
 _EXPLICIT = model_stamping.ExplicitSettings()
 _SPRINGBACK = model_stamping.Springback()
 _OUTPUT = model_stamping.StampingOutput()
+_SOLVER = SolverSettings()
 Whole = Annotated[int, Field(strict=True, ge=1)]
 
 
@@ -134,11 +136,39 @@ class Springback(Part):
     increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
 
 
+class Implicit(Part):
+    """How the implicit procedure goes through a stage and iterates; increments are fractions of the stage."""
+
+    initial_increment: Number = Field(default=0.001, gt=0, le=1, description="first increment")
+    min_increment: Number = Field(default=1e-6, gt=0, le=1, description="smallest increment, below which it gives up")
+    max_increment: Number = Field(default=0.02, gt=0, le=1, description="largest increment")
+    max_iterations: Whole = Field(default=25, description="iterations before an increment is cut back")
+    force_tolerance: Number = Field(
+        default=_SOLVER.force_tolerance, gt=0, lt=1, description="largest out-of-balance over largest nodal force"
+    )
+    displacement_tolerance: Number = Field(
+        default=_SOLVER.displacement_tolerance, gt=0, lt=1, description="largest correction over largest displacement"
+    )
+
+    @model_validator(mode="after")
+    def _check_increments(self) -> Self:
+        if not self.min_increment <= self.initial_increment <= self.max_increment:
+            bounds = f"min_increment ({self.min_increment:g}) and max_increment ({self.max_increment:g})"
+            raise fault(f"not between {bounds}", "choose it between them", key="initial_increment")
+        return self
+
+    def build(self) -> SolverSettings:
+        """Return the Model's settings; contact's tangent is not symmetric, and shells do without a line search."""
+        return SolverSettings(**self.model_dump(), symmetric=False, line_search=False)
+
+
 class StampingOutput(Part):
     """What is saved, and when."""
 
     steps: Whole = Field(default=_OUTPUT.steps, description="saved steps of each stage")
-    rows: Whole = Field(default=_OUTPUT.rows, description="rows of history.csv for each stage")
+    rows: Whole = Field(
+        default=_OUTPUT.rows, description="explicit: rows of history.csv for each stage; implicit: one an increment"
+    )
     checkpoint_every: Whole = Field(default=_OUTPUT.checkpoint_every, description="rows between checkpoints")
 
     @model_validator(mode="after")
@@ -153,7 +183,10 @@ class StampingCase(Part):
 
     title: str = Field(description="what the case shows, in one line")
     analysis: Literal["stamping"] = Field(description="stamping")
-    procedure: Literal["explicit"] = Field(default="explicit", description="explicit: dynamics in small steps of time")
+    procedure: Literal["explicit", "implicit"] = Field(
+        default="explicit",
+        description="explicit: dynamics in small steps of time; implicit: equilibrium after every increment",
+    )
     blank: Blank = Field(description="the sheet that is formed")
     materials: dict[str, StampingMaterial] = Field(default={}, description="materials by name")
     tools: dict[str, Tool] = Field(default={}, description="rigid tools by name")
@@ -163,6 +196,7 @@ class StampingCase(Part):
     springback: Springback | None = Field(
         default=None, description="an empty table lets the part go after the last stage, by the implicit procedure"
     )
+    implicit: Implicit = Field(default=Implicit(), description="how the implicit procedure goes and iterates")
     output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")
 
     _source: Path | None = PrivateAttr(default=None)

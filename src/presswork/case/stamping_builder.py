@@ -7,6 +7,7 @@ import logging
 from dataclasses import replace
 from math import cos, radians, sin
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -29,7 +30,10 @@ from presswork.model_stamping import StampingStage as StageModel
 
 logger = logging.getLogger(__name__)
 
-ELEMENT: model.ExplicitElement = "shell4_one_point"
+ELEMENTS: dict[Literal["explicit", "implicit"], model.ElementName] = {
+    "explicit": "shell4_one_point",
+    "implicit": "shell4_mitc",
+}
 SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
 
@@ -68,6 +72,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         supports=(*supports, *(entry.build() for entry in case.boundary.values())),
         stages=stages,
         explicit=ExplicitSettings(**case.explicit.model_dump()),
+        implicit=case.implicit.build(),
         output=StampingOutput(**case.output.model_dump()),
         springback=Springback(**case.springback.model_dump()) if case.springback else None,
         case_text=case.text,
@@ -91,7 +96,7 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
         mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry)
     else:
         mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry)
-    return dress_blank(mesh, ELEMENT, section, material)
+    return dress_blank(mesh, ELEMENTS[case.procedure], section, material)
 
 
 def _read_mesh(
@@ -124,7 +129,7 @@ def _read_mesh(
             raise CaseError([Problem("blank.symmetry", fault, "cut the mesh there", blank.symmetry)], case.source)
         outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
     node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
-    return dress_blank(replace(mesh, node_sets=node_sets), ELEMENT, section, material)
+    return dress_blank(replace(mesh, node_sets=node_sets), ELEMENTS[case.procedure], section, material)
 
 
 def build_stage(stage: StampingStage) -> StageModel:

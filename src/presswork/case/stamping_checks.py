@@ -43,6 +43,9 @@ def check_names(case: StampingCase) -> list[Problem]:
             unit_factor(unit, LENGTH)
         except ValueError as error:
             problems.append(Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit))
+    if case.procedure == "implicit" and case.springback is not None:
+        fault, remedy = "springback follows the explicit procedure alone so far", 'take procedure = "explicit"'
+        problems.append(Problem("springback", fault, remedy))
     names = [stage.name for stage in case.stages]
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"

@@ -223,7 +223,9 @@ class ImplicitProcedure:
         trial.tool_travel += ratio * self.state.tool_travel_increment * floats[:, None]
         trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_travel, pose[:, 2]
         if self.equilibrium.sheet:
-            trial.sheet_tool_move = self.equilibrium.sheet.move(stage, fraction)
+            pushed = self.equilibrium.pushed_sheet_tools.numbers(stage)
+            trial.sheet_tool_travel[pushed] += ratio * self.state.sheet_tool_travel_increment[pushed]
+            trial.sheet_tool_move = self.equilibrium.sheet.move(stage, fraction) + trial.sheet_tool_travel
         outcome = self.equilibrium.solve(self.state, trial, Step(stage, fraction_n, fraction), guess, gently=gently)
         return trial, outcome
 
@@ -242,6 +244,7 @@ class ImplicitProcedure:
         self.contact.settle(trial)
         self.mechanics.settle(self.state, trial)
         trial.tool_travel_increment = trial.tool_travel - self.state.tool_travel
+        trial.sheet_tool_travel_increment = trial.sheet_tool_travel - self.state.sheet_tool_travel
         trial.work[0] += 0.5 * float(
             (
                 (self.state.reaction + trial.reaction + self.state.external_force + trial.external_force)

@@ -18,6 +18,7 @@ from presswork.procedure.linear_solver import LinearSolver, SolverError, make_so
 from presswork.procedure.loads import AppliedLoads
 from presswork.procedure.mechanics import BadGuess, LawFailed, Mechanics, PassedThrough, factor_of
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
+from presswork.procedure.pushed_sheet_tools import Pushed, PushedSheetTools
 from presswork.procedure.sheet_contact import SheetContact, SheetForces
 from presswork.procedure.shell_mechanics import ShellMechanics
 from presswork.procedure.timing import Timing
@@ -68,6 +69,7 @@ class _Balance:
     drag: FloatArray
     """Friction (n_points, 2) [N]."""
     floating: Floating | None
+    pushed: Pushed | None
     lacking: FloatArray
     """Out of balance (n_points, 2) [N], in the nodes' own frames."""
     changes: int
@@ -76,8 +78,8 @@ class _Balance:
     @property
     def largest_lacking(self) -> float:
         """Largest force out of balance, of a node or of a tool [N]."""
-        of_tools = float(np.abs(self.floating.missing).max(initial=0.0)) if self.floating else 0.0
-        return max(float(np.abs(self.lacking / self.length).max()), of_tools)
+        of_tools = [float(np.abs(t.missing).max(initial=0.0)) for t in (self.floating, self.pushed) if t]
+        return max(float(np.abs(self.lacking / self.length).max()), *of_tools, 0.0)
 
 
 class Equilibrium:
@@ -93,6 +95,7 @@ class Equilibrium:
         self.floating_tools = FloatingTools(model, contact)
         self.bodies = BodyContacts(model, mechanics)
         self.sheet = SheetContact(model) if model.sheet_tools else None
+        self.pushed_sheet_tools = PushedSheetTools(model)
         self._timing = timing
         self._threads = threads
         self._noise = mechanics.force_of_round_off()
@@ -146,6 +149,8 @@ class Equilibrium:
             return Failed(log, str(point), factor_of(point))
         if isinstance(point, BadGuess):
             increment = np.zeros_like(guess)
+            trial.sheet_tool_move -= trial.sheet_tool_travel - state_n.sheet_tool_travel
+            trial.sheet_tool_travel = state_n.sheet_tool_travel.copy()
             point = self._evaluate(state_n, trial, step, increment, with_stiffness=True)
             if isinstance(point, BadGuess):
                 return Failed(log, str(point), factor_of(point))
@@ -192,8 +197,7 @@ class Equilibrium:
             except (SolverError, LostWorkpieceError) as error:
                 return Failed(log, str(error), 0.25)
             factorised = True
-            missing = max(missing, float(np.abs(travel).max(initial=0.0)))
-            moved = self._advance(state_n, trial, step, point, balance.drag, increment, correction, missing)
+            moved = self._advance(state_n, trial, step, point, balance, increment, correction, travel)
             if isinstance(moved, BadGuess):
                 return Failed(log, str(moved), factor_of(moved))
             increment, point, part = moved
@@ -224,7 +228,10 @@ class Equilibrium:
         lacking = self._turn(constraints, drag - point.reaction)
         lacking[constraints.mask == 1] = 0.0
         self._timing.add("contact", started)
-        return _Balance(constraints, friction, drag, floating, lacking, changes, self._mechanics.length)
+        pushed = None
+        if self.pushed_sheet_tools.is_needed and point.sheet:
+            pushed = self.pushed_sheet_tools.evaluate(point.sheet, step.stage, step.fraction)
+        return _Balance(constraints, friction, drag, floating, pushed, lacking, changes, self._mechanics.length)
 
     def _evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
@@ -268,15 +275,20 @@ class Equilibrium:
         trial: State,
         step: Step,
         point: _Point,
-        drag: FloatArray,
+        balance: _Balance,
         increment: FloatArray,
         correction: FloatArray,
-        missing: float,
+        travel: FloatArray,
     ) -> tuple[FloatArray, _Point, float] | BadGuess:
         """Take the correction, or the part of it that keeps cells whole and does not overshoot; return the part too."""
         full = self._model.solver.newton == "full"
-        part = 1.0
+        drag = balance.drag
+        missing = max(self._largest(balance.constraints.value), float(np.abs(travel).max(initial=0.0)))
+        part, gone = 1.0, 0.0
         while True:
+            if balance.pushed:
+                self.pushed_sheet_tools.move(trial, balance.pushed, (part - gone) * travel)
+                gone = part
             taken = increment + part * correction
             found = self._evaluate(state_n, trial, step, taken, with_stiffness=full)
             if not isinstance(found, BadGuess) or part < SMALLEST_PART:
@@ -354,6 +366,18 @@ class Equilibrium:
         started = perf_counter()
         solution = self.solver.solve(flat).reshape(balance.lacking.shape)
         travel = np.zeros(0)
+        if balance.pushed and balance.pushed.tools:
+            assert point.sheet is not None
+
+            def respond_to(force: FloatArray) -> FloatArray:
+                rhs = self._turn(constraints, force)
+                rhs[constraints.mask == 1] = 0.0
+                return self._turn_back(constraints, self.solver.solve(rhs.reshape(-1)).reshape(rhs.shape))
+
+            solution = self._turn_back(constraints, solution)
+            found = self.pushed_sheet_tools.correct(balance.pushed, point.sheet, solution, respond_to)
+            self._timing.add("solve", started)
+            return found
         if travels:
             assert floating is not None
 

@@ -108,6 +108,8 @@ class SheetForces:
     """(n_tools, n_points, 3) [N]."""
     friction: FloatArray
     """The part of it along the tool, in the same form."""
+    tool: IntArray
+    """Which tool each block is of (n,)."""
 
 
 class SheetContact:
@@ -125,7 +127,7 @@ class SheetContact:
         self._young = max(m.young for m in model.materials)
 
     def move(self, stage: int, fraction: float) -> FloatArray:
-        """Return how far the tools have moved at a fraction of a stage (n_tools, 3) [mm]."""
+        """Return how far strokes have moved the tools at a fraction of a stage (n_tools, 3) [mm]."""
         stages = self._model.stages
         return sum((self._move(s) for s in stages[:stage]), fraction * self._move(stages[stage]))
 
@@ -147,7 +149,7 @@ class SheetContact:
         x = self._model.mesh.points + displacement[:, :3]
         moved = displacement[:, :3] - state_n.displacement[:, :3]
         by_tool, friction = np.zeros((len(tools), n, 3)), np.zeros((len(tools), n, 3))
-        nodes, blocks = [], []
+        nodes, blocks, owners = [], [], []
         for t, tool in enumerate(tools):
             place = x - np.array(tool.position) - trial.sheet_tool_move[t]
             way = moved - (trial.sheet_tool_move[t] - state_n.sheet_tool_move[t])
@@ -157,10 +159,11 @@ class SheetContact:
             block[:, :3, :3] = found.stiffness
             nodes.append(found.nodes)
             blocks.append(block)
+            owners.append(np.full(len(found.nodes), t, dtype=np.int32))
         force = np.zeros((n, 6))
         force[:, :3] = by_tool.sum(axis=0)
         pairs = np.repeat(np.concatenate(nodes)[:, None], 2, axis=1).astype(np.int32)
-        return SheetForces(force, pairs, np.concatenate(blocks), by_tool, friction)
+        return SheetForces(force, pairs, np.concatenate(blocks), by_tool, friction, np.concatenate(owners))
 
     def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and unit vectors (n, 3) along which tools hold them; rough tools hold them in all three."""

@@ -29,7 +29,7 @@ from presswork.sheet_law import make_sheet_law
 from presswork.state import ShellArrays, State
 
 UPRIGHT = 0.99
-"""Part of x along the normal above which the sheet's first direction is that of y."""
+"""Part of the rolling direction along the normal above which it cannot be laid into the sheet."""
 NOISE = 1e-8
 """Strain of bending across the sheet whose forces are taken for round-off where no larger ones have been."""
 REASONS = {
@@ -133,16 +133,17 @@ class ShellMechanics:
         return state
 
     def _first_directions(self, block: int) -> FloatArray:
-        """Return g_1 in the lamina frame (n_cells, q, 2), whose x is that of space laid into the sheet, or y's if that
-        stands upright.
+        """Return g_1 in the lamina frame (n_cells, q, 2), whose x is the rolling direction laid into the sheet, or the
+        axis after it (y for x) where that stands upright.
         """
         cells = self._model.mesh.blocks[block]
         slopes = _core.shell_shape(cells.element)[1]
         base = np.einsum("qaj,cai->cqji", slopes, self._model.mesh.points[cells.connectivity])
         normal = np.cross(base[:, :, 0], base[:, :, 1])
         normal /= np.linalg.norm(normal, axis=2, keepdims=True)
-        upright = np.abs(normal[..., :1]) > UPRIGHT
-        axis = np.where(upright, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0])
+        rolling = np.asarray(self._model.rolling_direction)
+        upright = np.abs(normal @ rolling)[..., None] > UPRIGHT
+        axis = np.where(upright, np.roll(rolling, 1), rolling)
         axis = axis - (axis * normal).sum(axis=2, keepdims=True) * normal
         axis /= np.linalg.norm(axis, axis=2, keepdims=True)
         first = base[:, :, 0] / np.linalg.norm(base[:, :, 0], axis=2, keepdims=True)

@@ -29,7 +29,7 @@ from presswork.procedure.explicit import (
 )
 from presswork.procedure.explicit_fields import OnePointFields
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
-from presswork.procedure.stamping_tools import StampingTools, mean_speeds
+from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, mean_speeds
 from presswork.procedure.timing import Timing
 from presswork.results.formability import formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
@@ -262,7 +262,7 @@ class ExplicitStamping:
             },
             cell_data=cells | formability_fields(cells, self._judged),
             info={"title": self.model.title, "analysis": "stamping", "symmetry": planes, **self._judged.to_info()},
-            surfaces=self.tools.surfaces(),
+            surfaces=cut_surfaces(self.model),
             tool_displacement=self.tools.displacement(),
         )
 

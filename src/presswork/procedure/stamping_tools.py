@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from presswork.mesh.swept_tool import SweptTool
@@ -51,53 +53,67 @@ class StampingTools:
         for mean, tool in zip(self._mean, self._tools, strict=True):
             mean += (tool.force - mean) / self._samples
 
-    def strokes(self) -> FloatArray:
-        """Return how far each tool has come along its way [mm]."""
-        moved = self.displacement().values()
-        return np.array([m @ np.asarray(t.way) for m, t in zip(moved, self._model.tools, strict=True)])
-
     def forces(self) -> FloatArray:
         """Return the mean force of the sheet on each whole tool since begin_row (n_tools, 3) [N]."""
-        whole = self._mean * self._model.whole
-        for axis, is_cut in enumerate(self._model.symmetry):
-            if is_cut:  # what the mirror images feel takes it away
-                whole[:, axis] = 0.0
-        return whole
+        return make_whole(self._model, self._mean)
 
     def row(self) -> Row:
         """Return the columns of the history."""
-        row: Row = {}
-        for tool, stroke, force in zip(self._model.tools, self.strokes(), self.forces(), strict=True):
-            row[f"{tool.name}.stroke"] = float(stroke)
-            row[f"{tool.name}.force"] = -float(force @ np.asarray(tool.way)) + 0.0
-            row |= {f"{tool.name}.force_{axis}": float(f) for axis, f in zip("xyz", force, strict=True)}
-        return row
+        return tool_columns(self._model, self.displacement(), self.forces())
 
     def text(self) -> str:
         """Name the tools with their strokes and forces."""
-        each = zip(self._model.tools, self.strokes(), self.forces(), strict=True)
-        parts = [f"{t.name} {s:.2f} mm {-float(f @ np.asarray(t.way)) / 1e3:.1f} kN" for t, s, f in each if s]
-        return "  ".join(parts)
+        return tool_text(self._model, self.row())
 
     def displacement(self) -> dict[str, FloatArray]:
         """Return how far each tool has moved since the start (3,) [mm]."""
         each = zip(self._model.tools, self._tools, strict=True)
         return {t.name: at_work.position - np.asarray(t.position) for t, at_work in each}
 
-    def surfaces(self) -> dict[str, tuple[FloatArray, IntArray]]:
-        """Return points and triangles of every tool where it starts, for pictures."""
-        mesh = self._model.mesh
-        length = 2.5 * float(np.abs(mesh.points[:, 1]).max())
-        found = {}
-        for tool in self._model.tools:
-            if isinstance(tool.shape, SweptTool):
-                section = mesh.blocks[0].section
-                assert section is not None
-                points, triangles = tool.shape.triangulate(DRAWN_WITHIN * section.thickness, length=length)
-            else:
-                points, triangles = tool.shape.points, tool.shape.triangles
-            found[tool.name] = (points + np.asarray(tool.position), triangles)
-        return found
+
+def make_whole(model: StampingModel, forces: FloatArray) -> FloatArray:
+    """Return the forces on whole tools of those on what is modelled (n_tools, 3) [N]."""
+    whole = forces * model.whole
+    for axis, is_cut in enumerate(model.symmetry):
+        if is_cut:  # what the mirror images feel takes it away
+            whole[:, axis] = 0.0
+    return whole
+
+
+def tool_columns(model: StampingModel, displacement: Mapping[str, FloatArray], forces: FloatArray) -> Row:
+    """Return the history's columns of all tools: stroke along the way [mm], force along it and in space [N].
+
+    displacement: of each tool since the start (3,) [mm]. forces: of the sheet on the whole tools (n_tools, 3) [N].
+    """
+    row: Row = {}
+    for tool, force in zip(model.tools, forces, strict=True):
+        way = np.asarray(tool.way)
+        row[f"{tool.name}.stroke"] = float(displacement[tool.name] @ way) + 0.0
+        row[f"{tool.name}.force"] = -float(force @ way) + 0.0
+        row |= {f"{tool.name}.force_{axis}": float(f) for axis, f in zip("xyz", force, strict=True)}
+    return row
+
+
+def tool_text(model: StampingModel, row: Row) -> str:
+    """Name the tools that have moved, with strokes and forces."""
+    each = [(t.name, float(row[f"{t.name}.stroke"]), float(row[f"{t.name}.force"])) for t in model.tools]
+    return "  ".join(f"{name} {stroke:.2f} mm {force / 1e3:.1f} kN" for name, stroke, force in each if stroke)
+
+
+def cut_surfaces(model: StampingModel) -> dict[str, tuple[FloatArray, IntArray]]:
+    """Return points and triangles of every tool where it starts, for pictures."""
+    mesh = model.mesh
+    length = 2.5 * float(np.abs(mesh.points[:, 1]).max())
+    found = {}
+    for tool in model.tools:
+        if isinstance(tool.shape, SweptTool):
+            section = mesh.blocks[0].section
+            assert section is not None
+            points, triangles = tool.shape.triangulate(DRAWN_WITHIN * section.thickness, length=length)
+        else:
+            points, triangles = tool.shape.points, tool.shape.triangles
+        found[tool.name] = (points + np.asarray(tool.position), triangles)
+    return found
 
 
 def is_pushed(model: StampingModel, tool: StampingTool) -> bool:

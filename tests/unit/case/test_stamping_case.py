@@ -228,3 +228,12 @@ def test_a_blank_from_a_file_is_cut_where_its_mesh_ends(tmp_path: Path) -> None:
     write_blank(tmp_path / "blank.inp", height=0.001)
     with pytest.raises(CaseError, match=r"tools.punch: the blank is not flat.*position"):
         build(blank=blank)
+
+
+def test_the_implicit_procedure_takes_the_same_case_on_the_same_mesh() -> None:
+    explicit = build_model(StampingCase.model_validate(CUP))
+    implicit = build_model(StampingCase.model_validate({**CUP, "procedure": "implicit"}))
+    np.testing.assert_array_equal(implicit.mesh.points, explicit.mesh.points)
+    np.testing.assert_array_equal(implicit.mesh.blocks[0].connectivity, explicit.mesh.blocks[0].connectivity)
+    assert implicit.mesh.blocks[0].element == "shell4_mitc"
+    assert "cut back and grown" in describe(implicit)

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stamping by the implicit procedure: the same case as by explicit dynamics, turned into a shell between tools.
+
+Strokes and prescribed displacements grow in proportion over a stage; forces follow the part of the way that has been
+gone, as they do in the explicit procedure. Time only matters to laws with a strain rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.mesh.swept_tool import SweptTool
+from presswork.model import FloatArray, Mesh, Model, OutputSettings, Push, SheetTool, Stage
+from presswork.model_stamping import StampingModel, StampingTool
+from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, TIME, ImplicitProcedure, IncrementReport
+from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
+from presswork.procedure.stamping_tools import (
+    cut_surfaces,
+    is_pushed,
+    make_whole,
+    stroke_of,
+    tabulate_force,
+    tool_columns,
+    tool_text,
+)
+from presswork.results.formability import formability_fields
+
+DEPTH = 2.0
+"""Thicknesses that a node of a guess may lie in a tool and be found: behind that is another wall."""
+WORTH_A_WARNING = 5.0
+"""Per cent of the external work by which the energies may miss it."""
+ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work")
+
+
+def make_shell_model(model: StampingModel) -> Model:
+    """Return the Model of a shell between tools in space that does what the stamping does."""
+    section = model.mesh.blocks[0].section
+    assert section is not None
+    moved = [t for t in model.tools if not is_pushed(model, t)]
+    pushed = [t for t in model.tools if is_pushed(model, t)]
+    pushes = {t.name: _push_by_stage(model, t) for t in pushed}
+    stages = tuple(
+        Stage(
+            name=stage.name,
+            duration=stage.duration,
+            sheet_tool_move={t.name: _along(t, stage.actions[t.name].stroke) for t in moved if t.name in stage.actions},
+            sheet_tool_push={name: by_stage[number] for name, by_stage in pushes.items()},
+            prescribed=stage.prescribed,
+        )
+        for number, stage in enumerate(model.stages)
+    )
+    return Model(
+        title=model.title,
+        analysis="shell",
+        depth=1.0,
+        mesh=model.mesh,
+        materials=model.materials,
+        tools=(),
+        supports=model.supports,
+        stages=stages,
+        solver=model.implicit,
+        output=OutputSettings(steps=model.output.steps, checkpoint_every=model.output.checkpoint_every),
+        sheet_tools=tuple(_place(t, DEPTH * section.thickness) for t in model.tools),
+        rolling_direction=model.rolling_direction,
+    )
+
+
+def _place(tool: StampingTool, depth: float) -> SheetTool:
+    surface = tool.shape.surface(depth) if isinstance(tool.shape, SweptTool) else tool.shape.surface()
+    return SheetTool(tool.name, surface, tool.position, tool.mu)
+
+
+def _along(tool: StampingTool, stroke: float) -> tuple[float, float, float]:
+    x, y, z = tool.way
+    return stroke * x, stroke * y, stroke * z
+
+
+def _push_by_stage(model: StampingModel, tool: StampingTool) -> list[Push]:
+    """Return the force of a pushed tool on what is modelled, over the part of each stage's way that has been gone."""
+    times, forces = tabulate_force(model, tool.name)
+    pushes, begin = [], 0.0
+    for stage in model.stages:
+        end = begin + stage.duration
+        own = (times >= begin - 1e-12 * end) & (times <= end * (1 + 1e-12))
+        gone = stroke_of(stage).position(times[own] - begin)
+        pushes.append(Push(tool.way, np.column_stack([gone, forces[own] / model.whole])))
+        begin = end
+    return pushes
+
+
+class ImplicitStamping:
+    """A stamping at work."""
+
+    def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
+        self.model = model
+        self.procedure = ImplicitProcedure(make_shell_model(model), threads=threads)
+        self.timing = self.procedure.timing
+        self._judged = model.materials[model.mesh.blocks[0].material].formability
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.model.title
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed blank."""
+        return self.model.mesh
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return ["time", "stage", "increment", "iterations", *self._tool_columns(), *ENERGIES, "energy_error_percent"]
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Increments between checkpoints."""
+        return self.model.output.checkpoint_every
+
+    @property
+    def number(self) -> int:
+        """Increments so far."""
+        return int(self.procedure.state.progress[INCREMENTS])
+
+    def advance(self) -> Iterator[IncrementReport]:
+        """Compute increment after increment. Raises GaveUpError."""
+        return self.procedure.advance()
+
+    def remaining(self) -> float:
+        """Return the part of the whole process still to be computed, counted in stage durations."""
+        return self.procedure.remaining()
+
+    def begin_log(self) -> str:
+        """Name the procedure and the linear solver."""
+        cells = len(self.model.mesh.blocks[0].connectivity)
+        return f"implicit: {cells} shells, linear solver: {self.procedure.equilibrium.solver.name}"
+
+    def log_lines(self, report: IncrementReport) -> list[str]:
+        """Say how the increment was found."""
+        log = report.log
+        return [
+            *(f"increment {report.number} cut back: {reason}" for reason in report.cutbacks),
+            f"increment {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(log)} iterations, "
+            f"residuals {' '.join(f'{r:.1e}' for r in log.residual)}, "
+            f"corrections {' '.join(f'{c:.1e}' for c in log.correction)}",
+        ]
+
+    def progress_text(self, report: IncrementReport) -> str:
+        """Name stage and increment, and the tools that have moved."""
+        tools = tool_text(self.model, self._tool_columns())
+        return f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
+
+    def _displacement(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the start (3,) [mm]."""
+        moved = self.procedure.state.sheet_tool_move
+        return {t.name: moved[i].copy() for i, t in enumerate(self.model.tools)}
+
+    def _tool_columns(self) -> Row:
+        sheet = self.procedure.equilibrium.sheet
+        forces = sheet.tool_forces(self.procedure.state) if sheet else np.zeros((0, 3))
+        return tool_columns(self.model, self._displacement(), make_whole(self.model, forces))
+
+    def row(self, report: IncrementReport) -> Row:
+        """Return the row of the history."""
+        balance = self.procedure.energy_balance()
+        return {
+            "time": report.time,
+            "stage": report.stage,
+            "increment": report.number,
+            "iterations": len(report.log),
+            **self._tool_columns(),
+            **{name: balance[name] for name in ENERGIES},
+            "energy_error_percent": balance["error_percent"],
+        }
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the converged state."""
+        state, model = self.procedure.state, self.model
+        cells, judged = self.procedure.mechanics.cell_fields(state), self._judged
+        planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
+        return Snapshot(
+            time=float(state.progress[TIME]),
+            point_data={
+                "displacement": state.displacement[:, :3].copy(),
+                "reaction_force": state.reaction[:, :3].copy(),
+                "reaction_moment": state.reaction[:, 3:].copy(),
+                "contact_force": state.sheet_tool_force.sum(axis=0),
+            },
+            cell_data=cells | formability_fields(cells, judged),
+            info={"title": model.title, "analysis": "stamping", "symmetry": planes, **judged.to_info()},
+            surfaces=cut_surfaces(model),
+            tool_displacement=self._displacement(),
+        )
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return the converged state."""
+        return self.procedure.state.to_arrays()
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+        """Take up a converged state. Raises ValueError if it is another model's."""
+        self.procedure.state.load_arrays(arrays)
+
+    def meta(self) -> Meta:
+        """Return nothing: the arrays hold all."""
+        return {}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up nothing."""
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        state = self.procedure.state
+        fields = self.procedure.mechanics.cell_fields(state)
+        names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
+        increments, iterations, cutbacks = (int(state.progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS))
+        energy = self.procedure.energy_balance()
+        untouched = find_never_touched([t.name for t in self.model.tools], history)
+        warnings = [f"the tool {name} never touched the blank" for name in untouched]
+        if abs(energy["error_percent"]) > WORTH_A_WARNING:
+            error = f"the energy balance is off by {energy['error_percent']:.3g} %"
+            warnings.append(f"{error}: set implicit.max_increment lower")
+        return {
+            "increments": increments,
+            "iterations": iterations,
+            "cutbacks": cutbacks,
+            "work": f"{increments} increments, {iterations} iterations, {cutbacks} cut-backs",
+            "freedoms": 6 * len(self.model.mesh.points),
+            "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
+            "energy": energy,
+            "time_simulated": float(state.progress[TIME]),
+            "linear_solver": self.procedure.equilibrium.solver.name,
+            "warnings": warnings,
+        }

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stamping cases by the implicit procedure: one key changed, the same results, pictures and checkpoints."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork import Result
+from presswork.case import CaseError, StampingCase, build_model
+from presswork.run import StartError, run_model
+from presswork.view.all_plots import plot_all
+
+STEEL = {"young": "206 GPa", "poisson": 0.3, "hardening": {"law": "swift", "K": 565.32, "e0": 0.007117, "n": 0.2589}}
+STRIP: dict[str, Any] = {
+    "title": "strip in tension",
+    "analysis": "stamping",
+    "procedure": "implicit",
+    "blank": {"shape": "rectangle", "size": [20, 8], "thickness": 0.8, "element_size": 2, "material": "steel",
+              "symmetry": ["x", "y"]},
+    "materials": {"steel": STEEL},
+    "boundary": {"flat": {"set": "all", "fix": ["z"]}},
+    "stages": [{"name": "pull", "velocity": "0.5 m/s",
+                "displacement": [{"set": "right", "component": "x", "value": 1}]}],
+    "output": {"rows": 20, "steps": 2},
+}  # fmt: skip
+HOLDER_FORCE = 8000.0
+CUP: dict[str, Any] = {
+    "title": "shallow square cup",
+    "analysis": "stamping",
+    "procedure": "implicit",
+    "blank": {"shape": "rectangle", "size": [80, 80], "thickness": 0.8, "element_size": 5, "material": "steel",
+              "symmetry": ["x", "y"]},
+    "materials": {"steel": STEEL},
+    "tools": {
+        "punch": {"kind": "punch", "shape": "rectangular", "size": [40, 40], "corner_radius": 10, "edge_radius": 6,
+                  "mu": 0.1},
+        "die": {"kind": "die", "shape": "rectangular", "size": [43, 43], "corner_radius": 11.5, "edge_radius": 6,
+                "mu": 0.1},
+        "holder": {"kind": "holder", "shape": "rectangular", "size": [43, 43], "corner_radius": 11.5,
+                   "edge_radius": 1, "mu": 0.1},
+    },
+    "stages": [{"name": "draw", "tools": {"punch": {"stroke": 6}, "holder": {"force": HOLDER_FORCE}}}],
+    "output": {"rows": 40, "steps": 2, "checkpoint_every": 5},
+    "implicit": {"max_increment": 0.05},
+}  # fmt: skip
+
+
+def run(data: dict[str, Any], folder: Path, **changes: Any) -> Result:
+    case = StampingCase.model_validate({**copy.deepcopy(data), **changes})
+    outcome = run_model(build_model(case), folder, threads=1)
+    assert outcome.status == "completed", outcome.reason
+    return outcome.result
+
+
+@pytest.fixture(scope="module")
+def cup(tmp_path_factory) -> Result:
+    return run(CUP, tmp_path_factory.mktemp("cup") / "out")
+
+
+def test_a_strip_in_tension_follows_its_flow_curve(tmp_path) -> None:
+    """Uniaxial tension of von Mises: stress = K (e0 + p)^n, width and thickness strain -p/2; fields as explicit's."""
+    pulled = run(STRIP, tmp_path / "out")
+    strain = np.log(11 / 10)
+    stress = pulled.field("stress_middle_xx")
+    p = strain - stress.mean() / 206e3
+    np.testing.assert_allclose(stress, 565.32 * (0.007117 + p) ** 0.2589, rtol=1e-4)
+    np.testing.assert_allclose(pulled.field("thickness_strain"), -p / 2 - 0.3 * stress / 206e3, rtol=2e-3)
+    other = run(STRIP, tmp_path / "explicit", procedure="explicit")
+    assert set(pulled.field_names) == set(other.field_names)
+    np.testing.assert_allclose(pulled.field("eqps"), other.field("eqps"), rtol=2e-3)
+
+
+@pytest.mark.parametrize("angle", [0, 90])
+def test_the_rolling_direction_turns_the_material(tmp_path, angle) -> None:
+    """Width over thickness strain of a strip is r0 along the rolling direction, and r90 across it."""
+    sheet = {**STEEL, "yield_function": {"law": "hill1948", "r00": 1.8, "r45": 1.5, "r90": 2.3}}
+    blank = {**STRIP["blank"], "rolling_direction": angle}
+    pulled = run(STRIP, tmp_path / "out", materials={"steel": sheet}, blank=blank)
+    elastic = 0.3 * pulled.field("stress_middle_xx") / 206e3
+    r = (pulled.field("lamina_strain_middle_xx" if angle == 90 else "lamina_strain_middle_yy") + elastic) / (
+        pulled.field("thickness_strain") + elastic
+    )
+    np.testing.assert_allclose(r, 1.8 if angle == 0 else 2.3, rtol=5e-3)
+
+
+def test_the_holder_pushes_with_its_force_and_forces_balance(cup) -> None:
+    """The force comes up within the stage's ramp, then it is held; what pushes down, the die carries."""
+    history = cup.history
+    formed = history["punch.stroke"] > 0.5
+    np.testing.assert_allclose(history["holder.force"][formed], HOLDER_FORCE, rtol=1e-4)
+    assert (np.diff(history["holder.force"]) > -1e-4 * HOLDER_FORCE).all()
+    largest = history["die.force"].max()
+    np.testing.assert_allclose(
+        history["die.force"], history["punch.force"] + history["holder.force"], atol=1e-3 * largest
+    )
+    assert history["punch.stroke"][-1] == pytest.approx(6.0)
+    assert -0.2 < history["holder.stroke"][-1] < 0.0  # the flange thickens and lifts it
+    assert abs(history["energy_error_percent"][-1]) < 0.5
+    assert cup.summary["warnings"] == []
+
+
+def test_one_key_changed_gives_the_same_cup(cup, tmp_path) -> None:
+    """By explicit dynamics: draw-in within 0.1 mm, punch force 5 %, thickness strain 0.01."""
+    other = run(CUP, tmp_path / "out", procedure="explicit")
+    np.testing.assert_array_equal(cup.mesh.points, other.mesh.points)
+    edge = np.argmax(cup.mesh.points[:, 0] - cup.mesh.points[:, 1])
+    draw_in = [-r.field("displacement")[edge, 0] for r in (cup, other)]
+    assert draw_in[0] > 0.4
+    assert draw_in[0] == pytest.approx(draw_in[1], abs=0.1)
+    assert cup.history["punch.force"][-1] == pytest.approx(other.history["punch.force"][-1], rel=0.05)
+    np.testing.assert_allclose(cup.field("thickness_strain"), other.field("thickness_strain"), atol=0.01)
+
+
+def test_pictures_are_drawn(cup, tmp_path) -> None:
+    names = [p.name for p in plot_all(cup, tmp_path, fields=["thickness_strain"])]
+    assert {"force_stroke.png", "draw_in.png", "shell_thickness_strain_002.png"} <= set(names)
+
+
+def test_a_resumed_run_gives_the_same_bits(cup, tmp_path) -> None:
+    model = build_model(StampingCase.model_validate(CUP))
+    rows = iter(range(100))
+
+    def stop(progress) -> None:
+        if next(rows) == 11:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
+    assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
+    assert (tmp_path / "part" / "history.csv").read_bytes() == (cup.folder / "history.csv").read_bytes()
+    for name in cup.field_names:
+        np.testing.assert_array_equal(Result(tmp_path / "part").field(name), cup.field(name))
+
+
+def test_giving_up_leaves_results_and_says_why(tmp_path) -> None:
+    model = build_model(StampingCase.model_validate(CUP))
+    strict = replace(model, implicit=replace(model.implicit, max_iterations=4, min_increment=5e-4))
+    outcome = run_model(strict, tmp_path / "out", threads=1)
+    assert outcome.status == "gave_up"
+    assert "finds no equilibrium" in outcome.reason
+    assert np.isfinite(outcome.result.field("displacement")).all()
+
+
+def test_a_blank_that_nothing_holds_is_refused(tmp_path) -> None:
+    free = {**STRIP, "boundary": {}}
+    with pytest.raises(StartError, match="1 rigid motion \\(z\\)"):
+        run_model(build_model(StampingCase.model_validate(free)), tmp_path / "out")
+
+
+@pytest.mark.parametrize(("implicit", "fragment"), [
+    ({"initial_increment": 0.5}, "initial_increment"),
+    ({"max_increment": 1.5}, "max_increment"),
+    ({"line_search": True}, "line_search"),
+])  # fmt: skip
+def test_bad_settings_are_named(implicit, fragment) -> None:
+    with pytest.raises(CaseError, match=fragment):
+        StampingCase.model_validate({**CUP, "implicit": implicit})
