@@ -413,6 +413,8 @@ class SolverSettings:
     """What an increment prescribes: a part of the stage, or, on shells under loads alone, the length of path."""
     kirchhoff_penalty: float = 0.0
     """Shells: transverse shear stiffness added to the tangent alone, over the elastic one (C_p of K_p)."""
+    contact_stiffness: float = 0.01
+    """Shells on tools in space: stiffness of contact over that of the sheet across its thickness."""
 
 
 @dataclass(frozen=True)

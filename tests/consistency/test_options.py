@@ -36,6 +36,7 @@ CHANGES = {
 ELSEWHERE = {
     "pressure_stiffness": "tests/unit/procedure/test_loads.py",
     "control": "tests/verification/test_shell_snap_through.py",
+    "contact_stiffness": "tests/verification/test_hemispherical_punch.py",
     "kirchhoff_penalty": "tests/consistency/test_shell_tangent.py",
 }
 

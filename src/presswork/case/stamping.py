@@ -149,6 +149,13 @@ class Implicit(Part):
     displacement_tolerance: Number = Field(
         default=_SOLVER.displacement_tolerance, gt=0, lt=1, description="largest correction over largest displacement"
     )
+    contact_stiffness: Number = Field(
+        default=_SOLVER.contact_stiffness,
+        gt=0,
+        le=1,
+        description="of contact with the tools over that of the sheet across its thickness; the sheet sinks in by "
+        "pressure thickness/(contact_stiffness E)",
+    )
 
     @model_validator(mode="after")
     def _check_increments(self) -> Self:

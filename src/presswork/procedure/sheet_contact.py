@@ -2,9 +2,10 @@
 """Contact of the nodes of a shell with rigid tools in space, and Coulomb friction, with the consistent tangent.
 
 A node touches where the gap g between the tool and the sheet's surface, half a thickness off the node, closes. What
-holds it is a part of the sheet's elasticity across its thickness, k = STIFFNESS E A / t with A the node's share of the
-surface: N = -k g, rounded off over a small gap so that the derivative has no jump. So a sheet may lie between two
-tools, which exact constraints would not allow. It sinks in by t p / (STIFFNESS E) under a pressure p.
+holds it is a part c of the sheet's elasticity across its thickness, k = c E A / t with A the node's share of the
+surface and c = SolverSettings.contact_stiffness: N = -k g, rounded off over a small gap so that the derivative has no
+jump. So a sheet may lie between two tools, which exact constraints would not allow. It sinks in by t p / (c E) under a
+pressure p.
 
 Friction is a return mapping over the increment, as in friction.py: T = P (T_n - k_t d), P the tangent plane at the
 node's present place and d its way along the tool, shortened to mu N. The tangent holds all derivatives: of N, of the
@@ -21,8 +22,6 @@ from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model, SheetTool, Stage
 from presswork.state import State
 
-STIFFNESS = 0.01
-"""Of the contact over that of the sheet across its thickness."""
 TANGENTIAL = 0.1
 """Of the spring that a sticking node hangs on, over the contact's."""
 ROUNDING = 1e-3
@@ -50,8 +49,8 @@ class SheetNodes:
     """Share of the surface (n_points,) [mm2]."""
     thickness: FloatArray
     """(n_points,) [mm]."""
-    young: float
-    """[MPa]"""
+    stiffness: float
+    """Of contact, per area and thickness [MPa]."""
 
 
 def touch_tool(
@@ -68,7 +67,7 @@ def touch_tool(
     g, n, delta = (gap - 0.5 * sheet.thickness)[nodes], normal[nodes], rounding[nodes]
     bend = tool.surface.normal_slope(np.ascontiguousarray(x[nodes]))
     # 1. normal force, a parabola within the rounding
-    k = STIFFNESS * sheet.young * sheet.area[nodes] / sheet.thickness[nodes]
+    k = sheet.stiffness * sheet.area[nodes] / sheet.thickness[nodes]
     deep = g < -delta
     push = np.where(deep, -k * g, k * (delta - g) ** 2 / (4.0 * delta))
     slope = np.where(deep, -k, -0.5 * k * (delta - g) / delta)  # d push / d g
@@ -124,7 +123,7 @@ class SheetContact:
             np.add.at(self._area, block.connectivity, (area / block.connectivity.shape[1])[:, None])
             np.add.at(self._cells, block.connectivity, 1.0)
         self._thickness = np.zeros(n)
-        self._young = max(m.young for m in model.materials)
+        self._stiffness = model.solver.contact_stiffness * max(m.young for m in model.materials)
 
     def move(self, stage: int, fraction: float) -> FloatArray:
         """Return how far strokes have moved the tools at a fraction of a stage (n_tools, 3) [mm]."""
@@ -145,7 +144,7 @@ class SheetContact:
     def evaluate(self, state_n: State, trial: State, displacement: FloatArray) -> SheetForces:
         """Return the forces of the tools at a guess; they stand where the trial state has them."""
         n, tools = len(displacement), self._model.sheet_tools
-        sheet = SheetNodes(self._area, self._thickness, self._young)
+        sheet = SheetNodes(self._area, self._thickness, self._stiffness)
         x = self._model.mesh.points + displacement[:, :3]
         moved = displacement[:, :3] - state_n.displacement[:, :3]
         by_tool, friction = np.zeros((len(tools), n, 3)), np.zeros((len(tools), n, 3))

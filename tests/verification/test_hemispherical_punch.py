@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stretching over a hemispherical punch: explicit against implicit on the same mesh; validation/ has the full one."""
+
+import numpy as np
+import pytest
+from punch_stretching import stretch
+
+FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.01")
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.15])
+def test_explicit_and_implicit_stretch_alike(mu: float) -> None:
+    """Thickness and radial strain of every element within 2 % of the largest, the punch's force within 1 %."""
+    explicit, implicit = stretch("explicit", mu), stretch("implicit", mu, 5.0, *FINE)
+    assert explicit.kinetic < 1e-4
+    for name in ("thickness_strain", "radial_strain"):
+        one, other = getattr(explicit, name), getattr(implicit, name)
+        assert np.abs(one - other).max() < 0.02 * np.abs(other).max(), name
+    assert explicit.force == pytest.approx(implicit.force, rel=0.01)
+    assert implicit.thickness_strain.min() < -0.2
+
+
+def test_friction_moves_the_thinnest_ring_off_the_pole() -> None:
+    """Without friction the sheet is thinnest at the pole, with it some way off."""
+    slippery, rough = stretch("explicit", 0.0), stretch("explicit", 0.15)
+    assert slippery.radius[np.argmin(slippery.thickness_strain)] < 5.0
+    assert 10.0 < rough.radius[np.argmin(rough.thickness_strain)] < 25.0
+    assert rough.thickness_strain.min() > slippery.thickness_strain.min()
+
+
+def test_stiffer_contact_holds_the_sheet_nearer_to_the_tools() -> None:
+    """The punch meets it earlier, and its force is larger; by less than 1 %."""
+    soft, stiff = stretch("implicit", 0.0), stretch("implicit", 0.0, 5.0, *FINE)
+    assert soft.force < stiff.force < 1.01 * soft.force

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stretching over a hemispherical punch: explicit against implicit shells, and both against axisymmetric solids.
+
+    python validation/hemispherical_punch.py [docs/img/hemispherical_punch.png]
+
+prints the differences, some five minutes, and draws the thickness strain against the radius.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+from punch_stretching import Profile, stretch, stretch_solids
+
+FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.005")
+ZONES = ((0.0, 5.0), (5.0, 20.0), (20.0, 35.0), (35.0, 50.0), (50.0, 60.0))
+"""Of the undeformed radius [mm]: pole, sphere, where it leaves the punch, free, shoulder and clamp."""
+SIZE = 2.5
+SPEEDS = (10, 3, 1)
+"""Of the punch [m/s]."""
+
+
+def explicit(mu: float, speed: float = 3, thickness: float = 1.0) -> Profile:
+    """Stretch by explicit dynamics."""
+    return stretch("explicit", mu, SIZE, f'stages.0.velocity="{speed} m/s"', thickness=thickness)
+
+
+def implicit(mu: float, *, fine: bool = True, thickness: float = 1.0) -> Profile:
+    """Stretch by the implicit procedure, with stiffer contact and shorter increments or with its defaults."""
+    return stretch("implicit", mu, SIZE, *(FINE if fine else ()), thickness=thickness)
+
+
+def differences(one: Profile, other: Profile, name: str) -> list[float]:
+    """Return the largest difference of a strain in each zone [% of its largest]; the meshes are the same."""
+    a, b = getattr(one, name), getattr(other, name)
+    off = 100 * np.abs(a - b) / np.abs(b).max()
+    return [float(off[(one.radius >= low) & (one.radius < high)].max()) for low, high in ZONES]
+
+
+def beside_solids(shells: Profile, solids: Profile) -> list[float]:
+    """Return the mean difference of the thickness strain in each zone [% of the solids' mean there]."""
+    found = []
+    for low, high in ZONES:
+        inside = (shells.radius >= low) & (shells.radius < high)
+        reference = np.interp(shells.radius[inside], solids.radius, solids.thickness_strain)
+        found.append(float(100 * (shells.thickness_strain[inside].mean() / reference.mean() - 1)))
+    return found
+
+
+def draw(path: str) -> None:
+    """Draw the thickness strain of all three against the radius."""
+    from presswork.view.style import clean_axes, new_figure
+
+    figure = new_figure(9.0, 3.8)
+    for axes, mu in zip(figure.subplots(1, 2, sharey=True), (0.0, 0.15), strict=True):
+        solids = stretch_solids(mu)
+        axes.plot(solids.radius, solids.thickness_strain, "k-", linewidth=1.2, label="axisymmetric solids")
+        for name, marker, profile in (("implicit shells", "o", implicit(mu)), ("explicit shells", "x", explicit(mu))):
+            axes.plot(profile.radius, profile.thickness_strain, marker, markersize=3, label=name)
+        axes.set_title(f"friction {mu:g}")
+        axes.set_xlabel("undeformed radius [mm]")
+        clean_axes(axes)
+    figure.axes[0].set_ylabel("thickness strain")
+    figure.axes[0].legend(frameon=False)
+    figure.savefig(path, dpi=150)
+
+
+if __name__ == "__main__":
+    for friction in (0.0, 0.15):
+        reference = implicit(friction)
+        print(f"friction {friction}, zones {ZONES} mm; difference in % of the largest strain: thickness | radial")
+        runs = [(f"explicit, {v} m/s", explicit(friction, v)) for v in SPEEDS]
+        for label, profile in [*runs, ("implicit, defaults", implicit(friction, fine=False))]:
+            parts = [differences(profile, reference, f"{s}_strain") for s in ("thickness", "radial")]
+            text = " | ".join(" ".join(f"{v:5.2f}" for v in part) for part in parts)
+            force = f"force {100 * (profile.force / reference.force - 1):+.2f} %"
+            print(f"  {label:20s} {text}  {force}, kinetic {profile.kinetic:.1e}, {profile.seconds:.1f} s")
+        print(f"  implicit: {reference.force:.0f} N, {reference.seconds:.1f} s; solids: "
+              f"{stretch_solids(friction).force:.0f} N; shells beside solids, thickness strain in %:")  # fmt: skip
+        print("  ", *(f"{v:+.2f}" for v in beside_solids(reference, stretch_solids(friction))))
+    thin = beside_solids(implicit(0.0, thickness=0.25), stretch_solids(0.0, 0.25, 480))
+    print("   a quarter as thick, frictionless:", *(f"{v:+.2f}" for v in thin))
+    if len(sys.argv) > 1:
+        draw(sys.argv[1])
