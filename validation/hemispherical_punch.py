@@ -9,8 +9,11 @@ prints the differences, some five minutes, and draws the thickness strain agains
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
 from punch_stretching import Profile, stretch, stretch_solids
 
 FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.005")
