@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from square_cup import EXPERIMENT, draw_cup, draw_in
+from square_cup import EXPERIMENT, STROKE, draw_cup, draw_in
 
 pytestmark = pytest.mark.validation
 
@@ -13,6 +13,18 @@ pytestmark = pytest.mark.validation
 @pytest.fixture(scope="module")
 def cup(tmp_path_factory):
     return draw_cup(tmp_path_factory.mktemp("cup"))
+
+
+def test_the_implicit_procedure_draws_the_same_cup(cup, tmp_path) -> None:
+    """One key changed: draw-in within 0.3 mm, punch force within 6 %, thickness strain within 0.01 and 0.04."""
+    other = draw_cup(tmp_path, 2.0, 'procedure="implicit"')
+    for angle in EXPERIMENT:
+        np.testing.assert_allclose(draw_in(other, angle), draw_in(cup, angle), atol=0.3)
+    forces = [np.interp(STROKE, r.history["punch.stroke"], r.history["punch.force"]) for r in (cup, other)]
+    np.testing.assert_allclose(forces[1], forces[0], rtol=0.06)
+    thin, thick = np.subtract(*(r.summary["extremes"]["thickness_strain"] for r in (cup, other)))
+    assert abs(thin) < 0.01
+    assert abs(thick) < 0.04
 
 
 @pytest.mark.parametrize("angle", EXPERIMENT)
