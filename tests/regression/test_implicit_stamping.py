@@ -117,6 +117,25 @@ def test_one_key_changed_gives_the_same_cup(cup, tmp_path) -> None:
     np.testing.assert_allclose(cup.field("thickness_strain"), other.field("thickness_strain"), atol=0.01)
 
 
+def test_a_die_that_rises_draws_the_same_cup(cup, tmp_path) -> None:
+    """What moves counts for nothing: forces and thickness of a punch that comes down, and the holder goes along."""
+    lift = [{"name": "lift", "tools": {"die": {"stroke": 6}, "holder": {"force": HOLDER_FORCE}}}]
+    lifted = run(CUP, tmp_path / "out", stages=lift)
+    assert lifted.history["holder.stroke"][-1] == pytest.approx(cup.history["holder.stroke"][-1] - 6.0, abs=1e-3)
+    for tool in ("punch", "die", "holder"):
+        last = [r.history[f"{tool}.force"][-1] for r in (lifted, cup)]
+        assert last[0] == pytest.approx(last[1], rel=5e-3)
+    np.testing.assert_allclose(lifted.field("thickness"), cup.field("thickness"), rtol=1e-3)
+
+
+def test_a_punch_that_goes_back_lets_go_and_the_holder_keeps_its_force(tmp_path) -> None:
+    back = [*CUP["stages"], {"name": "back", "tools": {"punch": {"stroke": -6}}}]
+    history = run(CUP, tmp_path / "out", stages=back).history
+    assert history["punch.stroke"][-1] == pytest.approx(0.0, abs=1e-9)
+    assert history["punch.force"][-1] == 0.0
+    assert history["holder.force"][-1] == pytest.approx(HOLDER_FORCE, rel=1e-4)
+
+
 def test_pictures_are_drawn(cup, tmp_path) -> None:
     names = [p.name for p in plot_all(cup, tmp_path, fields=["thickness_strain"])]
     assert {"force_stroke.png", "draw_in.png", "shell_thickness_strain_002.png"} <= set(names)
