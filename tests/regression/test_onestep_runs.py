@@ -52,6 +52,9 @@ def test_a_part_becomes_a_folder(part, tmp_path):
     corners = [formed[b.connectivity] for b in result.mesh.blocks]
     areas = [fan_area(c) for c in corners]
     assert (np.concatenate(areas) * result.field("thickness")).sum() == pytest.approx(volume, rel=2e-3)
+    assert "formability_zone" in result.field_names
+    assert "Keeler" in result.summary["formability"]["forming_limit"]
+    assert (tmp_path / "out" / "plots" / "forming_limit_001.png").is_file()
     loops = np.loadtxt(tmp_path / "out" / "blank.csv", delimiter=",", skiprows=1)
     assert len(loops) == 32
 

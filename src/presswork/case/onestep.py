@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -15,6 +16,7 @@ from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, ValidationEr
 
 from presswork.case import schema
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.forming_limit.build import build_formability
 from presswork.case.part import Part
 from presswork.case.reader import apply_overrides, list_problems, read_toml
 from presswork.case.shell_material import ShellMaterial, add_library_materials
@@ -156,13 +158,15 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
     if case.blank.thickness > 0.1 * span:
         text = f"expected a sheet: the part is only {span:.4g} mm across"
         raise CaseError([Problem("blank.thickness", text, "check the units", case.blank.thickness)], case.source)
+    sheet = case.materials[case.blank.material]
+    judged = build_formability(sheet, f"materials.{case.blank.material}")
     return OneStepModel(
         title=case.title,
         points=part.points,
         triangles=part.triangles,
         quadrilaterals=part.quadrilaterals,
         rims=part.rims,
-        material=case.materials[case.blank.material].to_model(case.blank.material),
+        material=replace(sheet.to_model(case.blank.material), formability=judged),
         thickness=case.blank.thickness,
         rolling_direction=radians(case.blank.rolling_direction),
         symmetry=("x" in case.part.symmetry, "y" in case.part.symmetry),

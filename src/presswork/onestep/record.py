@@ -18,6 +18,7 @@ from presswork.onestep.outline import BlankOutline, nest
 from presswork.onestep.solve import OneStepResult, solve_one_step
 from presswork.results import History, OutputError, append_step, open_output_folder, write_summary
 from presswork.results.folder import CASE, HISTORY, LOG, RESULTS, SUMMARY
+from presswork.results.formability import formability_fields, judge_fields
 
 BLANK_POINTS, BLANK_DRAWING = "blank.csv", "blank.dxf"
 
@@ -70,18 +71,27 @@ def _write_results(path: Path, result: OneStepResult) -> None:
     mesh = blank_mesh(result)
     flat = {name: np.zeros_like(values) for name, values in result.fields.items()}
     flat["thickness"] = np.full_like(flat["thickness"], result.model.thickness)
-    info: dict[str, str | float] = {"title": result.model.title, "analysis": "onestep", "depth": 1.0}
+    info: dict[str, str | float | FloatArray] = {"title": result.model.title, "analysis": "onestep", "depth": 1.0}
+    info |= result.model.material.formability.to_info()
     info["symmetry"] = "".join(axis for axis, wanted in zip("xy", result.model.symmetry, strict=True) if wanted)
+
+    def with_formability(cells: dict[str, FloatArray]) -> dict[str, FloatArray]:
+        return cells | formability_fields(cells, result.model.material.formability)
+
     steps: list[tuple[float, FloatArray, dict[str, FloatArray]]] = [
         (0.0, np.zeros_like(mesh.points), flat),
         (1.0, result.model.points - mesh.points, result.fields),
     ]
     for time, displacement, fields in steps:
-        append_step(path, mesh, time, {"displacement": displacement}, fields, info=info)
+        append_step(path, mesh, time, {"displacement": displacement}, with_formability(fields), info=info)
 
 
 def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str], total: float) -> dict[str, object]:
     model, nesting = result.model, nest(outline)
+    corners = [block.connectivity for block in blank_mesh(result).blocks]
+    centres = np.concatenate([model.points[c].mean(axis=1) for c in corners])
+    verdict = judge_fields(result.fields, centres, model.material.formability)
+    assert verdict is not None, "the fields hold principal strains"
     unheld = float(np.linalg.norm(result.held_force[:2]))
     if result.punch_force > 0 and unheld > 0.1 * result.punch_force:
         warnings.append(
@@ -100,6 +110,7 @@ def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str]
         "cells": len(model.triangles) + len(model.quadrilaterals),
         "wall_seconds": {"total": total, **result.seconds},
         "extremes": {name: [float(v.min()), float(v.max())] for name, v in result.fields.items()},
+        "formability": verdict.to_summary(),
         "punch_force_kN": result.punch_force / 1e3,
         "held_force_N": result.held_force,
         "blank": {

@@ -29,7 +29,7 @@ FIELDS = ("effective_stress", "equivalent_plastic_strain")
 SHELL_FIELDS = (*FIELDS, "thickness_strain", "major_strain_top", "minor_strain_top")
 STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
 """The last if the run knows a forming limit."""
-ONESTEP_FIELDS = ("thickness_strain", "major_strain_middle", "minor_strain_middle", "equivalent_plastic_strain")
+ONESTEP_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
 SPRINGBACK = "springback"
 """Displacement since the part was let go."""
 _PNG_BYTES = 200_000
