@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The square cup of Cheng (1995), chapter 4, by the explicit procedure beside the experiment."""
+"""The square cup of Cheng (1995), chapter 4: explicit beside the experiment, and implicit beside explicit."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from square_cup import EXPERIMENT, STROKE, draw_cup, draw_in
+from square_cup import EXPERIMENT, STROKE, THESIS, draw_cup, draw_in
 
 pytestmark = pytest.mark.validation
 
@@ -16,22 +16,28 @@ def cup(tmp_path_factory):
 
 
 def test_the_implicit_procedure_draws_the_same_cup(cup, tmp_path) -> None:
-    """One key changed: draw-in within 0.3 mm, punch force within 6 %, thickness strain within 0.01 and 0.04."""
+    """One key changed: draw-in within 0.3 mm, punch force within 5 %, extremes of thickness strain within 0.02."""
     other = draw_cup(tmp_path, 2.0, 'procedure="implicit"')
     for angle in EXPERIMENT:
         np.testing.assert_allclose(draw_in(other, angle), draw_in(cup, angle), atol=0.3)
     forces = [np.interp(STROKE, r.history["punch.stroke"], r.history["punch.force"]) for r in (cup, other)]
-    np.testing.assert_allclose(forces[1], forces[0], rtol=0.06)
-    thin, thick = np.subtract(*(r.summary["extremes"]["thickness_strain"] for r in (cup, other)))
-    assert abs(thin) < 0.01
-    assert abs(thick) < 0.04
+    np.testing.assert_allclose(forces[1], forces[0], rtol=0.05)
+    apart = np.subtract(*(r.summary["extremes"]["thickness_strain"] for r in (cup, other)))
+    assert np.abs(apart).max() < 0.02
 
 
-@pytest.mark.parametrize("angle", EXPERIMENT)
-def test_draw_in_follows_the_experiment(cup, angle) -> None:
-    """One choice of holder force and friction for all strokes: within 0.75 mm, 0.45 along the diagonal."""
-    apart = np.abs(draw_in(cup, angle) - EXPERIMENT[angle])
-    assert apart.max() < (0.75 if angle == 0 else 0.45)
+@pytest.mark.parametrize(
+    ("angle", "strokes"),
+    [
+        (0.0, slice(0, 2)),
+        pytest.param(0.0, slice(2, 4), marks=pytest.mark.xfail(strict=True, reason="0.16 and 0.24 mm farther off")),
+        (45.0, slice(0, 4)),
+    ],
+)
+def test_draw_in_is_closer_to_the_experiment_than_the_thesis(cup, angle, strokes) -> None:
+    """One choice of holder force and friction for all strokes."""
+    here, there = (np.abs(d - EXPERIMENT[angle])[strokes] for d in (draw_in(cup, angle), THESIS[angle]))
+    assert (here < there).all()
 
 
 def test_the_cup_is_symmetric_and_quasi_static(cup) -> None:
