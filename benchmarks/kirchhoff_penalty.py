@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the Kirchhoff penalty K_p in the tangent does to the iteration, element by element.
 
-Run: python benchmarks/kirchhoff_penalty.py [picture.png], half an hour on two cores
+Run: python benchmarks/kirchhoff_penalty.py [picture.png], a quarter of an hour on two cores
 
 Two problems: a cantilever of slenderness 100 bent elastically by an end force to two thirds of its length, and a
 clamped plate of slenderness 100 pressed far into plasticity. For each C_p: iterations over ten equal increments, and
