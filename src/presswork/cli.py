@@ -78,7 +78,9 @@ def run(
     model = _load(case, set_)
     folder = output or case.with_suffix("")
     if isinstance(model, OneStepModel):
-        _run_onestep(model, folder, overwrite or resume, threads, plot, quiet)
+        if resume:
+            raise _refuse("a one-step run takes seconds and leaves nothing to resume; run it anew with --overwrite")
+        _run_onestep(model, folder, overwrite, threads, plot, quiet)
         return
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
@@ -94,7 +96,7 @@ def run(
 
 
 def _run_onestep(model: OneStepModel, folder: Path, overwrite: bool, threads: int, plot: bool, quiet: bool) -> None:
-    """Find a blank; there is nothing to resume in so short a run, so it starts anew."""
+    """Find a blank."""
     try:
         result = compute_onestep(model, folder, overwrite=overwrite, threads=threads, quiet=quiet)
         if plot:

@@ -93,6 +93,15 @@ def test_bad_input_is_refused(part, tmp_path, words, said):
     assert "Traceback" not in done.output
 
 
+def test_resume_is_refused_and_keeps_what_is_there(part, tmp_path):
+    assert run(part, *SHEET, "--output", tmp_path / "out", "--no-plot").exit_code == 0
+    case = str(tmp_path / "out" / "case.toml")
+    again = CliRunner().invoke(app, ["run", case, "--output", str(tmp_path / "out"), "--resume"])
+    assert again.exit_code == 2
+    assert (tmp_path / "out" / "blank.dxf").is_file()
+    assert Result(tmp_path / "out").summary["status"] == "completed"
+
+
 def test_a_file_that_is_not_there(tmp_path):
     done = run(tmp_path / "no.stl", *SHEET)
     assert done.exit_code == 2
