@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Sequence
 from dataclasses import replace
 from math import radians
 from pathlib import Path
@@ -12,13 +10,12 @@ from typing import Any, Literal, Self
 
 import numpy as np
 import tomli_w
-from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
+from pydantic import Field, model_validator
 
-from presswork.case import schema
+from presswork.case.case_file import CaseFile
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.forming_limit.build import build_formability
 from presswork.case.part import Part
-from presswork.case.reader import apply_overrides, list_problems, read_toml
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.units import LENGTH, Angle, Force, Length, LineForce, Number, Point, fault, unit_factor
 from presswork.case.yield_function import Hill1948, VonMisesYield
@@ -76,7 +73,7 @@ class Process(Part):
     beads: tuple[Bead, ...] = Field(default=(), description="drawbeads")
 
 
-class OneStepCase(Part):
+class OneStepCase(CaseFile):
     """A complete case of the one-step solver. Raises CaseError, with every problem found, when it is not valid."""
 
     title: str = Field(description="what the case shows, in one line")
@@ -86,16 +83,13 @@ class OneStepCase(Part):
     materials: dict[str, ShellMaterial] = Field(default={}, description="materials by name")
     process: Process = Field(default=Process(), description="what holds the sheet back")
 
-    _source: Path | None = PrivateAttr(default=None)
-    _text: str = PrivateAttr(default="")
-
     @model_validator(mode="before")
     @classmethod
     def _prepare(cls, data: Any) -> Any:
         return add_library_materials(data, "blank") if isinstance(data, dict) else data
 
-    @model_validator(mode="after")
-    def _check_law(self) -> Self:
+    def check_together(self) -> None:
+        """Refuse laws that the solver cannot take."""
         material = self.materials.get(self.blank.material)
         if material is not None and not isinstance(material.yield_function, VonMisesYield | Hill1948):
             raise fault(
@@ -103,27 +97,6 @@ class OneStepCase(Part):
                 "give the material hill1948 with its r-values, or von_mises",
                 key="blank",
             )
-        return self
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
-        source = info.context.get("source") if isinstance(info.context, dict) else None
-        try:
-            return handler(data)
-        except ValidationError as error:
-            raise CaseError(list_problems(error, data, _json_schema()), source) from None
-
-    @classmethod
-    def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
-        """Read and validate a case file, as Case.from_toml does. Raises CaseError with every problem found."""
-        path = Path(path)
-        data, text = read_toml(path)
-        apply_overrides(data, overrides, path)
-        case = cls.model_validate(data, context={"source": path})
-        case._source = path
-        case._text = schema.write_as_run(data, path.parent) if overrides or schema.names_files(data) else text
-        return case
 
     @classmethod
     def from_data(cls, data: dict[str, Any]) -> Self:
@@ -131,21 +104,6 @@ class OneStepCase(Part):
         case = cls.model_validate(data)
         case._text = tomli_w.dumps(data)
         return case
-
-    @property
-    def source(self) -> Path | None:
-        """The file that the case was read from, if any."""
-        return self._source
-
-    @property
-    def text(self) -> str:
-        """The case file as read, or written anew with the overrides in it; empty for a case built in Python."""
-        return self._text
-
-
-@functools.cache
-def _json_schema() -> dict[str, Any]:
-    return OneStepCase.model_json_schema()
 
 
 def build_onestep_model(case: OneStepCase) -> OneStepModel:

@@ -3,26 +3,17 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BeforeValidator,
     Field,
-    ModelWrapValidatorHandler,
-    PrivateAttr,
-    ValidationError,
-    ValidationInfo,
     model_validator,
 )
 
 from presswork import model
-from presswork.case import schema
-from presswork.case.errors import CaseError
+from presswork.case.case_file import CaseFile
 from presswork.case.part import Part
-from presswork.case.reader import apply_overrides, list_problems, read_toml
 from presswork.case.settings import Output, Solver
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.units import (
@@ -176,7 +167,7 @@ class ShellStage(Part):
     body_force: tuple[BodyForce, ...] = Field(default=(), description="forces per volume")
 
 
-class ShellCase(Part):
+class ShellCase(CaseFile):
     """A complete case of a shell. Raises CaseError, with every problem found, when it is not valid."""
 
     title: str = Field(description="what the case shows, in one line")
@@ -188,9 +179,6 @@ class ShellCase(Part):
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     output: Output = Field(default=Output(), description="what is saved, and when")
 
-    _source: Path | None = PrivateAttr(default=None)
-    _text: str = PrivateAttr(default="")
-
     @model_validator(mode="before")
     @classmethod
     def _prepare(cls, data: Any) -> Any:
@@ -199,38 +187,3 @@ class ShellCase(Part):
         if "tools" in data:
             raise fault("tools cannot touch a shell yet", "move its edges, or load it", key="tools")
         return add_library_materials(data)
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
-        source = info.context.get("source") if isinstance(info.context, dict) else None
-        try:
-            return handler(data)
-        except ValidationError as error:
-            raise CaseError(list_problems(error, data, _json_schema()), source) from None
-
-    @classmethod
-    def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
-        """Read and validate a case file, as Case.from_toml does. Raises CaseError with every problem found."""
-        path = Path(path)
-        data, text = read_toml(path)
-        apply_overrides(data, overrides, path)
-        case = cls.model_validate(data, context={"source": path})
-        case._source = path
-        case._text = schema.write_as_run(data, path.parent) if overrides or schema.names_files(data) else text
-        return case
-
-    @property
-    def source(self) -> Path | None:
-        """The file that the case was read from, if any."""
-        return self._source
-
-    @property
-    def text(self) -> str:
-        """The case file as read, or written anew with the overrides in it; empty for a case built in Python."""
-        return self._text
-
-
-@functools.cache
-def _json_schema() -> dict[str, Any]:
-    return ShellCase.model_json_schema()

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every kind of case file is: read from TOML with overrides, checked whole, able to say what it was."""
+
+from __future__ import annotations
+
+import copy
+import functools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import tomli_w
+from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
+
+from presswork.case.errors import CaseError
+from presswork.case.part import Part
+from presswork.case.reader import apply_overrides, list_problems, read_toml
+
+
+class CaseFile(Part):
+    """A case of any kind. Raises CaseError, with every problem found, when it is not valid."""
+
+    _source: Path | None = PrivateAttr(default=None)
+    _text: str = PrivateAttr(default="")
+
+    def check_together(self) -> None:
+        """Raise what no table can know alone, by `fault`; for kinds of case to override."""
+
+    # Before the next, which wraps only what stands above it: hence a method to override, no validators of subclasses.
+    @model_validator(mode="after")
+    def _check_together(self) -> Self:
+        self.check_together()
+        return self
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _raise_case_error(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        source = info.context.get("source") if isinstance(info.context, dict) else None
+        try:
+            return handler(data)
+        except ValidationError as error:
+            raise CaseError(list_problems(error, data, _json_schema(cls)), source) from None
+
+    @classmethod
+    def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:
+        """Read and validate a case file.
+
+        path: the TOML file. overrides: `key=value` texts that replace or add values, for instance
+        `workpiece.mesh.cells=[30,30]` or `stages.0.tools.punch.stroke=5`; a value is read as TOML, or else as a string.
+        Raises CaseError with every problem found.
+        """
+        path = Path(path)
+        data, text = read_toml(path)
+        apply_overrides(data, overrides, path)
+        case = cls.model_validate(data, context={"source": path})
+        case._source = path
+        case._text = write_as_run(data, path.parent) if overrides or names_files(data) else text
+        return case
+
+    @property
+    def source(self) -> Path | None:
+        """The file that the case was read from, if any."""
+        return self._source
+
+    @property
+    def text(self) -> str:
+        """The case file as read, or written anew with the overrides in it; empty for a case built in Python."""
+        return self._text
+
+
+def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
+    """Return the tables of a case that name a file, each with the key that does."""
+    bodies = [data["workpiece"], *data.get("bodies", {}).values()] if "workpiece" in data else []
+    tables = [(body["mesh"], "path") for body in bodies] + [(data.get(name, {}), "path") for name in ("blank", "part")]
+    tables += [(tool, key) for tool in data.get("tools", {}).values() for key in ("profile_file", "path")]
+    tables += [(m, "library") for m in data.get("materials", {}).values() if m.get("library", "").endswith(".toml")]
+    tables += [(m, "umat") for m in data.get("materials", {}).values()]
+    return [(table, key) for table, key in tables if key in table]
+
+
+def names_files(data: dict[str, Any]) -> bool:
+    """Say whether a case names files, whose paths are relative to it."""
+    return bool(_tables_with_paths(data))
+
+
+def write_as_run(data: dict[str, Any], folder: Path) -> str:
+    """Write a case so that it can be run from anywhere: overrides in it, files by their full paths."""
+    data = copy.deepcopy(data)
+    for table, key in _tables_with_paths(data):
+        table[key] = str((folder / table[key]).resolve())
+    return tomli_w.dumps(data)
+
+
+@functools.cache
+def _json_schema(kind: type[CaseFile]) -> dict[str, Any]:
+    return kind.model_json_schema()
