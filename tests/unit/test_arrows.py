@@ -22,6 +22,7 @@ CPP_ROOMS = {
 
 PYTHON_ROOMS = {
     "simd": set(),
+    "threads": set(),
     "formability": set(),
     "model": {"formability"},
     "model_stamping": {"model", "mesh"},
@@ -44,6 +45,7 @@ PYTHON_ROOMS = {
         "pose",
         "results",
         "sheet_law",
+        "threads",
         "umat",
     },
     "post": {"formability", "mesh", "model", "results"},

@@ -6,7 +6,6 @@ It advances the converged State an increment at a time and knows nothing of file
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -22,6 +21,7 @@ from presswork.procedure.recording import GaveUpError
 from presswork.procedure.supports import NotHeldError, check_shell_held
 from presswork.procedure.timing import Timing
 from presswork.state import State
+from presswork.threads import available_threads
 
 GROWTH = 1.5
 SMALLEST = 10.0
@@ -51,7 +51,7 @@ class ImplicitProcedure:
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         freedoms = (6 if model.analysis == "shell" else 2) * len(model.mesh.points)
-        threads = threads or (os.cpu_count() or 1 if freedoms > ENOUGH_FOR_THREADS else 1)
+        threads = threads or (available_threads() if freedoms > ENOUGH_FOR_THREADS else 1)
         _core.set_threads(threads)
         self.model = model
         self.timing = Timing("assembly", "contact", "analysis", "solve")

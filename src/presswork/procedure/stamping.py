@@ -6,7 +6,6 @@ It knows nothing of files: run.py records what it yields.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from time import perf_counter
@@ -33,6 +32,7 @@ from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, mean
 from presswork.procedure.timing import Timing
 from presswork.results.formability import formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
+from presswork.threads import available_threads
 
 STAGE, ROW, CYCLES, ADDED_MASS = range(4)
 ELEMENT_CYCLES_A_CALL = 2_000_000
@@ -66,7 +66,7 @@ class ExplicitStamping:
     """A stamping at work."""
 
     def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
-        _core.set_threads(threads or os.cpu_count() or 1)
+        _core.set_threads(threads or available_threads())
         self.model = model
         self.timing = Timing("cycles")
         block = model.mesh.blocks[0]
