@@ -7,8 +7,7 @@
 
 #include "arrays.hpp"
 #include "explicit/loop.hpp"
-#include "explicit/shell3_block.hpp"
-#include "explicit/shell4_block.hpp"
+#include "explicit/shell_section.hpp"
 #include "tool_contact.hpp"
 
 namespace presswork::bindings {
@@ -107,12 +106,8 @@ void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Dou
   for (int node : cells) require(node >= 0 && node < self.nodes.n, "connectivity names a node that is not there");
   auto section =
       make_section(law, density, std::move(height), std::move(weight), tabulate, treatment, viscous, hourglass);
-  if (each == 3)
-    self.add(std::make_unique<Shell3Block<Real>>(self.nodes, std::move(section), std::move(cells), thickness.data(),
-                                                 axis.data()));
-  else
-    self.add(std::make_unique<Shell4Block<Real>>(self.nodes, std::move(section), std::move(cells), thickness.data(),
-                                                 axis.data()));
+  self.add(make_one_point_shells<Real>(static_cast<int>(each), self.nodes, std::move(section), std::move(cells),
+                                       thickness.data(), axis.data()));
 }
 
 // Columns [first, first + width) of records of `stride` numbers as an array (n, width), and back.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the blocks of one-point shells have in common: section, law, and the frame that the law starts in.
+// What blocks of shells have in common: section, law, and the frame that the law starts in; and how they are made.
 #pragma once
 
 #include <cmath>
+#include <memory>
 
 #include "element/shell4_one_point.hpp"
 #include "explicit/element_block.hpp"
@@ -20,14 +21,13 @@ struct ShellSection {
   ShellControl control;
 };
 
-inline StateRows rows_of(const ShellSection& section) {
-  return {shell4::thickness,
-          shell4::work,
-          shell4::hourglass_work,
-          shell4::head_rows,
-          static_cast<int>(section.rule.height.size()),
-          std::visit([](const auto& law) { return law.rows(); }, section.law)};
-}
+// Shells of one point: section.treatment says which, of three nodes there is one kind. connectivity (n, nodes),
+// thickness (n) [mm], axis (n, 3): direction of the law's x, of any length, projected on the element. Throws
+// std::invalid_argument for an element that has no area or that its axis is normal to.
+template <class Real>
+std::unique_ptr<ElementBlock<Real>> make_one_point_shells(int nodes_each, const Nodes<Real>& nodes,
+                                                          ShellSection section, std::vector<int> connectivity,
+                                                          const double* thickness, const double* axis);
 
 // Inverse of the components of p - q and p + q along the law's x and y; false where that does not exist. area: |p x q|.
 inline bool invert_reference(const double p[3], const double q[3], const double axis[3], double inverse[4],

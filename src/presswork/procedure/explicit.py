@@ -14,15 +14,18 @@ Units are mm, s, t, N, MPa. A node has six freedoms: displacements u, v, w and r
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
+from presswork.procedure.explicit_energy import EnergyBalance as EnergyBalance
+from presswork.procedure.explicit_energy import MassScaling as MassScaling
 from presswork.procedure.explicit_input import ExplicitError as ExplicitError
 from presswork.procedure.explicit_input import check_shells, is_triangle, with_four_nodes
+from presswork.procedure.explicit_options import ShellOptions as ShellOptions
+from presswork.procedure.explicit_options import layer_rule as layer_rule
 from presswork.procedure.explicit_tools import ToolsOfRun
 
 Array = npt.NDArray[np.float64]
@@ -34,115 +37,6 @@ LOOPS: dict[str, type[_core.ShellLoop] | type[_core.ShellLoopSingle]] = {
     "double": _core.ShellLoop,
     "single": _core.ShellLoopSingle,
 }
-
-
-@dataclass(frozen=True, kw_only=True)
-class ShellOptions:
-    """How a one-point shell is computed.
-
-    n_points, rule: points through the thickness; "gauss" or, with points on both surfaces, "lobatto".
-    warping: Belytschko, Wong & Chiang's terms for warped elements; without them it is Belytschko & Tsay's shell.
-    hourglass: "physical", stresses with the material's own moduli; or "stiffness" or "viscous" control by perturbation,
-    with its coefficients for membrane, deflection and rotations.
-    tabulate: hardening is looked up in a table that follows its law within 1e-8 where it is smooth; von Mises with
-    isotropic hardening alone takes a fast update besides.
-    """
-
-    n_points: int = 5
-    rule: Literal["gauss", "lobatto"] = "gauss"
-    warping: bool = True
-    hourglass: Literal["physical", "stiffness", "viscous"] = "physical"
-    coefficients: tuple[float, float, float] = (0.03, 0.03, 0.03)
-    tabulate: bool = True
-
-    def __post_init__(self) -> None:
-        least = 1 if self.rule == "gauss" else 2
-        if not least <= self.n_points <= 51:
-            raise ExplicitError(f"n_points = {self.n_points}: a {self.rule} rule has {least} to 51 points")
-        if any(not 0 <= c <= 0.2 for c in self.coefficients):
-            raise ExplicitError(f"coefficients = {self.coefficients}: hourglass coefficients lie between 0 and 0.2")
-        if self.hourglass == "physical" and not self.warping:
-            raise ExplicitError(
-                'warping = False: hourglass = "physical" includes the warping terms; with them off, give hourglass = '
-                '"stiffness" or "viscous"'
-            )
-
-    @property
-    def treatment(self) -> _core.ShellTreatment:
-        """The kernel's name for it."""
-        if self.hourglass == "physical":
-            return _core.ShellTreatment.stabilized
-        return _core.ShellTreatment.warped if self.warping else _core.ShellTreatment.plain
-
-
-@dataclass(frozen=True)
-class EnergyBalance:
-    """Energies at one time [N mm]; those of work are counted from the start of the run.
-
-    contact: held by the springs of contact, and given to the change of thickness by its pressure; of
-    solids, lost by nodes that strike walls. friction: lost.
-    damping: lost to mass damping and in the dampers of contact and of pushed tools. kinetic: that of pushed tools too.
-    error is what the balance of all of them has lost or won since the start, in per cent of the largest sum of energies
-    that has occurred.
-    """
-
-    kinetic: float
-    internal: float
-    hourglass: float
-    external: float
-    damping: float
-    error_percent: float
-    contact: float = 0.0
-    friction: float = 0.0
-
-    def warnings(self) -> list[str]:
-        """Say what is out of hand: kinetic or hourglass energy above 5 % of the internal, an error above 5 %."""
-        found = []
-        kinetic, hourglass = (100 * e / max(self.internal, 1e-300) for e in (self.kinetic, self.hourglass))
-        if kinetic > 5:
-            found.append(
-                f"kinetic energy is {kinetic:.3g} % of the internal: this is not quasi-static; drive the tools slower "
-                "or add less mass"
-            )
-        if hourglass > 5:
-            found.append(
-                f"hourglass energy is {hourglass:.3g} % of the internal: refine the mesh where it is bent sharply, or "
-                "spread point loads"
-            )
-        if abs(self.error_percent) > 5:
-            found.append(f"the energy balance is off by {self.error_percent:.3g} %: shorten the time step")
-        return found
-
-
-@dataclass(frozen=True)
-class MassScaling:
-    """State of mass scaling: true mass [t], mass added so far [t], number of shells heavier than they are."""
-
-    mass: float
-    added: float
-    n_shells: int
-
-    @property
-    def percent(self) -> float:
-        """Added mass in per cent of the true mass."""
-        return 100.0 * self.added / self.mass
-
-
-def layer_rule(n_points: int, rule: str) -> tuple[list[float], list[float]]:
-    """Give heights from -1 to 1 and weights that add up to one.
-
-    >>> layer_rule(3, "lobatto")[0]
-    [-1.0, 0.0, 1.0]
-    """
-    if rule == "gauss":
-        height, weight = np.polynomial.legendre.leggauss(n_points)
-    else:
-        last = np.polynomial.legendre.Legendre.basis(n_points - 1)
-        inner = np.real(last.deriv().roots()) if n_points > 2 else np.empty(0)
-        height = np.concatenate(([-1.0], np.sort(inner), [1.0]))
-        weight = 2.0 / (n_points * (n_points - 1) * last(height) ** 2)
-    height = 0.5 * (height - height[::-1])  # symmetric to the last bit
-    return height.tolist(), (0.25 * (weight + weight[::-1])).tolist()
 
 
 def order_along_curve(points: Array) -> npt.NDArray[np.intp]:

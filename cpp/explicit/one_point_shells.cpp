@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "element/shell3_one_point.hpp"
+#include "element/shell4_stabilized.hpp"
+#include "explicit/shell_block.hpp"
+
+namespace presswork::explicit_dynamics {
+
+namespace {
+
+template <int count>
+struct OnePoint {
+  static constexpr int nodes = count;
+
+  static StateRows rows(const ShellSection& section) {
+    return {shell4::thickness,
+            shell4::work,
+            shell4::hourglass_work,
+            shell4::head_rows,
+            static_cast<int>(section.rule.height.size()),
+            std::visit([](const auto& law) { return law.rows(); }, section.law)};
+  }
+
+  // p - q and p + q are the sides of the reference, of which the frame knows the inverse; p x q is `per_area` areas.
+  template <class Set>
+  static bool begin_from(const double p[3], const double q[3], double per_area, const double axis[3], double thickness,
+                         double& area, const Set& set) {
+    double inverse[4];
+    if (!invert_reference(p, q, axis, inverse, area)) return false;
+    area /= per_area;
+    set(shell4::thickness, thickness);
+    for (int i = 0; i < 4; ++i) set(shell4::reference + i, inverse[i]);
+    return true;
+  }
+};
+
+struct Triangle : OnePoint<3> {
+  static constexpr const char* name = "triangle ";
+
+  // As that of a 4-node shell of twice the area, so that rotations do not rule the step.
+  static double inertia_ratio(double area, double thickness) { return area / 6.0 + thickness * thickness / 9.0; }
+
+  template <class Set>
+  static bool begin(const double x[3][3], const double axis[3], double thickness, double& area, const Set& set) {
+    double p[3], q[3];
+    for (int i = 0; i < 3; ++i) p[i] = 0.5 * (x[1][i] + x[2][i]) - x[0][i], q[i] = 0.5 * (x[2][i] - x[1][i]);
+    return begin_from(p, q, 1.0, axis, thickness, area, set);
+  }
+
+  template <class T, class Law>
+  [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, double dt, const T x[3][3],
+                                             const T v[3][3], const T w[3][3], T* state, T* force) {
+    shell3::advance(law, section.rule, dt, x, v, w, state, force);
+  }
+
+  template <class T>
+  static T bound_frequency(double young, double poisson, const T x[3][3], const T* state, T mass, T ratio) {
+    shell3::Sides<T> sides;
+    shell3::measure_sides(x, state + shell4::reference, sides);
+    return shell3::bound_frequency(young, poisson, sides, state[shell4::thickness], mass, ratio);
+  }
+};
+
+template <Treatment treatment>
+struct Quadrilateral : OnePoint<4> {
+  static constexpr const char* name = "shell ";
+
+  // A/12 + t^2/9, with which rotations never rule the step of a shell thinner than its sides.
+  static double inertia_ratio(double area, double thickness) { return area / 12.0 + thickness * thickness / 9.0; }
+
+  template <class Set>
+  static bool begin(const double x[4][3], const double axis[3], double thickness, double& area, const Set& set) {
+    double p[3], q[3];
+    for (int i = 0; i < 3; ++i) p[i] = x[2][i] - x[0][i], q[i] = x[3][i] - x[1][i];
+    return begin_from(p, q, 2.0, axis, thickness, area, set);
+  }
+
+  template <class T, class Law>
+  [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, double dt, const T x[4][3],
+                                             const T v[4][3], const T w[4][3], T* state, T* force) {
+    if constexpr (treatment == Treatment::stabilized) {
+      shell4::advance_stabilized(law, section.rule, dt, x, v, w, state, force);
+    } else {
+      ShellControl control = section.control;
+      control.dt = dt;
+      shell4::advance<treatment == Treatment::warped>(law, section.rule, control, x, v, w, state, force);
+    }
+  }
+
+  template <class T>
+  static T bound_frequency(double young, double poisson, const T x[4][3], const T* state, T mass, T ratio) {
+    shell4::Geometry<T> g;
+    shell4::measure(x, state + shell4::reference, g);
+    T bound = shell4::bound_frequency(young, poisson, g, state[shell4::thickness], mass, ratio);
+    if constexpr (treatment == Treatment::stabilized) bound *= shell4::stabilized_excess(g);
+    return bound;
+  }
+};
+
+}  // namespace
+
+template <class Real>
+std::unique_ptr<ElementBlock<Real>> make_one_point_shells(int nodes_each, const Nodes<Real>& nodes,
+                                                          ShellSection section, std::vector<int> connectivity,
+                                                          const double* thickness, const double* axis) {
+  const auto make = [&]<class Kind>() -> std::unique_ptr<ElementBlock<Real>> {
+    return std::make_unique<ShellBlock<Real, Kind>>(nodes, std::move(section), std::move(connectivity), thickness,
+                                                    axis);
+  };
+  if (nodes_each == 3) return make.template operator()<Triangle>();
+  switch (section.treatment) {
+    case Treatment::plain:
+      return make.template operator()<Quadrilateral<Treatment::plain>>();
+    case Treatment::warped:
+      return make.template operator()<Quadrilateral<Treatment::warped>>();
+    case Treatment::stabilized:
+      return make.template operator()<Quadrilateral<Treatment::stabilized>>();
+  }
+  return nullptr;
+}
+
+template std::unique_ptr<ElementBlock<double>> make_one_point_shells(int, const Nodes<double>&, ShellSection,
+                                                                     std::vector<int>, const double*, const double*);
+template std::unique_ptr<ElementBlock<float>> make_one_point_shells(int, const Nodes<float>&, ShellSection,
+                                                                    std::vector<int>, const double*, const double*);
+
+}  // namespace presswork::explicit_dynamics

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shells of one kind, section and law in the explicit loop: gathers and scatters around a kernel of element/.
+//
+// A Kind says what the shell is; it has
+//   nodes, name                                     name: in messages
+//   rows(section)                                   of its state
+//   inertia_ratio(area, thickness)                  rotary inertia over mass [mm2]
+//   begin(x, axis, thickness, area, set)            area and state at the start, by set(row, value); false where the
+//                                                   element has no area or the axis of its law is normal to it
+//   advance(law, section, dt, x, v, w, state, force)  one step of a pack
+//   bound_frequency(young, poisson, x, state, mass, ratio)  bound of the highest frequency squared [1/s2]
+#pragma once
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "explicit/gather.hpp"
+#include "explicit/shell_section.hpp"
+
+namespace presswork::explicit_dynamics {
+
+template <class Real, class Kind>
+class ShellBlock final : public ElementBlock<Real> {
+  using P = PackOf<Real>;
+  static constexpr int lanes = ElementBlock<Real>::lanes, each = Kind::nodes, forces = 6 * each;
+
+ public:
+  ShellBlock(const Nodes<Real>& nodes, ShellSection section, std::vector<int> connectivity, const double* thickness,
+             const double* axis)
+      : ElementBlock<Real>(each, std::move(connectivity), Kind::rows(section)), section_(std::move(section)) {
+    section_.control.density = section_.density;
+    for (int e = 0; e < this->n_; ++e) {
+      double x[each][3], area;
+      for (int a = 0; a < each; ++a)
+        std::copy_n(nodes.position.data() +
+                        std::size_t(Nodes<Real>::position_stride) * this->connectivity_[std::size_t(each) * e + a],
+                    3, x[a]);
+      if (!Kind::begin(x, axis + 3 * std::size_t(e), thickness[e], area,
+                       [&](int row, double value) { this->set_value(e, row, value); }))
+        throw std::invalid_argument(Kind::name + std::to_string(e) +
+                                    " has no area, or the axis of its material is normal to it");
+      this->mass_[e] = section_.density * area * thickness[e];
+      this->inertia_ratio_[e] = Kind::inertia_ratio(area, thickness[e]);
+    }
+  }
+
+  void advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) override {
+    std::visit([&](const auto& law) { advance_packs(law, nodes, dt, first, last, force); }, section_.law);
+  }
+
+  void bound_frequencies(const Nodes<Real>& nodes, double* squared) const override {
+    const auto [young, poisson] =
+        std::visit([](const auto& law) { return std::pair(law.young, law.poisson); }, section_.law);
+#pragma omp parallel for schedule(static)
+    for (int pack = 0; pack < this->n_packs(); ++pack) {
+      P x[each][3], mass, ratio;
+      gather_positions<each>(nodes, this->pack_nodes(pack), x);
+      const int used = std::min(lanes, this->n_ - pack * lanes);
+      for (int lane = 0; lane < lanes; ++lane) {
+        const int e = pack * lanes + std::min(lane, used - 1);
+        mass.set(lane, static_cast<Real>(this->mass_[e]));
+        ratio.set(lane, static_cast<Real>(this->inertia_ratio_[e]));
+      }
+      const P bound = Kind::bound_frequency(young, poisson, x, this->pack_state(pack), mass, ratio);
+      for (int lane = 0; lane < used; ++lane) squared[pack * lanes + lane] = bound[lane];
+    }
+  }
+
+ private:
+  template <class Law>
+  void advance_packs(const Law& law, const Nodes<Real>& nodes, double dt, int first, int last, Real* force) {
+    for (int pack = first; pack < last; ++pack) {
+      P x[each][3], v[each][3], w[each][3], nodal[forces];
+      gather_positions<each>(nodes, this->pack_nodes(pack), x);
+      gather_motion<each>(nodes, this->pack_nodes(pack), v, w);
+      Kind::advance(law, section_, dt, x, v, w, this->pack_state(pack), nodal);
+      Real* to[lanes];
+      for (int lane = 0; lane < lanes; ++lane) to[lane] = force + forces * (std::size_t(pack - first) * lanes + lane);
+      if constexpr (forces % (lanes / 2) == 0)
+        store_records<forces>(nodal, to);
+      else
+        for (int lane = 0; lane < lanes; ++lane)
+          for (int i = 0; i < forces; ++i) to[lane][i] = nodal[i][lane];
+    }
+  }
+
+  ShellSection section_;
+};
+
+}  // namespace presswork::explicit_dynamics

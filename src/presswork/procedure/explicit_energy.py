@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an explicit run reports of its energies and of the mass added to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Energies at one time [N mm]; those of work are counted from the start of the run.
+
+    contact: held by the springs of contact, and given to the change of thickness by its pressure; of
+    solids, lost by nodes that strike walls. friction: lost.
+    damping: lost to mass damping and in the dampers of contact and of pushed tools. kinetic: that of pushed tools too.
+    error is what the balance of all of them has lost or won since the start, in per cent of the largest sum of energies
+    that has occurred.
+    """
+
+    kinetic: float
+    internal: float
+    hourglass: float
+    external: float
+    damping: float
+    error_percent: float
+    contact: float = 0.0
+    friction: float = 0.0
+
+    def warnings(self) -> list[str]:
+        """Say what is out of hand: kinetic or hourglass energy above 5 % of the internal, an error above 5 %."""
+        found = []
+        kinetic, hourglass = (100 * e / max(self.internal, 1e-300) for e in (self.kinetic, self.hourglass))
+        if kinetic > 5:
+            found.append(
+                f"kinetic energy is {kinetic:.3g} % of the internal: this is not quasi-static; drive the tools slower "
+                "or add less mass"
+            )
+        if hourglass > 5:
+            found.append(
+                f"hourglass energy is {hourglass:.3g} % of the internal: refine the mesh where it is bent sharply, or "
+                "spread point loads"
+            )
+        if abs(self.error_percent) > 5:
+            found.append(f"the energy balance is off by {self.error_percent:.3g} %: shorten the time step")
+        return found
+
+
+@dataclass(frozen=True)
+class MassScaling:
+    """State of mass scaling: true mass [t], mass added so far [t], number of shells heavier than they are."""
+
+    mass: float
+    added: float
+    n_shells: int
+
+    @property
+    def percent(self) -> float:
+        """Added mass in per cent of the true mass."""
+        return 100.0 * self.added / self.mass
