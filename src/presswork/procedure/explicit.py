@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
+from presswork.procedure.explicit_beads import BeadsOfRun
 from presswork.procedure.explicit_input import ExplicitError as ExplicitError
 from presswork.procedure.explicit_input import check_shells, is_triangle, with_four_nodes
 from presswork.procedure.explicit_tools import ToolsOfRun
@@ -79,8 +80,8 @@ class ShellOptions:
 class EnergyBalance:
     """Energies at one time [N mm]; those of work are counted from the start of the run.
 
-    contact: held by the springs of contact, and given to the change of thickness by its pressure; of
-    solids, lost by nodes that strike walls. friction: lost.
+    contact: held by the springs of contact and of beads, and given to the change of thickness by its pressure; of
+    solids, lost by nodes that strike walls. friction: lost, in beads too.
     damping: lost to mass damping and in the dampers of contact and of pushed tools. kinetic: that of pushed tools too.
     error is what the balance of all of them has lost or won since the start, in per cent of the largest sum of energies
     that has occurred.
@@ -156,7 +157,7 @@ def order_along_curve(points: Array) -> npt.NDArray[np.intp]:
     return np.argsort(code, kind="stable")
 
 
-class ExplicitShells(ToolsOfRun):
+class ExplicitShells(ToolsOfRun, BeadsOfRun):
     """4-node and 3-node shells in explicit dynamics.
 
     points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell, a triangle with its last node twice,
@@ -227,6 +228,7 @@ class ExplicitShells(ToolsOfRun):
         self.dt = SAFETY * self.stable_step()
         self._mass = self._loop.element_mass
         self._start_tools()
+        self._start_beads()
 
     def _by_node(self, inside: Array) -> Array:
         out = np.empty_like(inside)
@@ -381,6 +383,7 @@ class ExplicitShells(ToolsOfRun):
         """
         scales = [np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale)]
         self._prepare_tools(scales[1])
+        self._prepare_beads(n)
         if self._reference is None:
             start = self._sum(self._energies(damping, force_scale, velocity_scale))
             self._reference = (start, abs(start))
@@ -427,6 +430,7 @@ class ExplicitShells(ToolsOfRun):
             "forces": forces,
             "element_mass": self._loop.element_mass,
             "contact": self._loop.dump_contact(),
+            "beads": self._loop.dump_beads(),
             "scalars": scalars,
         }
 
@@ -439,3 +443,4 @@ class ExplicitShells(ToolsOfRun):
         states = np.split(dump["state"], np.cumsum(self._counts)[:-1])
         self._loop.restore(dump["position"], dump["velocity"], states, dump["forces"], external, damping)
         self._restore_tools(dump["contact"], step)
+        self._restore_beads(dump["beads"])
