@@ -34,6 +34,8 @@ def check_bead_stages(case: StampingCase) -> list[Problem]:
     }
     for index, bead in enumerate(case.beads):
         key = f"beads.{index}"
+        if (name := f"bead_{index + 1}") in case.tools:
+            problems.append(Problem(f"tools.{name}", "beads have this name in the history", "give it another"))
         problems += [
             Problem(f"{key}.stages", "no such stage", suggest(name, names, "stages"), name)
             for name in bead.stages or ()

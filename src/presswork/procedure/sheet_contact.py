@@ -188,7 +188,7 @@ class SheetContact:
         self.beads.settle(trial, found.beads)
 
     def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
-        """Return nodes (n,) and unit vectors (n, 3) along which tools and beads hold them; rough tools: in all three."""
+        """Return nodes (n,) and unit vectors (n, 3) along which beads and tools hold them; rough tools in all three."""
         self.begin_increment(state)
         found = self.evaluate(state, state, state.displacement)
         beneath, across = self.beads.held_directions()
