@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "drawbeads.hpp"
 #include "explicit/loop.hpp"
 #include "explicit/shell_section.hpp"
 #include "tool_contact.hpp"
@@ -270,6 +271,7 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
   using Loop = ShellLoop<Real>;
   nb::class_<Loop> loop(m, name, text);
   bind_tools(loop);
+  bind_beads(loop);
   loop.def("__init__", &make_loop<Real>, nb::arg("points"))
       .def("add_shells", &add_shells<Real>, nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),
            nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),

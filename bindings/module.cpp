@@ -14,6 +14,7 @@ void bind_element(nb::module_& m);
 void bind_shell(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_tool_surface(nb::module_& m);
+void bind_sheet_under(nb::module_& m);
 void bind_assembly(nb::module_& m);
 void bind_explicit(nb::module_& m);
 void bind_one_step(nb::module_& m);
@@ -35,6 +36,7 @@ NB_MODULE(_core, m) {
   bind_shell(m);
   bind_contact(m);
   bind_tool_surface(m);
+  bind_sheet_under(m);
   bind_assembly(m);
   bind_explicit(m);
   bind_one_step(m);

@@ -233,6 +233,10 @@ void ShellLoop<Real>::advance(int n, double dt, double damping, const double* fo
       for (int t = 0; t < n_tiles; ++t) advance_tile(tiles_[t], dt, scratch.data());
 #pragma omp for schedule(static)
       for (int i = 0; i < n_rims; ++i) close_rims(i, i + 1);
+      if (beads) {
+#pragma omp single
+        beads->visit(cycle, dt, nodes, contact ? &contact->tools : nullptr, internal_force.data());
+      }
       if (!contact) continue;
       const auto sheet = view(dt);
 #pragma omp for schedule(static)
@@ -243,6 +247,17 @@ void ShellLoop<Real>::advance(int n, double dt, double damping, const double* fo
       contact->close_cycle();
     }
   }
+}
+
+template <class Real>
+contact::SheetUnder ShellLoop<Real>::find_cells() const {
+  std::vector<int> start{0}, corner;
+  for (const auto& block : blocks) {
+    const auto& nodes_of = block->connectivity();
+    corner.insert(corner.end(), nodes_of.begin(), nodes_of.end());
+    for (int i = 0; i < block->n(); ++i) start.push_back(start.back() + block->nodes_each());
+  }
+  return {std::move(start), std::move(corner)};
 }
 
 template <class Real>
@@ -302,6 +317,7 @@ Energies ShellLoop<Real>::energies(double dt, double damping, double force_scale
     e.kinetic += c.kinetic, e.external += c.external, e.damping += c.damping;
     e.contact = c.penalty, e.friction = c.friction;
   }
+  if (beads) e.contact += beads->stored(), e.friction += beads->lost();
   return e;
 }
 

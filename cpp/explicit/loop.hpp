@@ -3,7 +3,8 @@
 //
 // A cycle: nodes    a = (f_ext - f_int)/m, v += a dt, x += v dt
 //          elements f_int from x, v (each pack writes forces of its own)
-//          tools    their contact forces are taken off f_int
+//          beads    and
+//          tools    their forces are taken off f_int
 // Elements are taken in tiles, the forces of which stay in the cache: nodes inside a tile are summed up there and then,
 // and those on its rim leave a partial sum, which a second pass adds to those of the other tiles; all in a fixed order.
 // At the end of a call x and the forces belong to time t, v to t - dt/2.
@@ -16,6 +17,7 @@
 #include <memory>
 #include <vector>
 
+#include "explicit/drawbeads.hpp"
 #include "explicit/element_block.hpp"
 #include "explicit/tool_contact.hpp"
 
@@ -27,8 +29,8 @@ struct Energies {
   double hourglass = 0.0;  // work of the hourglass forces
   double external = 0.0;   // work of nodal forces, of prescribed velocities and of tools
   double damping = 0.0;    // taken away by mass damping, and by the damping of contact and of pushed tools
-  double contact = 0.0;    // in the springs of contact, and the work of its pressure on the change of thickness
-  double friction = 0.0;   // lost in friction
+  double contact = 0.0;    // in the springs of contact and beads, and the work of pressure on the change of thickness
+  double friction = 0.0;   // lost in friction and in beads
 };
 
 template <class Real>
@@ -57,6 +59,9 @@ class ShellLoop {
   void advance_elements(double dt);
 
   std::vector<Real> internal_force;  // (n, 6) [N, N mm], less the contact forces of tools
+
+  std::unique_ptr<Drawbeads> beads;  // none without beads
+  contact::SheetUnder find_cells() const;
 
   std::unique_ptr<ToolContact> contact;  // none without tools
   // To be called when there are tools, and after a change of masses.

@@ -407,6 +407,19 @@ class ToolSurface:
     def depth(self) -> float:
         """Penetrations deeper than this [mm] are not found."""
 
+class SheetUnder:
+    """Which shell of a sheet lies beneath a place in the plan x, y."""
+
+    def __init__(self, blocks: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]]) -> None:
+        """blocks: corners of the cells of each, (n, 3) or (n, 4)."""
+
+    def find(self, places: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.int32], NDArray[numpy.uint8], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Find what lies beneath places (n, 2) of a sheet with nodes (n_points, 3); cells (n): found last, or -1.
+        Returns the cells, whether they lie beneath, and where they do: nodes (n, 4), their weights (n, 4; a
+        triangle's fourth is zero) and the sheet's normal (n, 3), of any length.
+        """
+
 class Assembler:
     """Sparsity pattern and scatter of element arrays, two freedoms a node."""
 
@@ -567,6 +580,24 @@ class ShellLoop:
     def restore_contact(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Take over what dump_contact gave."""
 
+    def add_bead(self, place: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], length: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, force: float, tool: int = -1) -> int:
+        """
+        Add a drawbead of points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length
+        [N/mm], the tool that it moves with; returns its number.
+        """
+
+    def drive_bead(self, bead: int, share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Shares (n) of its force in the next n cycles."""
+
+    def bead_restraint(self, bead: int) -> float:
+        """Restraining force, summed along the line [N]."""
+
+    def dump_beads(self) -> NDArray[numpy.float64]:
+        """All that beads remember."""
+
+    def restore_beads(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Take over what dump_beads gave."""
+
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """
         Add a block of one-point shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
@@ -703,6 +734,24 @@ class ShellLoopSingle:
 
     def restore_contact(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Take over what dump_contact gave."""
+
+    def add_bead(self, place: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], length: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, force: float, tool: int = -1) -> int:
+        """
+        Add a drawbead of points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length
+        [N/mm], the tool that it moves with; returns its number.
+        """
+
+    def drive_bead(self, bead: int, share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Shares (n) of its force in the next n cycles."""
+
+    def bead_restraint(self, bead: int) -> float:
+        """Restraining force, summed along the line [N]."""
+
+    def dump_beads(self) -> NDArray[numpy.float64]:
+        """All that beads remember."""
+
+    def restore_beads(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Take over what dump_beads gave."""
 
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """

@@ -219,6 +219,23 @@ class SheetTool:
 
 
 @dataclass(frozen=True)
+class SheetBead:
+    """A drawbead: a line in the plan x, y, cut into points, that holds a shell back from flowing across it."""
+
+    name: str
+    place: FloatArray
+    """Of its points in the plan (n, 2) [mm]."""
+    across: FloatArray
+    """Unit normals of the line there (n, 2)."""
+    length: FloatArray
+    """Of the line that each point stands for (n,) [mm]."""
+    force: float
+    """Restraining force per length [N/mm]."""
+    tool: str | None = None
+    """That it moves with; None: it stands still."""
+
+
+@dataclass(frozen=True)
 class Body:
     """A body of its own: a run of the mesh's points and cell blocks that no other body uses."""
 
@@ -357,6 +374,8 @@ class Stage:
     """Displacement of each moving tool in space [mm]; a tool not named stands still."""
     sheet_tool_push: Mapping[str, Push] = field(default_factory=dict)
     """Of each tool in space that a force places in this stage."""
+    bead_share: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Of each bead: rows of part of the stage (0 to 1) and share of its force (n, 2), linear between them."""
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()
@@ -449,6 +468,8 @@ class Model:
     """The workpiece first; empty stands for a single body."""
     sheet_tools: tuple[SheetTool, ...] = ()
     """Tools that a shell touches; `tools` are those of solids in the plane."""
+    sheet_beads: tuple[SheetBead, ...] = ()
+    """Drawbeads of a shell."""
     contacts: tuple[BodyContact, ...] = ()
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
     """Of a shell: unit vector that, laid into the sheet, is x of its laws."""

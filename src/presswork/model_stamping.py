@@ -13,7 +13,16 @@ from typing import Literal
 
 from presswork.mesh.swept_tool import SweptTool
 from presswork.mesh.tool_file import TriangulatedTool
-from presswork.model import FloatArray, Material, Mesh, Model, PrescribedDisplacement, SolverSettings, Support
+from presswork.model import (
+    FloatArray,
+    Material,
+    Mesh,
+    Model,
+    PrescribedDisplacement,
+    SheetBead,
+    SolverSettings,
+    Support,
+)
 
 ToolKind = Literal["punch", "die", "holder"]
 
@@ -31,6 +40,18 @@ class StampingTool:
     """Coefficient of friction."""
     way: tuple[float, float, float]
     """Unit vector along which it works: strokes and forces count along it."""
+
+
+@dataclass(frozen=True)
+class StampingBead:
+    """A drawbead between die and holder."""
+
+    line: SheetBead
+    """As much of it as lies on what is modelled."""
+    stages: tuple[str, ...]
+    """Names of those in which die and holder are closed on it."""
+    closing_force: float = 0.0
+    """Per length [N/mm], taken off the force of a pushed holder."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +131,7 @@ class StampingModel:
     explicit: ExplicitSettings
     implicit: SolverSettings
     output: StampingOutput
+    beads: tuple[StampingBead, ...] = ()
     springback: Springback | None = None
     """After the last stage; None: the part stays as it is."""
     case_text: str = ""

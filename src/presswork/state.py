@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
-from presswork.model import FloatArray, Model, Umat
+from presswork.model import FloatArray, IntArray, Model, Umat
 
 ContactArray = NDArray[np.int8]
 
@@ -83,6 +83,10 @@ class State:
     """Of these tools on the nodes of a shell (n_sheet_tools, n_points, 3) [N]."""
     sheet_friction: FloatArray
     """The part of it along the tool, in the same form."""
+    bead_force: FloatArray
+    """Of each point of the drawbeads on the sheet across the line (n_bead_points,) [N]."""
+    bead_cell: IntArray
+    """The cell found beneath it last; -1: none yet (n_bead_points,)."""
     contact: ContactArray
     """Per face of each tool and candidate node: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
     anchor: FloatArray
@@ -128,6 +132,7 @@ class State:
         solids = () if model.analysis == "shell" else model.mesh.blocks
         sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in solids]
         n_tools, n_sheet_tools = len(model.tools), len(model.sheet_tools)
+        n_bead_points = sum(len(b.place) for b in model.sheet_beads)
         return cls(
             displacement=np.zeros((n, 2)),
             increment=np.zeros((n, 2)),
@@ -144,6 +149,8 @@ class State:
             sheet_tool_travel_increment=np.zeros((n_sheet_tools, 3)),
             sheet_tool_force=np.zeros((n_sheet_tools, n, 3)),
             sheet_friction=np.zeros((n_sheet_tools, n, 3)),
+            bead_force=np.zeros(n_bead_points),
+            bead_cell=np.full(n_bead_points, -1, dtype=np.int32),
             contact=np.zeros((2 * n_tools, n_candidates), dtype=np.int8),
             anchor=np.zeros((n_candidates, 2)),
             drag=np.zeros(n_candidates),

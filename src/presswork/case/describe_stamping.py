@@ -41,6 +41,11 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     yield f"forming limit: {describe_forming_limit(material)}"
     for tool in problem.tools:
         yield f"tool {tool.name}: {_describe_tool(tool)}"
+    for bead in problem.beads:
+        length = problem.whole * float(bead.line.length.sum())
+        closing = f", {bead.closing_force:g} N/mm to close it" if bead.closing_force else ""
+        stages = ", ".join(bead.stages) or "no stage"
+        yield f"{bead.line.name}: {length:.4g} mm, {bead.line.force:g} N/mm{closing}, in {stages}"
     yield from _hint_at_coarse_mesh(problem)
     for support in problem.supports:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)

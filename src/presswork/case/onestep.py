@@ -12,12 +12,13 @@ import numpy as np
 import tomli_w
 from pydantic import Field, model_validator
 
+from presswork.case.bead import Bead
 from presswork.case.case_file import CaseFile
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.forming_limit.build import build_formability
 from presswork.case.part import Part
 from presswork.case.shell_material import ShellMaterial, add_library_materials
-from presswork.case.units import LENGTH, Angle, Force, Length, LineForce, Number, Point, fault, unit_factor
+from presswork.case.units import LENGTH, Angle, Force, Length, Number, fault, unit_factor
 from presswork.case.yield_function import Hill1948, VonMisesYield
 from presswork.mesh import MeshError
 from presswork.mesh.part_file import PartMesh, read_part
@@ -56,13 +57,6 @@ class FlatBlank(Part):
     points: int = Field(
         default=LAYERS, strict=True, ge=1, le=11, description="points through the thickness; 1: no bending"
     )
-
-
-class Bead(Part):
-    """A drawbead."""
-
-    points: tuple[Point, ...] = Field(min_length=2, description="its corners seen from above [mm]")
-    force: LineForce = Field(ge=0, description="restraining force per length [N/mm]")
 
 
 class Process(Part):
@@ -130,7 +124,7 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
         symmetry=("x" in case.part.symmetry, "y" in case.part.symmetry),
         holder_force=case.process.holder_force,
         mu=case.process.mu,
-        beads=tuple(DrawBead(np.array(bead.points), bead.force) for bead in case.process.beads),
+        beads=tuple(DrawBead(bead.polyline(), bead.force) for bead in case.process.beads),
         layers=case.blank.points,
         notes=notes,
         case_text=case.text,

@@ -9,13 +9,14 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from presswork import model_stamping
+from presswork.case.bead import Bead
 from presswork.case.blank import Blank
 from presswork.case.case_file import CaseFile
 from presswork.case.part import Part
 from presswork.case.shell import ShellBoundary, ShellDisplacement
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.stamping_tools import Tool
-from presswork.case.units import Density, Force, Length, Number, Rate, Time, Velocity, fault
+from presswork.case.units import Density, Force, Length, LineForce, Number, Rate, Time, Velocity, fault
 from presswork.model import SolverSettings
 
 HEAVIEST, LIGHTEST = 1e-6, 1e-10
@@ -109,6 +110,22 @@ class StampingStage(Part):
         return self
 
 
+class StampingBead(Bead):
+    """A drawbead between die and holder."""
+
+    closing_force: LineForce = Field(
+        default=0.0,
+        ge=0,
+        description="what closing it takes per length [N/mm]: so much of the holder's force does not press the sheet",
+    )
+    stages: tuple[str, ...] | None = Field(
+        default=None,
+        min_length=1,
+        description="names of the stages in which die and holder are closed on it; without it: those in which no "
+        "stroke moves the holder to or from the die",
+    )
+
+
 class Explicit(Part):
     """How the explicit procedure steps through time."""
 
@@ -192,6 +209,7 @@ class StampingCase(CaseFile):
     blank: Blank = Field(description="the sheet that is formed")
     materials: dict[str, StampingMaterial] = Field(default={}, description="materials by name")
     tools: dict[str, Tool] = Field(default={}, description="rigid tools by name")
+    beads: tuple[StampingBead, ...] = Field(default=(), description="drawbeads")
     boundary: dict[str, ShellBoundary] = Field(default={}, description="what holds the blank beside the tools, by name")
     stages: tuple[StampingStage, ...] = Field(min_length=1, description="the process, stage by stage")
     explicit: Explicit = Field(default=Explicit(), description="how the explicit procedure steps through time")

@@ -18,6 +18,7 @@ from presswork.case.forming_limit.build import build_sheets
 from presswork.case.references import check_set_names
 from presswork.case.shell import FREEDOMS, HOLDS
 from presswork.case.stamping import RAMP, VELOCITY, StampingCase, StampingStage
+from presswork.case.stamping_beads import build_beads, check_bead_stages, check_closing
 from presswork.case.stamping_checks import check_fit, check_names, check_target_step, check_tools, check_ways
 from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
@@ -39,7 +40,7 @@ SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
 def build_stamping_model(case: StampingCase) -> StampingModel:
     """Build the Model of a stamping; raises CaseError with every problem of the first kind that is found."""
-    _stop_at(check_names(case), case)
+    _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_tools(case) + check_ways(case), case)
     stages = tuple(build_stage(stage) for stage in case.stages)
     _stop_at(check_target_step(case, stages), case)
@@ -51,6 +52,9 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
     tools, problems = build_tools(case, mesh)
     _stop_at(problems, case)
     _stop_at(check_fit(case, mesh, tools), case)
+    beads, problems = build_beads(case, mesh, tools)
+    _stop_at(problems, case)
+    _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
     angle = radians(case.blank.rolling_direction)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
     supports = [
@@ -74,6 +78,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         explicit=ExplicitSettings(**case.explicit.model_dump()),
         implicit=case.implicit.build(),
         output=StampingOutput(**case.output.model_dump()),
+        beads=beads,
         springback=Springback(**case.springback.model_dump()) if case.springback else None,
         case_text=case.text,
     )

@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
+from presswork.procedure.explicit_beads import BeadsOfRun
 from presswork.procedure.explicit_energy import EnergyBalance as EnergyBalance
 from presswork.procedure.explicit_energy import MassScaling as MassScaling
 from presswork.procedure.explicit_input import ExplicitError as ExplicitError
@@ -50,7 +51,7 @@ def order_along_curve(points: Array) -> npt.NDArray[np.intp]:
     return np.argsort(code, kind="stable")
 
 
-class ExplicitShells(ToolsOfRun):
+class ExplicitShells(ToolsOfRun, BeadsOfRun):
     """4-node and 3-node shells in explicit dynamics.
 
     points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell, a triangle with its last node twice,
@@ -121,6 +122,7 @@ class ExplicitShells(ToolsOfRun):
         self.dt = SAFETY * self.stable_step()
         self._mass = self._loop.element_mass
         self._start_tools()
+        self._start_beads()
 
     def _by_node(self, inside: Array) -> Array:
         out = np.empty_like(inside)
@@ -275,6 +277,7 @@ class ExplicitShells(ToolsOfRun):
         """
         scales = [np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale)]
         self._prepare_tools(scales[1])
+        self._prepare_beads(n)
         if self._reference is None:
             start = self._sum(self._energies(damping, force_scale, velocity_scale))
             self._reference = (start, abs(start))
@@ -321,6 +324,7 @@ class ExplicitShells(ToolsOfRun):
             "forces": forces,
             "element_mass": self._loop.element_mass,
             "contact": self._loop.dump_contact(),
+            "beads": self._loop.dump_beads(),
             "scalars": scalars,
         }
 
@@ -333,3 +337,4 @@ class ExplicitShells(ToolsOfRun):
         states = np.split(dump["state"], np.cumsum(self._counts)[:-1])
         self._loop.restore(dump["position"], dump["velocity"], states, dump["forces"], external, damping)
         self._restore_tools(dump["contact"], step)
+        self._restore_beads(dump["beads"])

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 class EnergyBalance:
     """Energies at one time [N mm]; those of work are counted from the start of the run.
 
-    contact: held by the springs of contact, and given to the change of thickness by its pressure; of
-    solids, lost by nodes that strike walls. friction: lost.
+    contact: held by the springs of contact and of beads, and given to the change of thickness by its pressure; of
+    solids, lost by nodes that strike walls. friction: lost, in beads too.
     damping: lost to mass damping and in the dampers of contact and of pushed tools. kinetic: that of pushed tools too.
     error is what the balance of all of them has lost or won since the start, in per cent of the largest sum of energies
     that has occurred.

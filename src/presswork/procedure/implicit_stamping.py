@@ -19,11 +19,13 @@ from presswork.model_stamping import StampingModel, StampingTool
 from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, TIME, ImplicitProcedure, IncrementReport
 from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.stamping_tools import (
+    bead_columns,
+    by_stage,
     cut_surfaces,
     is_pushed,
     make_whole,
-    stroke_of,
     tabulate_force,
+    tabulate_share,
     tool_columns,
     tool_text,
 )
@@ -43,12 +45,14 @@ def make_shell_model(model: StampingModel) -> Model:
     moved = [t for t in model.tools if not is_pushed(model, t)]
     pushed = [t for t in model.tools if is_pushed(model, t)]
     pushes = {t.name: _push_by_stage(model, t) for t in pushed}
+    shares = {b.line.name: by_stage(model, *tabulate_share(model, b)) for b in model.beads}
     stages = tuple(
         Stage(
             name=stage.name,
             duration=stage.duration,
             sheet_tool_move={t.name: _along(t, stage.actions[t.name].stroke) for t in moved if t.name in stage.actions},
-            sheet_tool_push={name: by_stage[number] for name, by_stage in pushes.items()},
+            sheet_tool_push={name: of_stages[number] for name, of_stages in pushes.items()},
+            bead_share={name: of_stages[number] for name, of_stages in shares.items()},
             prescribed=stage.prescribed,
         )
         for number, stage in enumerate(model.stages)
@@ -65,6 +69,7 @@ def make_shell_model(model: StampingModel) -> Model:
         solver=model.implicit,
         output=OutputSettings(steps=model.output.steps, checkpoint_every=model.output.checkpoint_every),
         sheet_tools=tuple(_place(t, DEPTH * section.thickness) for t in model.tools),
+        sheet_beads=tuple(b.line for b in model.beads),
         rolling_direction=model.rolling_direction,
     )
 
@@ -82,14 +87,7 @@ def _along(tool: StampingTool, stroke: float) -> tuple[float, float, float]:
 def _push_by_stage(model: StampingModel, tool: StampingTool) -> list[Push]:
     """Return the force of a pushed tool on what is modelled, over the part of each stage's way that has been gone."""
     times, forces = tabulate_force(model, tool.name)
-    pushes, begin = [], 0.0
-    for stage in model.stages:
-        end = begin + stage.duration
-        own = (times >= begin - 1e-12 * end) & (times <= end * (1 + 1e-12))
-        gone = stroke_of(stage).position(times[own] - begin)
-        pushes.append(Push(tool.way, np.column_stack([gone, forces[own] / model.whole])))
-        begin = end
-    return pushes
+    return [Push(tool.way, rows) for rows in by_stage(model, times, forces / model.whole)]
 
 
 class ImplicitStamping:
@@ -115,7 +113,8 @@ class ImplicitStamping:
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        return ["time", "stage", "increment", "iterations", *self._tool_columns(), *ENERGIES, "energy_error_percent"]
+        first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
+        return [*first, *ENERGIES, "energy_error_percent"]
 
     @property
     def checkpoint_every(self) -> int:
@@ -165,6 +164,11 @@ class ImplicitStamping:
         forces = sheet.tool_forces(self.procedure.state) if sheet else np.zeros((0, 3))
         return tool_columns(self.model, self._displacement(), make_whole(self.model, forces))
 
+    def _bead_columns(self) -> Row:
+        sheet = self.procedure.equilibrium.sheet
+        forces = sheet.beads.restraints(self.procedure.state) if sheet else []
+        return bead_columns(self.model, forces)
+
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
         balance = self.procedure.energy_balance()
@@ -174,6 +178,7 @@ class ImplicitStamping:
             "increment": report.number,
             "iterations": len(report.log),
             **self._tool_columns(),
+            **self._bead_columns(),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
         }

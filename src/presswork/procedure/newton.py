@@ -94,7 +94,7 @@ class Equilibrium:
         self.friction = Friction(model, contact)
         self.floating_tools = FloatingTools(model, contact)
         self.bodies = BodyContacts(model, mechanics)
-        self.sheet = SheetContact(model) if model.sheet_tools else None
+        self.sheet = SheetContact(model) if model.sheet_tools or model.sheet_beads else None
         self.pushed_sheet_tools = PushedSheetTools(model)
         self._timing = timing
         self._threads = threads
@@ -183,8 +183,8 @@ class Equilibrium:
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
                 self.friction.settle(state_n, trial, balance.constraints.turned == 1)
                 self.bodies.settle(trial, point.bodies)
-                if point.sheet:
-                    trial.sheet_tool_force, trial.sheet_friction = point.sheet.by_tool, point.sheet.friction
+                if self.sheet and point.sheet:
+                    self.sheet.settle(trial, point.sheet)
                 trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
             if iteration == most or (stiff and self._is_hopeless(log)):
@@ -246,14 +246,14 @@ class Equilibrium:
         if isinstance(bodies, PassedThrough):
             return bodies
         reaction = internal - loads.force - bodies.force
-        sheet = self._touch_sheet(state_n, trial, displacement)
+        sheet = self._touch_sheet(state_n, trial, displacement, step)
         if sheet:
             reaction -= sheet.force
         return _Point(displacement, internal, loads, bodies, sheet, reaction, self._mechanics.length)
 
-    def _touch_sheet(self, state_n: State, trial: State, displacement: FloatArray) -> SheetForces | None:
+    def _touch_sheet(self, state_n: State, trial: State, displacement: FloatArray, step: Step) -> SheetForces | None:
         started = perf_counter()
-        found = self.sheet.evaluate(state_n, trial, displacement) if self.sheet else None
+        found = self.sheet.evaluate(state_n, trial, displacement, step.stage, step.fraction) if self.sheet else None
         self._timing.add("contact", started)
         return found
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model, SheetTool, Stage
+from presswork.procedure.sheet_beads import BeadForces, SheetBeads
 from presswork.state import State
 
 TANGENTIAL = 0.1
@@ -108,11 +109,12 @@ class SheetForces:
     friction: FloatArray
     """The part of it along the tool, in the same form."""
     tool: IntArray
-    """Which tool each block is of (n,)."""
+    """Which tool each block is of (n,); -1: of a bead."""
+    beads: BeadForces
 
 
 class SheetContact:
-    """The tools in space of one run; what persists lies in the State."""
+    """The tools in space of one run, and its drawbeads; what persists lies in the State."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -123,6 +125,7 @@ class SheetContact:
             np.add.at(self._area, block.connectivity, (area / block.connectivity.shape[1])[:, None])
             np.add.at(self._cells, block.connectivity, 1.0)
         self._thickness = np.zeros(n)
+        self.beads = SheetBeads(model)
         self._stiffness = model.solver.contact_stiffness * max(m.young for m in model.materials)
 
     def move(self, stage: int, fraction: float) -> FloatArray:
@@ -140,9 +143,12 @@ class SheetContact:
         for block, thickness in zip(self._model.mesh.blocks, state_n.shells.thickness, strict=True):
             np.add.at(total, block.connectivity, thickness.mean(axis=1)[:, None])
         self._thickness = total / np.maximum(self._cells, 1.0)
+        self.beads.begin_increment(state_n)
 
-    def evaluate(self, state_n: State, trial: State, displacement: FloatArray) -> SheetForces:
-        """Return the forces of the tools at a guess; they stand where the trial state has them."""
+    def evaluate(
+        self, state_n: State, trial: State, displacement: FloatArray, stage: int = 0, fraction: float = 0.0
+    ) -> SheetForces:
+        """Return the forces of tools and beads at a guess; tools stand where the trial state has them."""
         n, tools = len(displacement), self._model.sheet_tools
         sheet = SheetNodes(self._area, self._thickness, self._stiffness)
         x = self._model.mesh.points + displacement[:, :3]
@@ -159,16 +165,34 @@ class SheetContact:
             nodes.append(found.nodes)
             blocks.append(block)
             owners.append(np.full(len(found.nodes), t, dtype=np.int32))
+        beads = self.beads.evaluate(state_n, trial, displacement, self.beads.share(stage, fraction))
         force = np.zeros((n, 6))
-        force[:, :3] = by_tool.sum(axis=0)
-        pairs = np.repeat(np.concatenate(nodes)[:, None], 2, axis=1).astype(np.int32)
-        return SheetForces(force, pairs, np.concatenate(blocks), by_tool, friction, np.concatenate(owners))
+        force[:, :3] = by_tool.sum(axis=0) + beads.force
+        block = np.zeros((len(beads.pairs), 6, 6))
+        block[:, :3, :3] = beads.blocks
+        pairs: list[IntArray] = [np.repeat(own[:, None], 2, axis=1).astype(np.int32) for own in nodes]
+        owners.append(np.full(len(block), -1, dtype=np.int32))
+        return SheetForces(
+            force,
+            np.concatenate([*pairs, beads.pairs]),
+            np.concatenate([*blocks, block]),
+            by_tool,
+            friction,
+            np.concatenate(owners),
+            beads,
+        )
+
+    def settle(self, trial: State, found: SheetForces) -> None:
+        """Keep what an increment has found."""
+        trial.sheet_tool_force, trial.sheet_friction = found.by_tool, found.friction
+        self.beads.settle(trial, found.beads)
 
     def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
-        """Return nodes (n,) and unit vectors (n, 3) along which tools hold them; rough tools hold them in all three."""
+        """Return nodes (n,) and unit vectors (n, 3) along which beads and tools hold them; rough tools in all three."""
         self.begin_increment(state)
         found = self.evaluate(state, state, state.displacement)
-        nodes, directions = [], []
+        beneath, across = self.beads.held_directions()
+        nodes, directions = [beneath], [across]
         for tool, force in zip(self._model.sheet_tools, found.by_tool, strict=True):
             touched = np.flatnonzero(np.linalg.norm(force, axis=1) > 0.0)
             if tool.mu > 0.0:
@@ -180,11 +204,13 @@ class SheetContact:
         return np.concatenate(nodes), np.concatenate(directions)
 
     def work(self, state_n: State, trial: State) -> tuple[float, float]:
-        """Return the work of the tools on the nodes in an increment, and what friction takes [N mm]."""
+        """Return the work of tools and beads on the nodes in an increment, and what friction and beads take [N mm]."""
         moved = trial.increment[None, :, :3]
         way = moved - (trial.sheet_tool_move - state_n.sheet_tool_move)[:, None]
         on_nodes = 0.5 * float(((state_n.sheet_tool_force + trial.sheet_tool_force) * moved).sum())
-        return on_nodes, -0.5 * float(((state_n.sheet_friction + trial.sheet_friction) * way).sum())
+        rubbed = -0.5 * float(((state_n.sheet_friction + trial.sheet_friction) * way).sum())
+        restrained = self.beads.work(state_n, trial)
+        return on_nodes - restrained, rubbed + restrained
 
     def tool_forces(self, state: State) -> FloatArray:
         """Return the force of the sheet on each tool (n_tools, 3) [N], as modelled."""

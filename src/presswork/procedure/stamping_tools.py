@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray, IntArray
-from presswork.model_stamping import StampingModel, StampingStage, StampingTool, ToolAction
+from presswork.model_stamping import StampingBead, StampingModel, StampingStage, StampingTool, ToolAction
 from presswork.procedure.explicit import ExplicitShells
 from presswork.procedure.motion import SmoothStroke
 from presswork.procedure.recording import Row
@@ -21,7 +21,7 @@ DRAWN_WITHIN = 0.02
 
 
 class StampingTools:
-    """Adds a model's tools to the shells, and moves them."""
+    """Adds a model's tools and beads to the shells, and moves them."""
 
     def __init__(self, model: StampingModel, shells: ExplicitShells) -> None:
         self._model = model
@@ -31,7 +31,11 @@ class StampingTools:
             if is_pushed(model, tool):
                 times, forces = tabulate_force(model, tool.name)
                 at_work.push(tool.way, (times, forces / model.whole))
+        self._shells = shells
+        for bead in model.beads:
+            shells.add_bead(bead.line, tabulate_share(model, bead))
         self._mean = np.zeros((len(model.tools), 3))
+        self._restraint = np.zeros(len(model.beads))
         self._samples = 0
 
     def begin_stage(self, number: int) -> None:
@@ -45,13 +49,15 @@ class StampingTools:
 
     def begin_row(self) -> None:
         """Forget the forces felt so far."""
-        self._mean[:], self._samples = 0.0, 0
+        self._mean[:], self._restraint[:], self._samples = 0.0, 0.0, 0
 
     def sample(self) -> None:
         """Note what every tool feels now."""
         self._samples += 1
         for mean, tool in zip(self._mean, self._tools, strict=True):
             mean += (tool.force - mean) / self._samples
+        restraint = [self._shells.bead_restraint(bead.line.name) for bead in self._model.beads]
+        self._restraint += (np.array(restraint) - self._restraint) / self._samples
 
     def forces(self) -> FloatArray:
         """Return the mean force of the sheet on each whole tool since begin_row (n_tools, 3) [N]."""
@@ -59,7 +65,8 @@ class StampingTools:
 
     def row(self) -> Row:
         """Return the columns of the history."""
-        return tool_columns(self._model, self.displacement(), self.forces())
+        tools = tool_columns(self._model, self.displacement(), self.forces())
+        return tools | bead_columns(self._model, self._restraint.tolist())
 
     def text(self) -> str:
         """Name the tools with their strokes and forces."""
@@ -94,6 +101,11 @@ def tool_columns(model: StampingModel, displacement: Mapping[str, FloatArray], f
     return row
 
 
+def bead_columns(model: StampingModel, forces: Sequence[float]) -> Row:
+    """Return the history's columns of all beads: restraining force, summed along the line [N], of what is modelled."""
+    return {f"{b.line.name}.force": f * model.whole + 0.0 for b, f in zip(model.beads, forces, strict=True)}
+
+
 def tool_text(model: StampingModel, row: Row) -> str:
     """Name the tools that have moved, with strokes and forces."""
     each = [(t.name, float(row[f"{t.name}.stroke"]), float(row[f"{t.name}.force"])) for t in model.tools]
@@ -122,26 +134,61 @@ def is_pushed(model: StampingModel, tool: StampingTool) -> bool:
 
 
 def tabulate_force(model: StampingModel, name: str) -> tuple[FloatArray, FloatArray]:
-    """Return times [s] and forces [N] of a pushed tool over the whole process.
+    """Return times [s] and forces [N] of a pushed tool on the sheet over the whole process.
 
     At the start of each stage the force goes over to the stage's own within its ramp; before the first it is zero, and
-    a stage that says nothing keeps it.
+    a stage that says nothing keeps it. What closes beads is taken off a holder's.
     """
-    times, forces = [np.zeros(1)], [np.zeros(1)]
-    begin, force_n = 0.0, 0.0
-    for stage in model.stages:
+
+    def force_in(stage: StampingStage, at: FloatArray) -> FloatArray | None:
         action = stage.actions.get(name)
-        at = np.linspace(0.0, stage.duration, FORCE_TIMES + 1)[1:]
         if action is None or action.force is None:
-            own = np.full(len(at), force_n)
-        else:
-            own = np.interp(stroke_of(stage).position(at), *action.force.T)
+            return None
+        return np.interp(stroke_of(stage).position(at), *action.force.T)
+
+    times, forces = _tabulate(model, force_in)
+    if any(t.name == name and t.kind == "holder" for t in model.tools):
+        for bead in model.beads:
+            closing = model.whole * bead.closing_force * float(bead.line.length.sum())
+            forces = np.maximum(forces - closing * tabulate_share(model, bead)[1], 0.0)
+    return times, forces
+
+
+def tabulate_share(model: StampingModel, bead: StampingBead) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and shares of a bead's force over the whole process; it goes over within a stage's ramp."""
+    return _tabulate(model, lambda stage, at: np.full(len(at), float(stage.name in bead.stages)))
+
+
+def _tabulate(
+    model: StampingModel, value_in: Callable[[StampingStage, FloatArray], FloatArray | None]
+) -> tuple[FloatArray, FloatArray]:
+    """Return times and values over the whole process.
+
+    value_in: gives those of a stage at times since it began, or None where the value stays as it is.
+    """
+    times, values = [np.zeros(1)], [np.zeros(1)]
+    begin, value_n = 0.0, 0.0
+    for stage in model.stages:
+        at = np.linspace(0.0, stage.duration, FORCE_TIMES + 1)[1:]
+        own = value_in(stage, at)
+        own = np.full(len(at), value_n) if own is None else own
         blend = np.minimum(at / stage.ramp, 1.0)
-        own = (1 - blend) * force_n + blend * own
+        own = (1 - blend) * value_n + blend * own
         times.append(begin + at)
-        forces.append(own)
-        begin, force_n = begin + stage.duration, float(own[-1])
-    return np.concatenate(times), np.concatenate(forces)
+        values.append(own)
+        begin, value_n = begin + stage.duration, float(own[-1])
+    return np.concatenate(times), np.concatenate(values)
+
+
+def by_stage(model: StampingModel, times: FloatArray, values: FloatArray) -> list[FloatArray]:
+    """Return rows of part of the way gone (0 to 1) and value (n, 2) for each stage, of a table over the process."""
+    rows, begin = [], 0.0
+    for stage in model.stages:
+        end = begin + stage.duration
+        own = (times >= begin - 1e-12 * end) & (times <= end * (1 + 1e-12))
+        rows.append(np.column_stack([stroke_of(stage).position(times[own] - begin), values[own]]))
+        begin = end
+    return rows
 
 
 def stroke_of(stage: StampingStage) -> SmoothStroke:

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drawbeads of the explicit loop.
+#pragma once
+
+#include <algorithm>
+
+#include "arrays.hpp"
+#include "explicit/loop.hpp"
+
+namespace presswork::bindings {
+
+namespace drawbeads {
+
+using explicit_dynamics::Drawbead;
+using explicit_dynamics::Drawbeads;
+
+template <class Loop>
+Drawbead& bead_of(Loop& self, int i) {
+  require(self.beads && i >= 0 && std::size_t(i) < self.beads->beads.size(), "there is no bead of this number");
+  return self.beads->beads[i];
+}
+
+template <class Loop>
+int add_bead(Loop& self, Doubles place, Doubles across, Doubles length, double force, int tool) {
+  const std::size_t n = length.size();
+  require(place.ndim() == 2 && place.shape(0) == n && place.shape(1) == 2, "place must have shape (n, 2)");
+  require(across.ndim() == 2 && across.shape(0) == n && across.shape(1) == 2, "across must have shape (n, 2)");
+  require(tool < 0 || (self.contact && std::size_t(tool) < self.contact->tools.size()), "there is no such tool");
+  if (!self.beads) self.beads = std::make_unique<Drawbeads>(self.find_cells());
+  self.beads->add(static_cast<int>(n), place.data(), across.data(), length.data(), force, tool);
+  return static_cast<int>(self.beads->beads.size()) - 1;
+}
+
+template <class Loop>
+NewDoubles dump(const Loop& self) {
+  const auto dump = self.beads ? self.beads->dump() : std::vector<double>{};
+  double* to;
+  auto array = new_array({dump.size()}, &to);
+  std::copy(dump.begin(), dump.end(), to);
+  return array;
+}
+
+}  // namespace drawbeads
+
+template <class Loop>
+void bind_beads(nb::class_<Loop>& loop) {
+  using namespace drawbeads;
+  loop.def("add_bead", &add_bead<Loop>, nb::arg("place"), nb::arg("across"), nb::arg("length"), nb::kw_only(),
+           nb::arg("force"), nb::arg("tool") = -1,
+           "Add a drawbead of points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length\n"
+           "[N/mm], the tool that it moves with; returns its number.")
+      .def(
+          "drive_bead",
+          [](Loop& self, int i, Doubles share) {
+            bead_of(self, i).share.assign(share.data(), share.data() + share.size());
+          },
+          nb::arg("bead"), nb::arg("share"), "Shares (n) of its force in the next n cycles.")
+      .def(
+          "bead_restraint", [](Loop& self, int i) { return bead_of(self, i), self.beads->restraint(i); },
+          nb::arg("bead"), "Restraining force, summed along the line [N].")
+      .def("dump_beads", &dump<Loop>, "All that beads remember.")
+      .def(
+          "restore_beads",
+          [](Loop& self, Doubles from) {
+            require(self.beads || from.size() == 0, "the dump's beads are not those of this run");
+            if (self.beads) self.beads->restore({from.data(), from.data() + from.size()});
+          },
+          nb::arg("dump"), "Take over what dump_beads gave.");
+}
+
+}  // namespace presswork::bindings

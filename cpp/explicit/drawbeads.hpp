@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drawbeads of the explicit loop: lines in the plan that hold the sheet back with a force per length.
+//
+// A line is cut into points. Each holds the material beneath it against its way across the line,
+//
+//   T = T_n - k ds,  shortened to f w:  Coulomb's return mapping with a given limit, f per length and w the point's
+//   length,
+//
+// with ds = d.(v - v_tool) dt, and d the normal of the line in the plan, laid into the sheet. The force T d goes to the
+// corners of the shell beneath by their shape functions. k = penalty m/dt^2 w/l, m the lightest corner's mass and l the
+// root of the shell's area: the points of a line through a shell share what one contact spring of a node has, so the
+// step stays as stable as with contact. The sheet slips by f l dt^2/(penalty m), some micrometres, before it is held
+// with all of f.
+//
+// What lies beneath is looked up every `refresh` cycles, from the shell found last: its cost does not grow.
+// Points are visited by one thread in their order, so the bits do not depend on the threads.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "contact/sheet_under.hpp"
+#include "contact/vectors.hpp"
+#include "explicit/nodes.hpp"
+#include "explicit/tools.hpp"
+
+namespace presswork::explicit_dynamics {
+
+struct Drawbead {
+  int first, last;            // its points
+  int tool;                   // that it moves with; -1: it stands still
+  double force;               // per length [N/mm]
+  std::vector<double> share;  // of the force, in the cycles to come
+};
+
+class Drawbeads {
+ public:
+  static constexpr int refresh = 16;      // cycles between two looks beneath
+  static constexpr double penalty = 0.1;  // as that of tools by default
+
+  explicit Drawbeads(contact::SheetUnder sheet) : sheet_(std::move(sheet)) {}
+
+  // Add a line of n points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length [N/mm].
+  void add(int n, const double* place, const double* across, const double* length, double force, int tool);
+  // One cycle, by one thread: the forces are taken off net (n_nodes, 6), internal less external forces.
+  template <class Real>
+  void visit(int cycle, double dt, const Nodes<Real>& nodes, const std::vector<Tool>* tools, Real* net);
+
+  double stored() const;                            // in the springs [N mm]
+  double lost() const { return work_ - stored(); }  // in slip [N mm]
+  // Sum of the points' restraining forces of one bead [N].
+  double restraint(int bead) const;
+
+  std::vector<double> dump() const;
+  // Throws std::invalid_argument for other beads.
+  void restore(const std::vector<double>& from);
+
+  std::vector<Drawbead> beads;
+
+ private:
+  struct Point {
+    double place[2], across[2], length;
+    double force = 0.0, stiffness = 1.0;  // T [N], k [N/mm]
+    double direction[3] = {};
+    contact::Beneath beneath;
+  };
+  template <class Real>
+  void look_beneath(Point& p, double dt, const Nodes<Real>& nodes) const;
+
+  contact::SheetUnder sheet_;
+  std::vector<Point> points_;
+  double work_ = 0.0;  // taken from the sheet [N mm]
+  int cycle_ = 0;
+};
+
+template <class Real>
+void Drawbeads::look_beneath(Point& p, double dt, const Nodes<Real>& nodes) const {
+  sheet_.find(p.place, nodes.position.data(), Nodes<Real>::position_stride, p.beneath);
+  if (!p.beneath.inside) return;
+  const double* n = p.beneath.normal;
+  const double size = std::sqrt(contact::dot(n, n)), out = (p.across[0] * n[0] + p.across[1] * n[1]) / (size * size);
+  double lightest = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < p.beneath.corners; ++a) {
+    const double inverse = nodes.motion.data()[std::size_t(Nodes<Real>::motion_stride) * p.beneath.node[a] + 6];
+    lightest = std::min(lightest, 1.0 / inverse);
+  }
+  double d[3] = {p.across[0] - out * n[0], p.across[1] - out * n[1], -out * n[2]};
+  const double length = std::sqrt(contact::dot(d, d));
+  for (int i = 0; i < 3; ++i) p.direction[i] = d[i] / length;
+  // |g1 x g2| is a quarter of a quadrilateral's area, and twice a triangle's
+  const double area = p.beneath.corners == 4 ? 4.0 * size : 0.5 * size;
+  p.stiffness = penalty * lightest / (dt * dt) * p.length / std::sqrt(area);
+}
+
+template <class Real>
+void Drawbeads::visit(int cycle, double dt, const Nodes<Real>& nodes, const std::vector<Tool>* tools, Real* net) {
+  const bool look = cycle_ % refresh == 0;
+  ++cycle_;
+  for (const Drawbead& bead : beads) {
+    const double* moved = bead.tool >= 0 ? (*tools)[bead.tool].velocity : nullptr;
+    for (int i = bead.first; i < bead.last; ++i) {
+      Point& p = points_[i];
+      if (look || p.beneath.cell < 0) look_beneath(p, dt, nodes);
+      if (!p.beneath.inside) {
+        p.force = 0.0;
+        continue;
+      }
+      double slip = 0.0;
+      for (int a = 0; a < p.beneath.corners; ++a) {
+        const Real* v = nodes.motion.data() + std::size_t(Nodes<Real>::motion_stride) * p.beneath.node[a];
+        double along = 0.0;
+        for (int j = 0; j < 3; ++j) along += p.direction[j] * v[j];
+        slip += p.beneath.weight[a] * along;
+      }
+      if (moved) slip -= contact::dot(p.direction, moved);
+      slip *= dt;
+      const double limit = bead.share[cycle] * bead.force * p.length;
+      const double now = std::clamp(p.force - p.stiffness * slip, -limit, limit);
+      work_ -= 0.5 * (p.force + now) * slip;
+      p.force = now;
+      for (int a = 0; a < p.beneath.corners; ++a)
+        for (int j = 0; j < 3; ++j)
+          net[6 * std::size_t(p.beneath.node[a]) + j] -= static_cast<Real>(p.beneath.weight[a] * now * p.direction[j]);
+    }
+  }
+}
+
+}  // namespace presswork::explicit_dynamics
