@@ -42,7 +42,7 @@ def _split(loop: Loop, points: FloatArray, normal: FloatArray) -> tuple[list[Loo
 def _triangle_quality(corners: FloatArray, normal: FloatArray) -> float:
     sides = np.roll(corners, -1, axis=0) - corners
     area = 0.5 * float(np.cross(sides[0], sides[1]) @ normal)
-    return 4.0 * 3.0**0.5 * area / float((sides**2).sum())
+    return float(4.0 * 3.0**0.5 * area / (sides**2).sum())
 
 
 def _least_sine(corners: FloatArray, normal: FloatArray) -> float:

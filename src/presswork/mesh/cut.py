@@ -47,7 +47,7 @@ _ON = 1e-9
 """Part of the mesh's size within which a node lies on the line."""
 _NO_AREA = 1e-6
 """Quality of a piece that is nothing."""
-_NATURAL = {
+NATURAL = {
     3: np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
     4: np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]),
 }
@@ -95,6 +95,21 @@ def cut_mesh(points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray,
     return cutter.split()
 
 
+def check_meets(points: FloatArray, line: FloatArray, keep: Keep) -> None:
+    """Raise MeshError where a line (m, 2) cuts off none or all of the nodes (n, 3) of a sheet."""
+    inside = contains(list_sides(line), points[:, :2])
+    low, high = points.min(axis=0), points.max(axis=0)
+    reach = f"the sheet lies in x {low[0]:.4g} to {high[0]:.4g}, y {low[1]:.4g} to {high[1]:.4g} mm"
+    narrow = "beside the sheet, or within one element" if not inside.any() else "round all of the sheet"
+    if inside.all() or not inside.any():
+        if inside.all() == (keep == "inside"):
+            raise MeshError(f"the line cuts nothing off, for it runs {narrow}: {reach}", "move the line")
+        raise MeshError(
+            f"nothing is left {keep} of the line, for it runs {narrow}: {reach}",
+            "move the line, or keep the other side",
+        )
+
+
 class _Cutter:
     """The steps of a cut."""
 
@@ -105,8 +120,8 @@ class _Cutter:
         edges = np.concatenate([list_cell_edges(cells) for cells in blocks])
         self.edges = edges[np.unique(edge_keys(edges), return_index=True)[1]]
         self.on = _ON * float(np.ptp(points[:, :2], axis=0).max())
+        check_meets(points, line, keep)
         self.side = self._find_sides(points[:, :2])
-        self._check_meets()
         self.boundary = find_boundary_edges(blocks)
         self.is_outline = np.zeros(len(points), dtype=bool)
         self.is_outline[self.boundary] = True
@@ -119,17 +134,6 @@ class _Cutter:
         side = np.where(inside, 1, -1).astype(np.int32)
         side[measure_distance(self.sides, plan) <= self.on] = 0
         return side
-
-    def _check_meets(self) -> None:
-        low, high = self.points.min(axis=0), self.points.max(axis=0)
-        reach = f"the sheet lies in x {low[0]:.4g} to {high[0]:.4g}, y {low[1]:.4g} to {high[1]:.4g} mm"
-        if not (self.side > 0).any():
-            raise MeshError(
-                f"nothing is left {self.keep} of the line: {reach}", "move the line, or keep the other side"
-            )
-        if not (self.side < 0).any():
-            small = " or the line runs within one element," if self.keep == "outside" else ""
-            raise MeshError(f"the line cuts nothing off:{small} {reach}", "move the line onto the sheet")
 
     # --- 1 -----------------------------------------------------------------------------------------------------------
 
@@ -239,7 +243,7 @@ class _Cutter:
         into, out = np.zeros((len(self.points), 2)), np.zeros((len(self.points), 2))
         into[last], out[first] = along, along
         cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
-        return np.abs(np.arctan2(cross, (into * out).sum(axis=1)))
+        return np.asarray(np.abs(np.arctan2(cross, (into * out).sum(axis=1))))
 
     # --- 3 -----------------------------------------------------------------------------------------------------------
 
@@ -259,7 +263,7 @@ class _Cutter:
         self.side = np.concatenate([self.side, np.zeros(len(edges), dtype=np.int32)])
         pieces = _Pieces()
         for b, cells in enumerate(self.blocks):
-            side, natural = self.side[cells], _NATURAL[cells.shape[1]]
+            side, natural = self.side[cells], NATURAL[cells.shape[1]]
             whole = (side > 0).all(axis=1)
             pieces.add_whole(b, cells, np.flatnonzero(whole), natural)
             for cell in np.flatnonzero(~whole & (side >= 0).any(axis=1)).tolist():
@@ -305,16 +309,23 @@ class _Cutter:
         blocks = tuple(CutCells(number[c.connectivity], c.parent, c.natural) for c in blocks)
         boundary = find_boundary_edges([cells.connectivity for cells in blocks])
         edges = select_edges(boundary, np.flatnonzero(self.side[used] == 0).astype(np.int32))
-        return CutMesh(weights[np.flatnonzero(used)], blocks, edges, self._measure_miss(self.points[used][edges]))
+        miss = self._measure_miss(self.points[used][edges])
+        return CutMesh(weights[np.flatnonzero(used)], blocks, edges, miss)
 
     def _measure_miss(self, edges: FloatArray) -> float:
         """Return how far the line, where it runs in the sheet, is from edges (n, 2, 3) at most [mm]."""
+        narrow = "a part of the line is narrower than an element", "refine the blank, or leave that part out"
         if not len(edges):
-            return np.inf
+            raise MeshError(*narrow)
         size = float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).mean())
         samples = sample_sides(self.sides, 0.25 * size)
         samples = samples[contains(self.outline, samples)]
-        return float(measure_distance(edges[..., :2], samples).max(initial=0.0))
+        distance = measure_distance(edges[..., :2], samples)
+        worst = int(np.argmax(distance))
+        if distance[worst] > size:
+            x, y = samples[worst]
+            raise MeshError(f"{narrow[0]}, at ({x:.4g}, {y:.4g}) mm", narrow[1])
+        return float(distance[worst])
 
 
 class _Pieces:
@@ -340,12 +351,13 @@ class _Pieces:
         """Return the cells of each kind, in the order of their parents."""
         found = []
         for rows in self._rows.values():
-            connectivity, parent, natural = (
-                np.concatenate([row[i] for row in rows]) if rows else np.zeros(0) for i in range(3)
-            )
-            if len(connectivity):
-                order = np.lexsort((parent[:, 1], parent[:, 0]))
-                found.append(CutCells(connectivity[order].astype(np.int32), parent[order], natural[order]))
+            if sum(len(cells) for cells, _, _ in rows) == 0:
+                continue
+            connectivity = np.concatenate([row[0] for row in rows]).astype(np.int32)
+            parent = np.concatenate([row[1] for row in rows])
+            natural = np.concatenate([row[2] for row in rows])
+            order = np.lexsort((parent[:, 1], parent[:, 0]))
+            found.append(CutCells(connectivity[order], parent[order], natural[order]))
         return tuple(found)
 
 

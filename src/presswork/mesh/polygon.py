@@ -60,7 +60,7 @@ def find_crossings(sides: FloatArray, start: FloatArray, end: FloatArray) -> Flo
         on_side = (away[:, 0] * along[:, 1] - away[:, 1] * along[:, 0]) / safe
         meets &= (part >= -1e-12) & (part <= 1 + 1e-12) & (on_side >= -1e-12) & (on_side <= 1 + 1e-12)
         first = np.where(meets, np.fmin(first, part), first)
-    return np.clip(first, 0.0, 1.0)
+    return np.asarray(np.clip(first, 0.0, 1.0))
 
 
 def polygon_area(polygon: FloatArray) -> float:
