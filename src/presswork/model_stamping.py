@@ -11,14 +11,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from presswork.mesh.swept_tool import SweptTool
 from presswork.mesh.tool_file import TriangulatedTool
 from presswork.model import (
     FloatArray,
+    IntArray,
     Material,
     Mesh,
     Model,
     PrescribedDisplacement,
+    Section,
     SheetBead,
     SolverSettings,
     Support,
@@ -94,6 +98,16 @@ class ExplicitSettings:
 
 
 @dataclass(frozen=True)
+class TrimLine:
+    """A line that the formed part is cut along, seen along z."""
+
+    name: str
+    polygon: FloatArray
+    """Its corners in turn (m, 2) [mm], closed by itself."""
+    keep: Literal["inside", "outside"]
+
+
+@dataclass(frozen=True)
 class Springback:
     """How the implicit procedure lets the formed part go."""
 
@@ -132,9 +146,25 @@ class StampingModel:
     implicit: SolverSettings
     output: StampingOutput
     beads: tuple[StampingBead, ...] = ()
+    trim: tuple[TrimLine, ...] = ()
+    """After the last stage."""
     springback: Springback | None = None
-    """After the last stage; None: the part stays as it is."""
+    """After the last stage and the trimming; None: the part stays as it is."""
     case_text: str = ""
+
+    @property
+    def cells(self) -> IntArray:
+        """Connectivity of the blank (n, 4), block after block, a triangle with its last node twice."""
+        return np.concatenate(
+            [b.connectivity[:, [0, 1, 2, min(3, b.connectivity.shape[1] - 1)]] for b in self.mesh.blocks]
+        )
+
+    @property
+    def sheet(self) -> tuple[Section, Material]:
+        """Section and material of the blank."""
+        block = self.mesh.blocks[0]
+        assert block.section is not None
+        return block.section, self.materials[block.material]
 
     @property
     def whole(self) -> int:

@@ -22,7 +22,7 @@ from presswork.procedure.explicit_input import ExplicitError
 from presswork.procedure.implicit_recording import ImplicitRecording
 from presswork.procedure.implicit_stamping import ImplicitStamping
 from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
-from presswork.procedure.springback import StampingWithSpringback
+from presswork.procedure.springback import ReleasedStamping
 from presswork.procedure.stamping import ExplicitStamping
 from presswork.procedure.supports import NotHeldError
 from presswork.results import (
@@ -105,10 +105,10 @@ def check_start(model: AnyModel) -> None:
 def _begin(model: AnyModel, threads: int) -> Recording:
     """Make the procedure that a model asks for."""
     if isinstance(model, StampingModel):
-        if model.procedure == "implicit":
-            return ImplicitStamping(model, threads=threads)
         try:
-            procedure = ExplicitStamping if model.springback is None else StampingWithSpringback
+            if model.trim or model.springback is not None:
+                return ReleasedStamping(model, threads=threads)
+            procedure = ImplicitStamping if model.procedure == "implicit" else ExplicitStamping
             return procedure(model, threads=threads)
         except ExplicitError as error:
             raise StartError(str(error)) from error

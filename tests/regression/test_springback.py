@@ -132,7 +132,7 @@ def test_a_part_is_held_by_as_little_as_keeps_it_still(symmetry, size) -> None:
     pull = [{"name": "pull", "duration": "1 ms", "displacement": [{"set": "right", "component": "x", "value": 1}]}]
     case = bend(blank={**bend()["blank"], "symmetry": symmetry, "size": size}, stages=pull)
     model = build_model(StampingCase.model_validate(case))
-    ImplicitProcedure(make_springback_model(model), threads=1)  # raises NotHeldError of a part free to move
+    ImplicitProcedure(make_springback_model(model, model.mesh), threads=1)  # raises NotHeldError of a part free to move
     held = hold_rigidly(model.mesh.points, model.symmetry)
     assert sum(sum(fixed) for fixed in held.values()) == {0: 6, 1: 3, 2: 1}[len(symmetry)]
 

@@ -23,7 +23,7 @@ def judge_cells(result: Result, step: int = -1, judged: Formability | None = Non
 def judge_part(result: Result, step: int = -1, judged: Formability | None = None) -> FormingVerdict:
     """Return how many cells lie in each zone, and the worst; arguments and errors as judge_cells."""
     points = result.points(step)
-    centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in result.mesh.blocks])
+    centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in result.mesh_at(step).blocks])
     verdict = judge_fields(_strains(result, step), centres, result.formability if judged is None else judged)
     assert verdict is not None
     return verdict

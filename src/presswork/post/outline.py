@@ -24,8 +24,8 @@ def trace_outline(result: Result, step: int = -1) -> list[FloatArray]:
     """
     if not result.is_shell:
         raise ResultError(f"{result.folder} holds no sheet with an outline")
-    start, now = result.mesh.points, result.points(step)
-    edges = result.mesh.boundary_edges[:, :2].astype(np.intp)
+    mesh, now = result.mesh_at(step), result.points(step)
+    start, edges = mesh.points, mesh.boundary_edges[:, :2].astype(np.intp)
     nodes = np.arange(len(start))
     for axis, name in enumerate("xy"):
         if name not in str(result.info.get("symmetry", "")):

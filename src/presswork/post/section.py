@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from presswork.model import FloatArray, IntArray
-from presswork.results import Result
+from presswork.results import Result, ResultMesh
 from presswork.results.whole_file import replace_whole
 
 ORIGIN = (0.0, 0.0)
@@ -37,15 +37,20 @@ def cut_sheet(
 
     Pieces where the radius runs along a side of two cells belong to one of them.
     """
+    return _cut_mesh(result.mesh_at(step), result.points(step), angle, start)
+
+
+def _cut_mesh(mesh: ResultMesh, now: FloatArray, angle: float, start: tuple[float, float]) -> SheetSection:
+    """Cut a mesh whose nodes are at `now` (n_points, 3), as cut_sheet."""
     out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     origin = np.asarray(start, dtype=float)
-    before, now = result.mesh.points[:, :2] - origin, result.points(step)
+    before = mesh.points[:, :2] - origin
     along, off = before @ out, before @ across
     size = float(np.ptp(before, axis=0).max())
     off = np.where(np.abs(off) < 1e-9 * size, 0.0, off)
     pieces: list[tuple[float, FloatArray, int]] = []
     first = 0
-    for block in result.mesh.blocks:
+    for block in mesh.blocks:
         cells = block.connectivity
         sides = np.sign(off[cells])
         touched = (sides.min(axis=1) <= 0) & (sides.max(axis=1) >= 0) & (along[cells].max(axis=1) > 0)
@@ -112,9 +117,13 @@ def cut_tool(
 
 
 def measure_draw_in(result: Result, angle: float = 0.0, step: int = -1) -> float:
-    """Return how far the blank's edge has come in along the radius at an angle from x [rad] [mm]."""
-    start, now = cut_sheet(result, angle, 0).line[-1, 1], cut_sheet(result, angle, step).line[-1, 1]
-    return float(start[0] - now[0])
+    """Return how far the sheet's edge has come in along the radius at an angle from x [rad] [mm].
+
+    Of a trimmed sheet that is the trimmed edge, from where it was in the blank.
+    """
+    mesh = result.mesh_at(step)
+    start = _cut_mesh(mesh, mesh.points, angle, ORIGIN).line[-1, 1]
+    return float(start[0] - cut_sheet(result, angle, step).line[-1, 1][0])
 
 
 def write_section(

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.model import FloatArray, Mesh, Section
+from presswork.model import FloatArray, IntArray, Mesh, Section
+from presswork.procedure.explicit_input import is_triangle
 from presswork.procedure.thickness_rule import thickness_rule
 from presswork.results.shell_fields import ShellGeometry, layer_fields
 
@@ -17,13 +18,18 @@ SLOPES = np.array([[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]]) / 4.0
 
 
 class OnePointFields:
-    """Turns positions and layers of a blank's shells into fields; axis: x of the law, in the undeformed sheet."""
+    """Turns positions and layers of a blank's shells into fields.
 
-    def __init__(self, mesh: Mesh, section: Section, axis: FloatArray, symmetry: tuple[bool, bool]) -> None:
+    cells (n, 4): a triangle has its last node twice, which leaves the slopes at its centre what they are. axis: x of
+    the law, in the undeformed sheet.
+    """
+
+    def __init__(
+        self, mesh: Mesh, cells: IntArray, section: Section, axis: FloatArray, symmetry: tuple[bool, bool]
+    ) -> None:
         self._planes = [mesh.node_sets[name] for name in ("symmetry_x", "symmetry_y") if name in mesh.node_sets]
         self._axes = [i for i in (0, 1) if symmetry[i]]
-        self._mesh = mesh
-        cells = mesh.blocks[0].connectivity
+        self._cells = cells
         self._geometry = ShellGeometry(
             connectivity=cells,
             director_of=cells,
@@ -62,15 +68,17 @@ class OnePointFields:
 
     def _base(self, points: FloatArray) -> FloatArray:
         """Return the base vectors at the centres (n_cells, 2, 3)."""
-        return np.asarray(np.einsum("aj,cai->cji", SLOPES[0], points[self._mesh.blocks[0].connectivity]))
+        return np.asarray(np.einsum("aj,cai->cji", SLOPES[0], points[self._cells]))
 
     def _normals(self, points: FloatArray) -> FloatArray:
         """Return unit normals at the nodes (n_points, 3): of the cells round them, weighted by area."""
         base = self._base(points)
         normal = np.zeros_like(points)
         of_cell = np.cross(base[:, 0], base[:, 1])
-        for corner in range(4):
-            np.add.at(normal, self._mesh.blocks[0].connectivity[:, corner], of_cell)
+        for corner in range(3):
+            np.add.at(normal, self._cells[:, corner], of_cell)
+        four = ~is_triangle(self._cells)
+        np.add.at(normal, self._cells[four, 3], of_cell[four])
         for axis, nodes in zip(self._axes, self._planes, strict=True):
             normal[nodes, axis] = 0.0
         size = np.linalg.norm(normal, axis=1, keepdims=True)

@@ -29,6 +29,7 @@ from presswork.procedure.stamping_tools import (
     tool_columns,
     tool_text,
 )
+from presswork.procedure.transfer import SheetState, sheet_of_implicit
 from presswork.results.formability import formability_fields, judge_fields
 
 DEPTH = 2.0
@@ -40,8 +41,7 @@ ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work")
 
 def make_shell_model(model: StampingModel) -> Model:
     """Return the Model of a shell between tools in space that does what the stamping does."""
-    section = model.mesh.blocks[0].section
-    assert section is not None
+    section, _ = model.sheet
     moved = [t for t in model.tools if not is_pushed(model, t)]
     pushed = [t for t in model.tools if is_pushed(model, t)]
     pushes = {t.name: _push_by_stage(model, t) for t in pushed}
@@ -97,8 +97,7 @@ class ImplicitStamping:
         self.model = model
         self.procedure = ImplicitProcedure(make_shell_model(model), threads=threads)
         self.timing = self.procedure.timing
-        block = model.mesh.blocks[0]
-        self._judged = model.materials[block.material].formability
+        self._judged = model.sheet[1].formability
 
     @property
     def title(self) -> str:
@@ -136,8 +135,7 @@ class ImplicitStamping:
 
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
-        cells = len(self.model.mesh.blocks[0].connectivity)
-        return f"implicit: {cells} shells, linear solver: {self.procedure.equilibrium.solver.name}"
+        return f"implicit: {len(self.model.cells)} shells, linear solver: {self.procedure.equilibrium.solver.name}"
 
     def log_lines(self, report: IncrementReport) -> list[str]:
         """Say how the increment was found."""
@@ -202,6 +200,28 @@ class ImplicitStamping:
             tool_displacement=self._displacement(),
         )
 
+    def sheet(self) -> SheetState:
+        """Return the converged state of the sheet."""
+        return sheet_of_implicit(self.procedure)
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return float(self.procedure.state.progress[TIME])
+
+    def row_at_rest(self) -> Row:
+        """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
+        balance = self.procedure.energy_balance()
+        tools = tool_columns(self.model, self._displacement(), np.zeros((len(self.model.tools), 3)))
+        energies = {name: balance[name] for name in ENERGIES}
+        return {
+            "time": self.time,
+            "iterations": 0,
+            **tools,
+            **energies,
+            "energy_error_percent": balance["error_percent"],
+        }
+
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return the converged state."""
         return self.procedure.state.to_arrays()
@@ -222,7 +242,8 @@ class ImplicitStamping:
         state = self.procedure.state
         fields = self.procedure.mechanics.cell_fields(state)
         mesh = self.model.mesh
-        centres = (mesh.points + state.displacement[:, :3])[mesh.blocks[0].connectivity].mean(axis=1)
+        points = mesh.points + state.displacement[:, :3]
+        centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in mesh.blocks])
         verdict = judge_fields(fields, centres, self._judged)
         assert verdict is not None, "shells have principal strains"
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")

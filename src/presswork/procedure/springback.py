@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Springback: a formed sheet is let go, and the implicit procedure finds where it comes to rest.
+"""What follows forming: the part is trimmed, and springs back.
 
-The tools are gone; what they and inertia held fades over a few increments (transfer.py). Only symmetry planes stay, and
-as many freedoms of three nodes as rigid motions are left: such supports bear no force, so they leave the shape alone
-and only choose from where it is seen. The first node lies in the middle of the blank, the other two near it along x
-and y, so that the bottom of a part stays where it is and its walls and flange move.
+It is cut along the trim lines while its tools hold it (trim.py). Then it is let go, and the implicit procedure finds
+where it comes to rest. The tools are gone; what they and inertia held fades over a few increments (transfer.py), and so
+does what the cut took away. Only symmetry planes stay, and as many freedoms of three nodes as rigid motions are left:
+such supports bear no force, so they leave the shape alone and only choose from where it is seen. The first node lies in
+the middle of the blank, the other two near it along x and y, so that the bottom of a part stays where it is and its
+walls and flange move.
 """
 
 from __future__ import annotations
@@ -17,23 +19,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.mesh.checks import MeshError
-from presswork.model import FloatArray, Model, OutputSettings, ShellElement, SolverSettings, Stage, Support
-from presswork.model_stamping import StampingModel
-from presswork.procedure.explicit import EnergyBalance
+from presswork.model import FloatArray, Mesh, Model, OutputSettings, ShellElement, SolverSettings, Stage, Support
+from presswork.model_stamping import Springback, StampingModel
 from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
-from presswork.procedure.recording import GaveUpError, Row, Snapshot, StartError
-from presswork.procedure.stamping import ENERGIES, ExplicitStamping, RowReport
-from presswork.procedure.transfer import TransferError, carry_to_implicit
+from presswork.procedure.implicit_stamping import ImplicitStamping
+from presswork.procedure.recording import GaveUpError, Meta, Report, Row, Snapshot, StartError
+from presswork.procedure.stamping import ExplicitStamping
+from presswork.procedure.transfer import TransferError, begin_with
+from presswork.procedure.trim import TrimError, TrimmedSheet, trim_sheet
 from presswork.results.formability import formability_fields
 
-NAME = "springback"
-ELEMENT: ShellElement = "shell4_mitc_plus"
+TRIM, NAME = "trim", "springback"
+ELEMENTS: dict[int, ShellElement] = {3: "shell3_mitc_plus", 4: "shell4_mitc_plus"}
+"""By number of nodes."""
 APART = 0.2
 """Least distance of the nodes that hold the sheet, over the blank's length and width."""
-_KEPT = ("cycles", "time_step", "added_mass_percent", "energy_error_percent", *(f"{e}_energy" for e in ENERGIES[1:]))
-"""Columns that stay as they were when forming ended; kinetic energy is none."""
+STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
+"""Columns of the history that lose the elastic energy which springback sets free."""
 SHARE = 0.03
 """Of the whole process that springback counts as in the progress display."""
+
+
+@dataclass(frozen=True)
+class TrimReport:
+    """The part has been cut."""
+
+    number: int
+    is_save_point: bool = True
 
 
 @dataclass(frozen=True)
@@ -41,8 +53,7 @@ class SpringbackReport:
     """An increment of springback."""
 
     number: int
-    """Rows of the stamping included."""
-    time: float
+    """What was reported before included."""
     increment: IncrementReport
     is_save_point: bool
 
@@ -70,23 +81,23 @@ def hold_rigidly(points: FloatArray, symmetry: tuple[bool, bool]) -> dict[int, t
     return {node: (bool(h[0]), bool(h[1]), bool(h[2])) for node, h in held.items()}
 
 
-def make_springback_model(model: StampingModel) -> Model:
-    """Return the Model of the released sheet."""
-    assert model.springback is not None
+def make_springback_model(model: StampingModel, mesh: Mesh) -> Model:
+    """Return the Model of the released sheet; mesh: undeformed."""
+    springback = model.springback or Springback()
     planes = [s for s in model.supports if s.node_set in ("symmetry_x", "symmetry_y")]
-    block = replace(model.mesh.blocks[0], element=ELEMENT)
-    node_sets = dict(model.mesh.node_sets)
+    blocks = tuple(replace(block, element=ELEMENTS[block.connectivity.shape[1]]) for block in mesh.blocks)
+    node_sets = dict(mesh.node_sets)
     supports = list(planes)
-    for node, fixed in hold_rigidly(model.mesh.points, model.symmetry).items():
+    for node, fixed in hold_rigidly(mesh.points, model.symmetry).items():
         name = f"held_{node}"
         node_sets[name] = np.array([node], dtype=np.int32)
         supports.append(Support(name, (*fixed, False, False, False)))
-    size = 1.0 / model.springback.increments
+    size = 1.0 / springback.increments
     return Model(
         title=model.title,
         analysis="shell",
         depth=1.0,
-        mesh=replace(model.mesh, blocks=(block,), node_sets=node_sets),
+        mesh=replace(mesh, blocks=blocks, node_sets=node_sets),
         materials=model.materials,
         tools=(),
         supports=tuple(supports),
@@ -96,52 +107,109 @@ def make_springback_model(model: StampingModel) -> Model:
     )
 
 
-class StampingWithSpringback(ExplicitStamping):
-    """A stamping by explicit dynamics, after which the part springs back."""
+@dataclass(frozen=True)
+class _Released:
+    """The part without its tools."""
+
+    implicit: ImplicitProcedure
+    trimmed: TrimmedSheet | None
+    formed: FloatArray
+    """Displacement when it was let go (n_points, 3) [mm]."""
+    elastic: float
+    """Energy stored then [N mm]."""
+
+
+class ReleasedStamping:
+    """A stamping after which the part is trimmed, or springs back, or both."""
 
     def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
-        super().__init__(model, threads=threads)
+        procedure = ImplicitStamping if model.procedure == "implicit" else ExplicitStamping
+        self.forming: ExplicitStamping | ImplicitStamping = procedure(model, threads=threads)
+        self.model = model
+        self.timing = self.forming.timing
         self._threads = threads
-        self._implicit: ImplicitProcedure | None = None
-        self._elastic = 0.0
-        self._formed: FloatArray = np.zeros((0, 3))
+        self._released: _Released | None = None
 
-    def advance(self) -> Iterator[RowReport | SpringbackReport]:  # type: ignore[override]
-        """Form the part row after row, then let it go. Raises GaveUpError."""
-        yield from super().advance()
-        implicit = self._release() if self._implicit is None else self._implicit
-        before = super().number
-        for report in implicit.advance():
-            yield SpringbackReport(before + report.number, self.shells.time + report.time, report, report.is_save_point)
+    def advance(self) -> Iterator[Report]:
+        """Form the part row after row, cut it, then let it go. Raises GaveUpError."""
+        yield from self.forming.advance()
+        if self._released is None:
+            self._released = self._release()
+            if self.model.trim:
+                yield TrimReport(self.forming.number + 1)
+        if self.model.springback is None:
+            return
+        before = self.forming.number + bool(self.model.trim)
+        for report in self._released.implicit.advance():
+            yield SpringbackReport(before + report.number, report, report.is_save_point)
 
-    def _release(self) -> ImplicitProcedure:
-        """Take the tools away: hand the state over to an implicit procedure."""
+    def _release(self) -> _Released:
+        """Cut the part, and hand its state over to an implicit procedure."""
+        mesh, state, trimmed = self.model.mesh, self.forming.sheet(), None
         try:
-            released = ImplicitProcedure(make_springback_model(self.model), threads=self._threads)
-            carry_to_implicit(self.shells, released)
+            if self.model.trim:
+                trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS)
+                mesh, state = trimmed.mesh, trimmed.state
+            implicit = ImplicitProcedure(make_springback_model(self.model, mesh), threads=self._threads)
+            begin_with(state, implicit)
+        except TrimError as error:
+            raise GaveUpError(str(error)) from error
         except (MeshError, StartError, TransferError) as error:
             raise GaveUpError(f"springback cannot begin: {error}") from error
-        self._elastic = released.mechanics.elastic_energy(released.state)
-        self._formed = self.shells.position - self.model.mesh.points
-        self._implicit = released
-        return released
+        formed = state.position - mesh.points
+        return _Released(implicit, trimmed, formed, implicit.mechanics.elastic_energy(implicit.state))
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed; springback counts as a small one."""
-        left = 1.0 if self._implicit is None else self._implicit.remaining()
-        return (1.0 - SHARE) * super().remaining() + SHARE * left
+        left = 1.0 if self._released is None else 0.0
+        if self._released is not None and self.model.springback is not None:
+            left = self._released.implicit.remaining()
+        return (1.0 - SHARE) * self.forming.remaining() + SHARE * left
 
     @property
     def number(self) -> int:
         """Rows and increments so far."""
-        return super().number + (int(self._implicit.state.progress[INCREMENTS]) if self._implicit else 0)
+        if self._released is None:
+            return self.forming.number
+        increments = int(self._released.implicit.state.progress[INCREMENTS])
+        return self.forming.number + bool(self.model.trim) + increments
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 
-    def log_lines(self, report: RowReport | SpringbackReport) -> list[str]:
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.forming.title
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed sheet: the blank, and what trimming leaves of it."""
+        trimmed = None if self._released is None else self._released.trimmed
+        return self.model.mesh if trimmed is None else trimmed.mesh
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return self.forming.columns
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Rows between checkpoints."""
+        return self.forming.checkpoint_every
+
+    def begin_log(self) -> str:
+        """Name the procedure that forms, and what it starts with."""
+        return self.forming.begin_log()
+
+    def log_lines(self, report: Any) -> list[str]:
         """Say where the row or increment ended."""
-        if isinstance(report, RowReport):
-            return super().log_lines(report)
+        if isinstance(report, TrimReport):
+            assert self._released is not None
+            assert self._released.trimmed is not None
+            before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.model.mesh, self.mesh))
+            return [f"{TRIM}: {after} of {before} shells, outline within {self._released.trimmed.off_line:.3g} mm"]
+        if not isinstance(report, SpringbackReport):
+            return self.forming.log_lines(report)
         found = report.increment
         return [
             *(f"{NAME} cut back: {reason}" for reason in found.cutbacks),
@@ -149,88 +217,99 @@ class StampingWithSpringback(ExplicitStamping):
             f"{' '.join(f'{r:.1e}' for r in found.log.residual)}",
         ]
 
-    def progress_text(self, report: RowReport | SpringbackReport) -> str:
+    def progress_text(self, report: Any) -> str:
         """Name stage and cycle or increment."""
-        if isinstance(report, RowReport):
-            return super().progress_text(report)
+        if isinstance(report, TrimReport):
+            return TRIM
+        if not isinstance(report, SpringbackReport):
+            return self.forming.progress_text(report)
         return f"{NAME}: {report.increment.fraction:.0%} of the forces taken away"
 
-    def row(self, report: RowReport | SpringbackReport) -> Row:
-        """Return the row of the history; of springback no tool has a force, and nothing moves."""
-        if isinstance(report, RowReport):
-            return super().row(report)
-        assert self._implicit is not None
-        row: Row = dict.fromkeys(self.columns, 0.0)
-        row |= {name: value for name, value in self.tools.row().items() if name.endswith(".stroke")}
-        row |= {"time": report.time, "stage": NAME, "increment": report.number}
-        row |= {name: value for name, value in super().row(self._last_row()).items() if name in _KEPT}
-        released = self._elastic - self._implicit.mechanics.elastic_energy(self._implicit.state)
-        row["internal_energy"] = float(row["internal_energy"]) - released
-        row["external_energy"] = float(row["external_energy"]) - released
-        return row
+    def row(self, report: Any) -> Row:
+        """Return the row of the history; of a part without tools no tool has a force, and nothing moves."""
+        if not isinstance(report, TrimReport | SpringbackReport):
+            return self.forming.row(report)
+        assert self._released is not None
+        implicit = self._released.implicit
+        row = self.forming.row_at_rest()
+        freed = self._released.elastic - implicit.mechanics.elastic_energy(implicit.state)
+        row |= {name: float(row[name]) - freed for name in STORED if name in row}
+        stage = TRIM if isinstance(report, TrimReport) else NAME
+        return row | {"time": self._time(), "stage": stage, "increment": report.number}
 
-    def _last_row(self) -> RowReport:
-        """Return a report of where forming ended."""
-        shells = self.shells
-        return RowReport(super().number, NAME, 1.0, shells.time, 0, shells.dt, self._end_energies(), is_save_point=True)
-
-    def _end_energies(self) -> EnergyBalance:
-        return self.shells.energies(damping=self.model.explicit.damping, velocity_scale=0.0)
+    def _time(self) -> float:
+        assert self._released is not None
+        return self.forming.time + float(self._released.implicit.state.progress[0])
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state; `springback` is the displacement since the part was let go."""
-        snapshot = super().snapshot()
-        if self._implicit is None:
-            nothing = np.zeros_like(self.model.mesh.points)
-            return replace(snapshot, point_data={**snapshot.point_data, NAME: nothing})
-        state, mechanics = self._implicit.state, self._implicit.mechanics
+        snapshot = self.forming.snapshot()
+        if self._released is None:
+            point_data = dict(snapshot.point_data)
+            if self.model.springback is not None:
+                point_data[NAME] = np.zeros_like(self.model.mesh.points)
+            return replace(snapshot, point_data=point_data)
+        state, mechanics = self._released.implicit.state, self._released.implicit.mechanics
         cells = mechanics.cell_fields(state)
-        cells |= formability_fields(cells, self._judged)
-        return replace(
-            snapshot,
-            time=self.shells.time + float(state.progress[0]),
-            point_data={
-                "displacement": state.displacement[:, :3].copy(),
-                "reaction_force": state.reaction[:, :3].copy(),
-                "reaction_moment": state.reaction[:, 3:].copy(),
-                "contact_force": np.zeros_like(self.model.mesh.points),
-                NAME: self._moved(),
-            },
-            cell_data={name: cells[name] for name in snapshot.cell_data},
-        )
+        cells |= formability_fields(cells, self.model.sheet[1].formability)
+        point_data = {
+            "displacement": state.displacement[:, :3].copy(),
+            "reaction_force": state.reaction[:, :3].copy(),
+            "reaction_moment": state.reaction[:, 3:].copy(),
+            "contact_force": np.zeros_like(self.mesh.points),
+        }
+        if self.model.springback is not None:
+            point_data[NAME] = self._moved()
+        cell_data = {name: cells[name] for name in snapshot.cell_data}
+        return replace(snapshot, time=self._time(), point_data=point_data, cell_data=cell_data)
 
     def _moved(self) -> FloatArray:
         """Return the displacement of springback (n_points, 3) [mm]."""
-        assert self._implicit is not None
-        return np.asarray(self._implicit.state.displacement[:, :3] - self._formed)
+        assert self._released is not None
+        return np.asarray(self._released.implicit.state.displacement[:, :3] - self._released.formed)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array that the next row or increment depends on."""
-        arrays = super().to_arrays()
-        if self._implicit is not None:
-            arrays |= {f"{NAME}.{name}": values for name, values in self._implicit.state.to_arrays().items()}
+        arrays = self.forming.to_arrays()
+        if self._released is not None:
+            own = self._released.implicit.state.to_arrays()
+            arrays |= {f"{NAME}.{name}": values for name, values in own.items()}
         return arrays
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
         own = {name.removeprefix(f"{NAME}."): v for name, v in arrays.items() if name.startswith(f"{NAME}.")}
-        self._implicit = None
-        super().load_arrays({name: v for name, v in arrays.items() if not name.startswith(f"{NAME}.")})
+        self._released = None
+        self.forming.load_arrays({name: v for name, v in arrays.items() if not name.startswith(f"{NAME}.")})
         if own:
-            self._release().state.load_arrays(own)
+            self._released = self._release()
+            self._released.implicit.state.load_arrays(own)
+
+    def meta(self) -> Meta:
+        """Return what forming keeps."""
+        return self.forming.meta()
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+        self.forming.load_meta(meta)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what a stamping's summary says, and how far which point has sprung."""
-        summary = super().summary(history)
-        if self._implicit is None:
+        """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
+        summary = self.forming.summary(history)
+        if self._released is None:
+            return summary
+        if self._released.trimmed is not None:
+            cells = sum(len(block.connectivity) for block in self.mesh.blocks)
+            summary[TRIM] = {"cells": cells, "off_line_mm": self._released.trimmed.off_line}
+        if self.model.springback is None:
             return summary
         way = np.linalg.norm(self._moved(), axis=1)
         at = int(np.argmax(way))
-        progress = self._implicit.state.progress
+        progress = self._released.implicit.state.progress
         return summary | {
             NAME: {
                 "largest_mm": float(way[at]),
-                "at_mm": [float(x) for x in self.model.mesh.points[at]],
+                "at_mm": [float(x) for x in self.mesh.points[at]],
                 "increments": int(progress[INCREMENTS]),
                 "iterations": int(progress[ITERATIONS]),
                 "cutbacks": int(progress[CUTBACKS]),

@@ -30,6 +30,7 @@ from presswork.procedure.explicit_fields import OnePointFields
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, mean_speeds
 from presswork.procedure.timing import Timing
+from presswork.procedure.transfer import SheetState, sheet_of_explicit
 from presswork.results.formability import formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
 from presswork.threads import available_threads
@@ -69,13 +70,12 @@ class ExplicitStamping:
         _core.set_threads(threads or available_threads())
         self.model = model
         self.timing = Timing("cycles")
-        block = model.mesh.blocks[0]
-        section, material = block.section, model.materials[block.material]
-        assert section is not None
+        section, material = model.sheet
+        self._cells = model.cells
         assert section.rule != "simpson"
         self.shells = ExplicitShells(
             model.mesh.points,
-            block.connectivity,
+            self._cells,
             section.thickness,
             make_sheet_law(material),
             material.density,
@@ -83,8 +83,9 @@ class ExplicitStamping:
             options=ShellOptions(n_points=section.points, rule=section.rule),
             precision=model.explicit.precision,
         )
-        self._fields = OnePointFields(model.mesh, section, np.asarray(model.rolling_direction), model.symmetry)
-        self._thickness = section.thickness
+        self._fields = OnePointFields(
+            model.mesh, self._cells, section, np.asarray(model.rolling_direction), model.symmetry
+        )
         self._judged = material.formability
         self._progress = np.zeros(4)
         self._mass = float(self.shells.mass[:, 0].sum())
@@ -116,7 +117,7 @@ class ExplicitStamping:
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
         n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
         self.shells.dt = (end - begin) / n
-        most = min(ELEMENT_CYCLES_A_CALL // len(self.model.mesh.blocks[0].connectivity), n // SAMPLES) or 1
+        most = min(ELEMENT_CYCLES_A_CALL // len(self._cells), n // SAMPLES) or 1
         self.tools.begin_row()
         for part in np.split(mean_speeds(stage, begin, end, n), range(most, n, most)):
             self.shells.advance(len(part), velocity_scale=part, damping=self.model.explicit.damping)
@@ -213,7 +214,7 @@ class ExplicitStamping:
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
         return (
-            f"explicit: {len(self.model.mesh.blocks[0].connectivity)} shells, stable step "
+            f"explicit: {len(self._cells)} shells, stable step "
             f"{self.shells.stable_step():.3g} s, added mass {self._progress[ADDED_MASS]:.3g} %"
         )
 
@@ -277,6 +278,24 @@ class ExplicitStamping:
             held[sets[p.node_set], p.component] = True
         return held
 
+    def sheet(self) -> SheetState:
+        """Return the present state of the sheet."""
+        return sheet_of_explicit(self.shells)
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self.shells.time
+
+    def row_at_rest(self) -> Row:
+        """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
+        energies = self.shells.energies(damping=self.model.explicit.damping, velocity_scale=0.0)
+        report = RowReport(self.number, "", 1.0, self.shells.time, 0, self.shells.dt, energies, is_save_point=True)
+        gone = {
+            f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
+        }
+        return self.row(report) | gone | {"kinetic_energy": 0.0}
+
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array that the next row depends on."""
         return {"progress": self._progress.copy(), **self.shells.dump()}
@@ -301,7 +320,7 @@ class ExplicitStamping:
         """Return counts, extremes and energies, with warnings where they are out of hand."""
         shells = self.shells
         fields = self.snapshot().cell_data
-        centres = shells.position[self.model.mesh.blocks[0].connectivity].mean(axis=1)
+        centres = np.concatenate([shells.position[b.connectivity].mean(axis=1) for b in self.model.mesh.blocks])
         verdict = judge_fields(fields, centres, self._judged)
         assert verdict is not None
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
@@ -310,7 +329,7 @@ class ExplicitStamping:
         return {
             "increments": self.number,
             "cycles": cycles,
-            "work": f"{cycles} cycles of {len(self.model.mesh.blocks[0].connectivity)} shells",
+            "work": f"{cycles} cycles of {len(self._cells)} shells",
             "freedoms": 6 * len(self.model.mesh.points),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "mass": {"blank_t": self._mass, "added_percent": float(self._progress[ADDED_MASS])},

@@ -119,9 +119,7 @@ def cut_surfaces(model: StampingModel) -> dict[str, tuple[FloatArray, IntArray]]
     found = {}
     for tool in model.tools:
         if isinstance(tool.shape, SweptTool):
-            section = mesh.blocks[0].section
-            assert section is not None
-            points, triangles = tool.shape.triangulate(DRAWN_WITHIN * section.thickness, length=length)
+            points, triangles = tool.shape.triangulate(DRAWN_WITHIN * model.sheet[0].thickness, length=length)
         else:
             points, triangles = tool.shape.points, tool.shape.triangles
         found[tool.name] = (points + np.asarray(tool.position), triangles)

@@ -21,7 +21,7 @@ from presswork.pose import ToolPose, place_segments
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
 from presswork.results.formability import FORMABILITY_FIELDS
 from presswork.results.history import read_history
-from presswork.results.vtkhdf import open_results
+from presswork.results.vtkhdf import locate_mesh, open_results
 from presswork.results.whole_file import OutputError
 
 ALIASES = {"eqps": "equivalent_plastic_strain", "u": "displacement", "mises": "effective_stress"}
@@ -106,17 +106,34 @@ class Result:
 
     @cached_property
     def mesh(self) -> ResultMesh:
-        """The undeformed mesh."""
+        """The undeformed mesh; where it changes in a run, that of the first step."""
+        return self.mesh_at(0)
+
+    def mesh_at(self, step: int = -1) -> ResultMesh:
+        """Return the undeformed mesh of a saved step: one that a sheet was cut to, say, instead of the first."""
         with self._open() as file:
-            root, extras = file["VTKHDF"], file["presswork"]
-            connectivity, offsets, types = root["Connectivity"][()], root["Offsets"][()], root["Types"][()]
+            parts = file["VTKHDF/Steps/PartOffsets"]
+            part = int(parts[self._index(step, len(parts))])
+        if part not in self._meshes:
+            self._meshes[part] = self._read_mesh(part)
+        return self._meshes[part]
+
+    @cached_property
+    def _meshes(self) -> dict[int, ResultMesh]:
+        return {}
+
+    def _read_mesh(self, part: int) -> ResultMesh:
+        with self._open() as file:
+            root, extras, place = file["VTKHDF"], file[f"presswork/meshes/{part}"], locate_mesh(file, part)
+            connectivity, types = root["Connectivity"][place.ids], root["Types"][place.cells]
+            offsets = root["Offsets"][place.offsets]
             blocks, first = [], 0
-            for element, count in zip(extras["blocks/element"].asstr()[()], extras["blocks/n_cells"][()], strict=True):
+            for element, count in zip(extras["element"].asstr()[()], extras["n_cells"][()], strict=True):
                 ids = connectivity[offsets[first] : offsets[first + count]].reshape(count, -1)
                 blocks.append(ResultBlock(element, int(types[first]), ids))
                 first += count
             edges = extras["boundary_edges"][()].astype(np.int64)
-            return ResultMesh(root["Points"][:, : self._dimension], tuple(blocks), edges)
+            return ResultMesh(root["Points"][place.points, : self._dimension], tuple(blocks), edges)
 
     @cached_property
     def tools(self) -> dict[str, FloatArray]:
@@ -172,9 +189,9 @@ class Result:
         group, count = ("PointData", "Points") if self.field_names[stored] == "point" else ("CellData", "Cells")
         with self._open() as file:
             root = file["VTKHDF"]
-            n = int(root[f"NumberOf{count}"][0])
             offsets = root[f"Steps/{group}Offsets/{stored}"]
-            start = int(offsets[self._index(step, len(offsets))])
+            index = self._index(step, len(offsets))
+            n, start = int(root[f"NumberOf{count}"][root["Steps/PartOffsets"][index]]), int(offsets[index])
             values = np.asarray(root[f"{group}/{stored}"][start : start + n], dtype=np.float64)
         return values if component is None else values[:, component]
 
@@ -192,7 +209,7 @@ class Result:
     def points(self, step: int = -1) -> FloatArray:
         """Return the coordinates of the deformed mesh [mm], shape (n_points, 2); of shells (n_points, 3)."""
         moved = self.field("displacement", step)[:, : self._dimension]
-        return np.asarray(self.mesh.points + moved, dtype=np.float64)
+        return np.asarray(self.mesh_at(step).points + moved, dtype=np.float64)
 
     @property
     def is_shell(self) -> bool:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""results.vtkhdf: the mesh once and the fields of every saved step, in one file that ParaView opens.
+"""results.vtkhdf: meshes and the fields of every saved step, in one file that ParaView opens.
 
-The file is a temporal VTKHDF unstructured grid, version 2.0: all steps point to the same points and cells, and each
-step's fields lie one after the other, found by their offsets. Beside it the group /presswork, which VTK passes over,
-holds what the pictures need: cell blocks, boundary edges, tool profiles and tool positions.
+The file is a temporal VTKHDF unstructured grid, version 2.0: all steps on one mesh point to the same points and cells,
+and each step's fields lie one after the other, found by their offsets. A step on another mesh than the one before, of a
+trimmed sheet for instance, adds its own points and cells: VTK calls these a part. Beside it the group /presswork, which
+VTK passes over, holds what the pictures need: cell blocks and boundary edges of each mesh, tool profiles and positions.
 
 Every append writes a copy and renames it. HDF5 has no journal, so an append in place that is killed can leave a file
 that nothing reads; the copy costs a sequential read and write of the file, and in return the file is whole at any
@@ -14,6 +15,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
@@ -61,6 +63,8 @@ UNITS = {
 
 _ROWS_PER_CHUNK = 16384
 _OVERHEAD_BYTES = 65536
+_COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+"""Of each mesh."""
 _GEOMETRY_OFFSETS = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
 
 
@@ -82,11 +86,12 @@ def append_step(
 
     `time` [s]. `point_data` and `cell_data` hold arrays of shape (n_points,) or (n_points, k), (n_cells,) or
     (n_cells, k), cells in the order of the blocks; displacement is (n_points, 3), stress (n_cells, 6) as xx, yy, zz,
-    xy, yz, xz. The same fields come at every step. `tools` holds each tool's segments, shape (n_segments, 7) as in
-    model.Tool, `tool_centre` the point about which it turns, `tool_displacement` its displacement, shape (2,) [mm],
-    and `tool_angle` its angle [rad]; a tool not named has not moved. `surfaces` holds the points (n, 3) and triangles
-    (n, 3) of tools in space, whose displacement has shape (3,). `tools`, `tool_centre`, `surfaces` and `info` (title,
-    analysis and the like, stored as attributes) are stored with the first step only.
+    xy, yz, xz. The same fields come at every step; a mesh unlike that of the last step is stored beside it. `tools`
+    holds each tool's segments, shape (n_segments, 7) as in model.Tool, `tool_centre` the point about which it turns,
+    `tool_displacement` its displacement, shape (2,) [mm], and `tool_angle` its angle [rad]; a tool not named has not
+    moved. `surfaces` holds the points (n, 3) and triangles (n, 3) of tools in space, whose displacement has shape (3,).
+    `tools`, `tool_centre`, `surfaces` and `info` (title, analysis and the like, stored as attributes) are stored with
+    the first step only.
     Raises OutputError if the file cannot be written, ValueError if an array has the wrong shape.
     """
     path = Path(path)
@@ -94,16 +99,17 @@ def append_step(
     data = {"Point": _check_fields(point_data, len(mesh.points)), "Cell": _check_fields(cell_data, n_cells)}
     is_new = not path.exists()
     added = sum(values.nbytes for fields in data.values() for values in fields.values()) + _OVERHEAD_BYTES
-    old = mesh.points.nbytes * 2 + n_cells * 100 if is_new else path.stat().st_size
+    added += mesh.points.nbytes * 2 + n_cells * 100
+    old = 0 if is_new else path.stat().st_size
     with replace_whole(path, needed_bytes=old + added) as temporary:
         if not is_new:
             shutil.copyfile(path, temporary)
         with write_hdf5(temporary, "w" if is_new else "r+") as file:
             if is_new:
-                _write_geometry(file, mesh)
-                _write_extras(file, mesh, info or {})
+                _write_frame(file, info or {})
                 _write_tools(file, tools or {}, tool_centre or {}, surfaces or {})
-            _check_same_mesh(file, mesh, path)
+            if is_new or not _is_last_mesh(file, mesh):
+                _append_mesh(file, mesh)
             for kind, fields in data.items():
                 _append_fields(file, kind, fields)
             _append_time(file, time)
@@ -158,24 +164,13 @@ def _check_fields(fields: Mapping[str, FloatArray], n_rows: int) -> dict[str, Fl
     return checked
 
 
-def _write_geometry(file: h5py.File, mesh: Mesh) -> None:
-    """Write points, cells and empty steps."""
-    cells = [block.connectivity for block in mesh.blocks]
-    nodes_per_cell = np.concatenate([np.full(len(c), c.shape[1]) for c in cells])
-    kinds = [np.full(len(b.connectivity), VTK_TYPES[b.element.split("_")[0]]) for b in mesh.blocks]
+def _write_frame(file: h5py.File, info: Info) -> None:
+    """Write what a file without meshes and steps holds."""
     root = file.create_group("VTKHDF")
     root.attrs["Version"] = np.array([2, 0])
     root.attrs["Type"] = np.bytes_("UnstructuredGrid")
-    space = np.zeros((len(mesh.points), 3))
-    space[:, : mesh.points.shape[1]] = mesh.points
-    root["Points"] = space
-    root["Points"].attrs["units"] = "mm"
-    root["Connectivity"] = np.concatenate([c.ravel() for c in cells]).astype(np.int64)
-    root["Offsets"] = np.concatenate([[0], np.cumsum(nodes_per_cell)]).astype(np.int64)
-    root["Types"] = np.concatenate(kinds).astype(np.uint8)
-    root["NumberOfPoints"] = np.array([len(mesh.points)], dtype=np.int64)
-    root["NumberOfCells"] = np.array([len(nodes_per_cell)], dtype=np.int64)
-    root["NumberOfConnectivityIds"] = np.array([nodes_per_cell.sum()], dtype=np.int64)
+    for name in _COUNTS:
+        root.create_dataset(name, (0,), np.int64, maxshape=(None,), chunks=(16,))
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = 0
     steps.create_dataset("Values", (0,), np.float64, maxshape=(None,), chunks=(256,)).attrs["units"] = "s"
@@ -185,17 +180,73 @@ def _write_geometry(file: h5py.File, mesh: Mesh) -> None:
     for kind in ("Point", "Cell"):
         root.create_group(f"{kind}Data")
         steps.create_group(f"{kind}DataOffsets")
-
-
-def _write_extras(file: h5py.File, mesh: Mesh, info: Info) -> None:
-    """Write what VTK has no place for: the blocks and the boundary edges."""
     extras = file.create_group("presswork")
     extras.attrs.update(info)
-    extras["boundary_edges"] = mesh.boundary_edges
-    blocks = extras.create_group("blocks")
-    blocks["element"] = [block.element for block in mesh.blocks]
-    blocks["n_cells"] = [len(block.connectivity) for block in mesh.blocks]
-    blocks["material"] = [block.material for block in mesh.blocks]
+    extras.create_group("meshes")
+
+
+def _append_mesh(file: h5py.File, mesh: Mesh) -> None:
+    """Append points and cells, and what VTK has no place for: the blocks and the boundary edges."""
+    root = file["VTKHDF"]
+    cells = [block.connectivity for block in mesh.blocks]
+    nodes_per_cell = np.concatenate([np.full(len(c), c.shape[1]) for c in cells])
+    kinds = [np.full(len(b.connectivity), VTK_TYPES[b.element.split("_")[0]]) for b in mesh.blocks]
+    space = np.zeros((len(mesh.points), 3))
+    space[:, : mesh.points.shape[1]] = mesh.points
+    rows: dict[str, NDArray[np.generic]] = {
+        "Points": space,
+        "Connectivity": np.concatenate([c.ravel() for c in cells]).astype(np.int64),
+        "Offsets": np.concatenate([[0], np.cumsum(nodes_per_cell)]).astype(np.int64),
+        "Types": np.concatenate(kinds).astype(np.uint8),
+    }
+    for name, values in rows.items():
+        if name not in root:
+            _create_rows(root, name, values)
+        _append_rows(root[name], values)
+    root["Points"].attrs["units"] = "mm"
+    for name, count in zip(_COUNTS, (len(space), len(nodes_per_cell), nodes_per_cell.sum()), strict=True):
+        _append_rows(root[name], np.array([count]))
+    meshes = file["presswork/meshes"]
+    own = meshes.create_group(str(len(meshes)))
+    own["boundary_edges"] = mesh.boundary_edges
+    own["element"] = [block.element for block in mesh.blocks]
+    own["n_cells"] = [len(block.connectivity) for block in mesh.blocks]
+    own["material"] = [block.material for block in mesh.blocks]
+
+
+def locate_mesh(file: h5py.File, part: int) -> MeshPlace:
+    """Return where a mesh lies among the points, cells and connectivity of all."""
+    root = file["VTKHDF"]
+    begin = [int(root[name][:part].sum()) for name in _COUNTS]
+    end = [start + int(root[name][part]) for start, name in zip(begin, _COUNTS, strict=True)]
+    points, cells, ids = (slice(*ends) for ends in zip(begin, end, strict=True))
+    return MeshPlace(points, cells, ids, slice(cells.start + part, cells.stop + part + 1))
+
+
+@dataclass(frozen=True)
+class MeshPlace:
+    """Rows of one mesh."""
+
+    points: slice
+    cells: slice
+    ids: slice
+    """Of the connectivity."""
+    offsets: slice
+    """One more than cells."""
+
+
+def _is_last_mesh(file: h5py.File, mesh: Mesh) -> bool:
+    """Say whether the mesh is that of the last step."""
+    root = file["VTKHDF"]
+    place = locate_mesh(file, len(root["NumberOfPoints"]) - 1)
+    ids = np.concatenate([block.connectivity.ravel() for block in mesh.blocks])
+    n_cells = sum(len(block.connectivity) for block in mesh.blocks)
+    return (
+        place.points.stop - place.points.start == len(mesh.points)
+        and place.cells.stop - place.cells.start == n_cells
+        and np.array_equal(root["Connectivity"][place.ids], ids)
+        and np.array_equal(root["Points"][place.points, : mesh.points.shape[1]], mesh.points)
+    )
 
 
 def _write_tools(
@@ -217,13 +268,6 @@ def _write_tools(
         tool.create_dataset("displacement", (0, 3), np.float64, maxshape=(None, 3), chunks=(256, 3))
 
 
-def _check_same_mesh(file: h5py.File, mesh: Mesh, path: Path) -> None:
-    """Refuse to append steps of another mesh."""
-    n_points, n_cells = file["VTKHDF/NumberOfPoints"][0], file["VTKHDF/NumberOfCells"][0]
-    if n_points != len(mesh.points) or n_cells != sum(len(block.connectivity) for block in mesh.blocks):
-        raise OutputError(f"{path} holds another mesh ({n_points} points, {n_cells} cells); run with --overwrite")
-
-
 def _append_fields(file: h5py.File, kind: str, fields: Mapping[str, FloatArray]) -> None:
     """Append one step's rows of every field, and note where they begin."""
     group, offsets = file[f"VTKHDF/{kind}Data"], file[f"VTKHDF/Steps/{kind}DataOffsets"]
@@ -238,22 +282,30 @@ def _append_fields(file: h5py.File, kind: str, fields: Mapping[str, FloatArray])
         _append_rows(group[name], values)
 
 
-def _create_field(group: h5py.Group, name: str, values: FloatArray) -> None:
-    """Create an empty field whose rows look like those of `values`."""
+def _create_rows(group: h5py.Group, name: str, values: NDArray[np.generic]) -> h5py.Dataset:
+    """Create an empty dataset whose rows look like those of `values`."""
     columns = values.shape[1:]
     chunks = (max(1, min(len(values), _ROWS_PER_CHUNK)), *columns)
-    field = group.create_dataset(name, (0, *columns), np.float64, maxshape=(None, *columns), chunks=chunks)
+    return group.create_dataset(name, (0, *columns), values.dtype, maxshape=(None, *columns), chunks=chunks)
+
+
+def _create_field(group: h5py.Group, name: str, values: FloatArray) -> None:
+    """Create an empty field whose rows look like those of `values`."""
+    field = _create_rows(group, name, values)
     of_tool = "contact_traction" if name.startswith("contact_traction_") else name
     if of_tool in UNITS:
         field.attrs["units"] = UNITS[of_tool]
 
 
 def _append_time(file: h5py.File, time: float) -> None:
-    """Append one step that shares the geometry of all others."""
+    """Append one step on the last mesh."""
     steps = file["VTKHDF/Steps"]
+    part = len(file["VTKHDF/NumberOfPoints"]) - 1
+    place = locate_mesh(file, part)
     _append_rows(steps["Values"], np.array([time]))
-    for name in _GEOMETRY_OFFSETS:
-        _append_rows(steps[name], np.zeros((1, *steps[name].shape[1:]), dtype=np.int64))
+    begins = (part, place.points.start, place.cells.start, place.ids.start)
+    for name, begin in zip(_GEOMETRY_OFFSETS, begins, strict=True):
+        _append_rows(steps[name], np.full((1, *steps[name].shape[1:]), begin, dtype=np.int64))
     _append_rows(steps["NumberOfParts"], np.ones(1, dtype=np.int64))
     steps.attrs["NSteps"] = len(steps["Values"])
 
@@ -279,13 +331,23 @@ def _append_rows(dataset: h5py.Dataset, rows: NDArray[np.generic]) -> None:
 
 
 def _truncate(file: h5py.File, n: int) -> None:
-    """Cut every growing dataset after `n` steps."""
+    """Cut every growing dataset after `n` steps, and drop the meshes that only later ones have."""
     root = file["VTKHDF"]
     steps = root["Steps"]
-    for kind, count in (("Point", root["NumberOfPoints"][0]), ("Cell", root["NumberOfCells"][0])):
+    last = int(steps["PartOffsets"][n - 1])
+    place = locate_mesh(file, last)
+    for kind, count in (("Point", root["NumberOfPoints"][last]), ("Cell", root["NumberOfCells"][last])):
         for name, field in root[f"{kind}Data"].items():
-            field.resize(n * int(count), axis=0)
-            steps[f"{kind}DataOffsets"][name].resize(n, axis=0)
+            offsets = steps[f"{kind}DataOffsets"][name]
+            field.resize(int(offsets[n - 1]) + int(count), axis=0)
+            offsets.resize(n, axis=0)
+    rows = {"Points": place.points, "Connectivity": place.ids, "Offsets": place.offsets, "Types": place.cells}
+    for name, own in rows.items():
+        root[name].resize(own.stop, axis=0)
+    for name in _COUNTS:
+        root[name].resize(last + 1, axis=0)
+    for number in range(last + 1, len(file["presswork/meshes"])):
+        del file[f"presswork/meshes/{number}"]
     for name in (*_GEOMETRY_OFFSETS, "NumberOfParts", "Values"):
         steps[name].resize(n, axis=0)
     for tool in file["presswork"].get("tools", {}).values():

@@ -72,11 +72,11 @@ def plot_section(
 
 
 def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
-    """Draw how far the edge of the blank has come in along x, y and the diagonal against the stroke."""
+    """Draw how far the blank's edge has come in along x, y and the diagonal against the stroke, until it is cut."""
     require_matplotlib()
     figure = new_figure(6.4, 4.2) if figure is None else figure
     ax = figure.subplots()
-    steps = range(len(result.times))
+    steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
     way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
     tool = max(way, key=lambda name: way[name])
     stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]

@@ -51,9 +51,9 @@ def plot_shell(
     ax: Axes3D = figure.add_subplot(projection="3d")
     ax.set_proj_type("ortho")
     ax.view_init(*view)
-    moved = result.points(step)
-    points = result.mesh.points + scale * (moved - result.mesh.points)
-    outlines = outline_cells(result.mesh, points)
+    mesh, moved = result.mesh_at(step), result.points(step)
+    points = mesh.points + scale * (moved - mesh.points)
+    outlines = outline_cells(mesh, points)
     values = None if field is None else _cell_values(result, field, step)
     colours = _colours(values, outlines, by_zone=field == ZONE_FIELD)
     width = float(np.clip(10.0 / np.sqrt(len(outlines)), 0.04, 0.6)) if show_edges else 0.0
@@ -122,7 +122,7 @@ def _cell_values(result: Result, field: str, step: int) -> FloatArray:
         raise ResultError(f"{field} has {values.shape[1]} components; choose one, as {field}_xx")
     if result.kind(field) == "cell":
         return values
-    return np.concatenate([values[block.connectivity].mean(axis=1) for block in result.mesh.blocks])
+    return np.concatenate([values[block.connectivity].mean(axis=1) for block in result.mesh_at(step).blocks])
 
 
 def _colours(values: FloatArray | None, outlines: list[FloatArray], *, by_zone: bool) -> FloatArray:

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Closed polygons in the plane: what lies inside, how far away, where edges cross them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.model import BoolArray, FloatArray
+
+
+def list_sides(polygon: FloatArray) -> FloatArray:
+    """Return the sides (m, 2, 2): start and end."""
+    return np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
+
+
+def contains(sides: FloatArray, points: FloatArray) -> BoolArray:
+    """Say which points (n, 2) lie inside the closed loops of sides (m, 2, 2): a ray along x meets an odd number."""
+    inside = np.zeros(len(points), dtype=bool)
+    x, y = points.T
+    for (x0, y0), (x1, y1) in sides:
+        if y0 != y1:
+            spans = (y0 > y) != (y1 > y)
+            inside ^= spans & (x < x0 + (y - y0) * ((x1 - x0) / (y1 - y0)))
+    return inside
+
+
+def measure_distance(sides: FloatArray, points: FloatArray) -> FloatArray:
+    """Return the distance of points (n, 2) to the nearest of sides (m, 2, 2) (n,) [mm]."""
+    nearest = np.full(len(points), np.inf)
+    for start, end in sides:
+        along = end - start
+        part = np.clip((points - start) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
+        nearest = np.minimum(nearest, ((points - start - part[:, None] * along) ** 2).sum(axis=1))
+    return np.asarray(np.sqrt(nearest))
+
+
+def sample_sides(sides: FloatArray, spacing: float) -> FloatArray:
+    """Return points along sides (m, 2, 2), both ends of each among them, no farther apart than `spacing` (n, 2)."""
+    samples = []
+    for start, end in sides:
+        n = int(np.ceil(np.linalg.norm(end - start) / spacing)) + 1
+        samples.append(start + np.linspace(0.0, 1.0, max(n, 2))[:, None] * (end - start))
+    return np.concatenate(samples)
+
+
+def find_crossings(sides: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    """Return the part of each edge, from start (n, 2) to end (n, 2), after which it first meets one of sides.
+
+    NaN where it meets none.
+    """
+    first = np.full(len(start), np.nan)
+    along = end - start
+    for a, b in sides:
+        side = b - a
+        sine = along[:, 0] * side[1] - along[:, 1] * side[0]
+        meets = np.abs(sine) > 1e-14 * np.linalg.norm(along, axis=1) * np.linalg.norm(side)
+        safe = np.where(meets, sine, 1.0)
+        away = a - start
+        part = (away[:, 0] * side[1] - away[:, 1] * side[0]) / safe
+        on_side = (away[:, 0] * along[:, 1] - away[:, 1] * along[:, 0]) / safe
+        meets &= (part >= -1e-12) & (part <= 1 + 1e-12) & (on_side >= -1e-12) & (on_side <= 1 + 1e-12)
+        first = np.where(meets, np.fmin(first, part), first)
+    return np.asarray(np.clip(first, 0.0, 1.0))
+
+
+def polygon_area(polygon: FloatArray) -> float:
+    """Return the signed area of a polygon (m, 2) [mm2], positive where it runs counter-clockwise."""
+    x, y = polygon.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def find_corners(polygon: FloatArray, least_turn: float) -> FloatArray:
+    """Return the corners (n, 2) of a polygon (m, 2) at which it turns by more than an angle [rad]."""
+    into = polygon - np.roll(polygon, 1, axis=0)
+    out = np.roll(polygon, -1, axis=0) - polygon
+    cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
+    return np.asarray(polygon[np.abs(np.arctan2(cross, (into * out).sum(axis=1))) > least_turn])
