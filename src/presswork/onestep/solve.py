@@ -10,10 +10,10 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
-from presswork.mesh.flatten import flatten
 from presswork.mesh.triangles import find_rims
 from presswork.model import BoolArray, FloatArray, IntArray
 from presswork.model_onestep import OneStepModel
+from presswork.procedure.flatten import flatten
 from presswork.procedure.one_step import Friction, OneStep, OneStepProblem, OneStepSolution, lay_over
 from presswork.procedure.one_step_fields import cell_means, triangle_fields
 from presswork.procedure.one_step_law import find_metric, make_law
