@@ -24,7 +24,7 @@ from presswork.model_stamping import AnyModel
 from presswork.onestep.commands import add_commands as add_onestep_commands
 from presswork.onestep.commands import compute as compute_onestep
 from presswork.post import trace_outline, write_outline
-from presswork.procedure.one_step import OneStepError
+from presswork.procedure.one_step_part import OneStepError
 from presswork.run import Outcome, StartError, check_start, run_model
 from presswork.run import Progress as RunProgress
 from presswork.study.commands import add_commands

@@ -16,7 +16,7 @@ from presswork.case.onestep import OneStepCase, build_onestep_model
 from presswork.mesh import MeshError
 from presswork.model_onestep import OneStepModel
 from presswork.onestep.record import BLANK_DRAWING, run_one_step
-from presswork.procedure.one_step import OneStepError
+from presswork.procedure.one_step_part import OneStepError
 from presswork.results import OutputError, Result
 
 _BAD_INPUT, _GAVE_UP = 2, 3

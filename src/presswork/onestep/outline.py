@@ -13,6 +13,8 @@ from presswork.results.whole_file import OutputError, replace_whole
 
 _ANGLES = 180
 """Turns of the blank in the strip that are tried, over half a turn."""
+_CORNERS = 200
+"""At least so many corners of the outline are looked at to choose the turn."""
 
 
 @dataclass(frozen=True)
@@ -107,16 +109,21 @@ def nest(outline: BlankOutline, *, web: float = 0.0) -> Nesting:
     """Find the turn of the blank that wastes least of a strip with one row. web: left between blanks and at the
     strip's edges [mm].
     """
-    best: Nesting | None = None
+    best, least = 0.0, np.inf
+    thinned = outline.loops[0][:: max(1, len(outline.loops[0]) // _CORNERS)]
     for angle in np.arange(_ANGLES) * (180.0 / _ANGLES):
-        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-        turned = outline.loops[0] @ np.array([[c, s], [-s, c]])
-        pitch, width = _pitch(turned) + web, float(np.ptp(turned[:, 1])) + 2.0 * web
-        found = Nesting(float(angle), pitch, width, outline.area / (pitch * width))
-        if best is None or found.utilisation > best.utilisation * (1.0 + 1e-9):
-            best = found
-    assert best is not None
-    return best
+        pitch, width = _strip(thinned, angle, web)
+        if pitch * width < least * (1.0 - 1e-9):
+            best, least = float(angle), pitch * width
+    pitch, width = _strip(outline.loops[0], best, web)
+    return Nesting(best, pitch, width, outline.area / (pitch * width))
+
+
+def _strip(loop: FloatArray, angle: float, web: float) -> tuple[float, float]:
+    """Return pitch and width of the strip for a polygon turned by the angle [degrees]."""
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turned = loop @ np.array([[c, s], [-s, c]])
+    return _pitch(turned) + web, float(np.ptp(turned[:, 1])) + 2.0 * web
 
 
 def _pitch(loop: FloatArray) -> float:

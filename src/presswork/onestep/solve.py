@@ -10,23 +10,13 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
-from presswork.mesh.flatten import flatten
 from presswork.mesh.triangles import find_rims
-from presswork.model import BoolArray, FloatArray, IntArray, Material
+from presswork.model import BoolArray, FloatArray, IntArray
 from presswork.model_onestep import OneStepModel
-from presswork.procedure.one_step import (
-    STRAIN_METRIC,
-    Friction,
-    OneStep,
-    OneStepError,
-    OneStepProblem,
-    OneStepSolution,
-    lay_over,
-    prepare_part,
-    strain_metric,
-    turn_metric,
-)
+from presswork.procedure.flatten import flatten
+from presswork.procedure.one_step import Friction, OneStep, OneStepProblem, OneStepSolution, lay_over
 from presswork.procedure.one_step_fields import cell_means, triangle_fields
+from presswork.procedure.one_step_law import find_metric, make_law
 from presswork.procedure.one_step_loads import (
     Tools,
     bead_friction,
@@ -35,6 +25,7 @@ from presswork.procedure.one_step_loads import (
     punch_force,
     radius_friction,
 )
+from presswork.procedure.one_step_part import OneStepError, prepare_part
 
 _SETTLED = 0.01
 """Change of the radii's friction from pass to pass, over its sum, that no longer matters."""
@@ -175,25 +166,3 @@ def _held(model: OneStepModel) -> tuple[BoolArray, BoolArray] | None:
             raise OneStepError(f"the part lies on both sides of the symmetry plane {'xy'[axis]} = 0: leave it out")
         masks.append(mask if wanted else np.zeros(len(x), dtype=bool))
     return masks[0], masks[1]
-
-
-def find_metric(material: Material, rolling_direction: float) -> list[float]:
-    """Return Q by rows for von Mises or Hill 1948. Raises OneStepError for other yield functions."""
-    chosen = material.yield_function
-    if chosen is None:
-        return STRAIN_METRIC
-    if chosen.law != "hill1948":
-        raise OneStepError(
-            f"{chosen.law} has no closed form between strain and stress: take von_mises or hill1948 (its r-values)"
-        )
-    f, g, h, _, _, n = chosen.parameters
-    return turn_metric(strain_metric((f, g, h, n)), rolling_direction)
-
-
-def make_law(material: Material, metric: list[float]) -> _core.DeformationLaw:
-    """Return the compiled law."""
-    hardening = material.hardening
-    assert hardening is not None, "a sheet material hardens"
-    return _core.DeformationLaw(
-        material.young, metric, _core.HardeningLaw[hardening.law], [float(p) for p in hardening.parameters]
-    )

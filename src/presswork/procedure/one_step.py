@@ -18,6 +18,8 @@ from presswork import _core
 from presswork.model import BoolArray, FloatArray, IntArray
 from presswork.procedure.explicit import layer_rule
 from presswork.procedure.linear_solver import SolverError, make_solver
+from presswork.procedure.one_step_law import STRAIN_METRIC
+from presswork.procedure.one_step_part import OneStepError, PartSurface
 
 FORCE_TOLERANCE = 1e-6
 """Largest unbalanced force over flow stress x thickness x edge length."""
@@ -27,90 +29,6 @@ MAX_ITERATIONS = 60
 _SHORTEST_STEP = 2.0**-12
 _SLIP_SCALE = 0.25
 """Slip over thickness at which friction is near its full size, so that its direction has a derivative."""
-
-
-class OneStepError(Exception):
-    """The blank could not be found."""
-
-
-@dataclass(frozen=True)
-class PartSurface:
-    """The finished part's mid-surface, prepared for the solver."""
-
-    points: FloatArray
-    """(n_nodes, 3) [mm]."""
-    triangles: IntArray
-    """(n, 3), counter-clockwise as the normals see them."""
-    share: FloatArray
-    """Part of each triangle that counts (n,): 1/2 for a quadrilateral's four, which overlap."""
-    normals: FloatArray
-    """Of the nodes (n_nodes, 3), unit."""
-    axes: FloatArray
-    """Of the triangles (n, 2, 3), unit, in their planes."""
-    edges: FloatArray
-    """Edges 01 and 02 as columns in these axes (n, 2, 2) [mm]."""
-    curvature: FloatArray
-    """xx, yy, xy in these axes, above zero where the side of the normal is stretched (n, 3) [1/mm]."""
-
-    @property
-    def areas(self) -> FloatArray:
-        """What each triangle counts (n,) [mm2]."""
-        twice = self.edges[:, 0, 0] * self.edges[:, 1, 1] - self.edges[:, 0, 1] * self.edges[:, 1, 0]
-        return np.asarray(0.5 * self.share * twice)
-
-    @property
-    def nodal_areas(self) -> FloatArray:
-        """Area of the surface that belongs to each node (n_nodes,) [mm2]."""
-        third = np.repeat(self.areas / 3.0, 3)
-        return np.asarray(np.bincount(self.triangles.ravel(), third, minlength=len(self.points)))
-
-
-def prepare_part(
-    points: FloatArray,
-    triangles: IntArray,
-    quadrilaterals: IntArray,
-    *,
-    held: tuple[BoolArray, BoolArray] | None = None,
-    with_bending: bool = True,
-) -> PartSurface:
-    """Prepare a part's mesh. Quadrilaterals are cut along both diagonals, each cut counting half.
-
-    points (n_nodes, 3); triangles (n, 3) and quadrilaterals (m, 4), all with their normals to the same side. held:
-    nodes on symmetry planes normal to x | y, in which their normals lie.
-    """
-    q = quadrilaterals.reshape(-1, 4)
-    halves = [q[:, [0, 1, 2]], q[:, [0, 2, 3]], q[:, [0, 1, 3]], q[:, [1, 2, 3]]]
-    cells = np.ascontiguousarray(np.concatenate([triangles.reshape(-1, 3), *halves]), dtype=np.int32)
-    share = np.concatenate([np.ones(len(triangles)), np.full(4 * len(q), 0.5)])
-    first, second = (points[cells[:, i]] - points[cells[:, 0]] for i in (1, 2))
-    normal = np.cross(first, second)
-    length = np.linalg.norm(first, axis=1)
-    x = first / length[:, None]
-    y = np.cross(normal, x) / np.linalg.norm(normal, axis=1)[:, None]
-    axes = np.stack([x, y], axis=1)
-    edges = np.stack([np.einsum("nai,ni->na", axes, e) for e in (first, second)], axis=2)
-    nodal = np.zeros_like(points)
-    for corner in range(3):
-        np.add.at(nodal, cells[:, corner], share[:, None] * normal)
-    for i, on_plane in enumerate(held or ()):
-        nodal[on_plane, i] = 0.0
-    nodal /= np.maximum(np.linalg.norm(nodal, axis=1, keepdims=True), 1e-300)
-    curvature = _find_curvature(points, cells, nodal, axes) if with_bending else np.zeros((len(cells), 3))
-    return PartSurface(points, cells, share, nodal, axes, np.ascontiguousarray(edges), curvature)
-
-
-def _find_curvature(points: FloatArray, cells: IntArray, normals: FloatArray, axes: FloatArray) -> FloatArray:
-    """Fit the symmetric B of dn = B dx to the three edges of each triangle; shape (n, 3): xx, yy, xy."""
-    rows, right = [], []
-    for a, b in ((0, 1), (1, 2), (2, 0)):
-        dx = np.einsum("nai,ni->na", axes, points[cells[:, b]] - points[cells[:, a]])
-        dn = np.einsum("nai,ni->na", axes, normals[cells[:, b]] - normals[cells[:, a]])
-        zero = np.zeros(len(cells))
-        rows += [np.stack([dx[:, 0], zero, dx[:, 1]], axis=1), np.stack([zero, dx[:, 1], dx[:, 0]], axis=1)]
-        right += [dn[:, 0], dn[:, 1]]
-    matrix, values = np.stack(rows, axis=1), np.stack(right, axis=1)
-    normal_matrix = np.einsum("nki,nkj->nij", matrix, matrix)
-    return np.asarray(np.linalg.solve(normal_matrix, np.einsum("nki,nk->ni", matrix, values)[..., None])[..., 0])
 
 
 @dataclass(frozen=True)
@@ -168,12 +86,12 @@ class OneStep:
         across = [bool(self._fixed[:, i].any()) for i in (0, 1)]
         self._used = np.array([not across[0], not across[1], not any(across)])
         self._is_free = bool(self._used.any())
-        extra = 2 if self._is_free else 0
+        self._extra = 2 if self._is_free else 0
         self._assembler = _core.Assembler(
-            self._n + extra, [part.triangles], symmetric=False, couplings=self._couplings()
+            self._n + self._extra, [part.triangles], symmetric=False, couplings=self._couplings()
         )
-        self._turned = np.zeros(self._n + extra, dtype=np.uint8)
-        self._frames = np.zeros((self._n + extra, 2, 2))
+        self._turned = np.zeros(self._n + self._extra, dtype=np.uint8)
+        self._frames = np.zeros((self._n + self._extra, 2, 2))
         indptr, indices = self._assembler.indptr, self._assembler.indices
         self._solver = make_solver(indptr, indices, symmetric=False, threads=threads or _core.max_threads())
         edge = float(np.sqrt(part.areas.sum() / max(self._n, 1)))
@@ -353,7 +271,7 @@ class OneStep:
             if error < max(FORCE_TOLERANCE, 1e-2 * tolerance if is_elastic else 0.0):
                 break
             move, change = self._correct(data, balance)
-            blank, held = self._search(blank, held, move, change, balance, law, with_friction)
+            blank, held = self._search(blank, held, move, change, law, with_friction)
             solution.blank, solution.held_force = blank, held
             if is_elastic and np.abs(move).max() < tolerance * self._size:
                 break
@@ -364,19 +282,23 @@ class OneStep:
             )
 
     def _correct(self, data: FloatArray, balance: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return Newton's correction of the blank (n_nodes, 2) and of the holding forces (3,)."""
-        n, extra = self._n, 2 if self._is_free else 0
-        right = np.zeros(2 * (n + extra))
-        right[: 2 * n] = -balance.ravel()
-        mask = np.zeros(2 * (n + extra), dtype=np.uint8)
-        mask[: 2 * n] = self._fixed.ravel()
-        self._assembler.constrain(mask, np.zeros(len(mask)), float(np.abs(data).max()), data, right)
+        """Factorise the tangent; return Newton's correction of the blank (n_nodes, 2) and the holding forces (3,)."""
+        mask = np.zeros(2 * (self._n + self._extra), dtype=np.uint8)
+        mask[: 2 * self._n] = self._fixed.ravel()
+        self._assembler.constrain(mask, np.zeros(len(mask)), float(np.abs(data).max()), data, np.zeros(len(mask)))
         try:
             self._solver.factorise(data)
-            found = self._solver.solve(right)
         except SolverError as error:
             raise OneStepError(f"the equations of the blank cannot be solved: {error}") from error
-        return found[: 2 * n].reshape(-1, 2), found[2 * n : 2 * n + 3] if extra else np.zeros(3)
+        return self._back_substitute(balance)
+
+    def _back_substitute(self, balance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the correction for unbalanced forces (n_nodes, 2) by the factors at hand."""
+        n = self._n
+        right = np.zeros(2 * (n + self._extra))
+        right[: 2 * n] = -balance.ravel()
+        found = self._solver.solve(right)
+        return found[: 2 * n].reshape(-1, 2), found[2 * n : 2 * n + 3] if self._is_free else np.zeros(3)
 
     def _search(
         self,
@@ -384,21 +306,24 @@ class OneStep:
         held: FloatArray,
         move: FloatArray,
         change: FloatArray,
-        balance: FloatArray,
         law: _core.DeformationLaw,
         with_friction: bool,
     ) -> tuple[FloatArray, FloatArray]:
-        """Go along the correction as far as forces fall and no triangle turns over."""
-        before = float(np.linalg.norm(balance))
+        """Go along the correction as far as no triangle turns over and the next correction would be shorter.
+
+        The next correction is found with the same factors (Deuflhard 2004, natural monotonicity): unlike the forces,
+        it does not depend on the elements' size, nor on how stiff the sheet is where.
+        """
+        before = float(np.linalg.norm(move))
         step = 1.0
         while True:
             new, new_held = blank + step * move, held + step * change
             after, _, is_usable = self.residual(new, new_held, law, with_friction=with_friction)
-            size = float(np.linalg.norm(after))
-            if is_usable and np.isfinite(size) and size < (1.0 - 1e-4 * step) * before:
+            is_usable = is_usable and bool(np.isfinite(after).all())
+            if is_usable and np.linalg.norm(self._back_substitute(after)[0]) <= (1.0 - 0.25 * step) * before:
                 return new, new_held
             if step < _SHORTEST_STEP:
-                if is_usable and np.isfinite(size):
+                if is_usable:
                     return new, new_held
                 raise OneStepError("a triangle turns over in the blank however small the step")
             step *= 0.5
@@ -411,21 +336,3 @@ def lay_over(blank: FloatArray, above: FloatArray, weight: FloatArray) -> FloatA
     u, _, v = np.linalg.svd((blank - centre).T @ (share[:, None] * (above - target)))
     turn = u @ np.diag([1.0, np.sign(np.linalg.det(u @ v))]) @ v
     return np.asarray((blank - centre) @ turn + target)
-
-
-def strain_metric(hill: tuple[float, float, float, float]) -> list[float]:
-    """Return Q by rows, the inverse of Hill's matrix of plane stress. hill: F, G, H, N with G + H = 1."""
-    f, g, h, n = hill
-    matrix = np.array([[g + h, -h, 0.0], [-h, f + h, 0.0], [0.0, 0.0, 2.0 * n]])
-    return [float(v) for v in np.linalg.inv(matrix).ravel()]
-
-
-STRAIN_METRIC = strain_metric((0.5, 0.5, 0.5, 1.5))
-"""Of von Mises."""
-
-
-def turn_metric(metric: list[float], angle: float) -> list[float]:
-    """Return Q in axes from which the rolling direction lies at the angle [rad], counter-clockwise."""
-    c, s = np.cos(angle), np.sin(angle)
-    turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
-    return [float(v) for v in (turn.T @ np.array(metric).reshape(3, 3) @ turn).ravel()]

@@ -138,12 +138,22 @@ def _colours(values: FloatArray | None, outlines: list[FloatArray], *, by_zone: 
         finite = values[np.isfinite(values)]
         low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
         colours = np.asarray(colormaps[COLOURS](Normalize(low, high if high > low else low + 1.0)(values)))
-    centred = [o - o.mean(axis=0) for o in outlines]
-    normals = np.array([np.cross(o, np.roll(o, -1, axis=0)).sum(axis=0) for o in centred])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    normals = _normals(outlines)
     light = _LIGHT / np.linalg.norm(_LIGHT)
     colours[:, :3] *= (0.72 + 0.28 * np.abs(normals @ light))[:, None]
     return colours
+
+
+def _normals(outlines: list[FloatArray]) -> FloatArray:
+    """Return the unit normal of each outline (k, 3), k its own."""
+    corners = np.array([len(o) for o in outlines])
+    normals = np.zeros((len(outlines), 3))
+    for count in np.unique(corners):
+        those = np.flatnonzero(corners == count)
+        o = np.stack([outlines[i] for i in those])
+        o = o - o.mean(axis=1, keepdims=True)
+        normals[those] = np.cross(o, np.roll(o, -1, axis=1)).sum(axis=1)
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
 
 
 def _frame(ax: Axes3D, low: FloatArray, high: FloatArray) -> None:
