@@ -18,7 +18,6 @@ from pathlib import Path
 import numpy as np
 from square_cup import EXPERIMENT, STROKE, THESIS, draw_cup, draw_in
 
-CHOSEN = ['stages.0.tools.holder.force="15 kN"']
 R_VALUES = 'materials.steel.yield_function={law="hill1948", r00=1.79, r45=1.51, r90=2.27}'
 
 
@@ -60,7 +59,7 @@ def compute(work: tuple[str, str]) -> str:
     """Draw one variant, given its name and the folder; return its rows."""
     name, folder = work
     size, keys = VARIANTS[name]
-    cup = draw_cup(Path(folder) / name.replace(" ", "_").replace(",", "").replace("/", "_"), size, *CHOSEN, *keys)
+    cup = draw_cup(Path(folder) / name.replace(" ", "_").replace(",", "").replace("/", "_"), size, *keys)
     rows = [name]
     for angle, measured in EXPERIMENT.items():
         values, theirs = draw_in(cup, angle), THESIS[angle]
