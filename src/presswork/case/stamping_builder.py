@@ -20,6 +20,7 @@ from presswork.case.shell import FREEDOMS, HOLDS
 from presswork.case.stamping import RAMP, VELOCITY, StampingCase, StampingStage
 from presswork.case.stamping_beads import build_beads, check_bead_stages, check_closing
 from presswork.case.stamping_checks import check_fit, check_names, check_target_step, check_tools, check_ways
+from presswork.case.stamping_clashes import check_clashes
 from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
@@ -52,6 +53,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
     tools, problems = build_tools(case, mesh)
     _stop_at(problems, case)
     _stop_at(check_fit(case, mesh, tools), case)
+    _stop_at(check_clashes(case, mesh, tools), case)
     beads, problems = build_beads(case, mesh, tools)
     _stop_at(problems, case)
     _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)

@@ -19,6 +19,7 @@ from presswork.model_stamping import StampingStage as StageModel
 from presswork.model_stamping import StampingTool
 
 MOST_CELLS = 5_000_000
+KINDS = ("punch", "die", "holder")
 CLEAR = 0.01
 """Part of the thickness by which a tool may start in the blank."""
 
@@ -35,6 +36,9 @@ def check_names(case: StampingCase) -> list[Problem]:
         if n_cells > MOST_CELLS:
             fault, remedy = f"about {n_cells:.2g} elements, more than memory will hold", "make it larger"
             problems.append(Problem("blank.element_size", fault, remedy, case.blank.element_size))
+        if case.blank.element_size > min(case.blank.half_size()):
+            fault = f"larger than half of the blank, {min(case.blank.half_size()):g} mm"
+            problems.append(Problem("blank.element_size", fault, "make it smaller", case.blank.element_size))
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
     if isinstance(case.blank, BlankFile):
         units["blank.unit"] = case.blank.unit
@@ -94,6 +98,9 @@ def check_tools(case: StampingCase) -> list[Problem]:
                 fault = f"the tool's middle does not lie in the symmetry plane {plane} = 0"
                 remedy = f"set its {plane} to 0, or leave {plane} out of blank.symmetry"
                 problems.append(Problem(f"{key}.position", fault, remedy, list(tool.position or ())))
+        if name in KINDS and tool.kind != name:
+            fault, remedy = f"the tool is called {name}, but is a {tool.kind}", "mend its kind, or give it another name"
+            problems.append(Problem(f"{key}.kind", fault, remedy, tool.kind))
         if tool.gap is not None and tool.gap < thickness:
             fault = f"the gap is smaller than the blank's thickness of {thickness:g} mm"
             problems.append(Problem(f"{key}.gap", fault, "make it at least that, or push the holder", tool.gap))
@@ -124,9 +131,11 @@ def check_tools(case: StampingCase) -> list[Problem]:
 def _explain_clearance(punch: str, die: str, kind: str, gap: float, thickness: float) -> Problem:
     if gap < 0:
         text = f"the clearance is negative: {punch} is {-gap:.4g} mm larger than the opening of {die}"
+        swapped = "; or are their kinds swapped?"
     else:
+        swapped = ""
         text = f"the clearance of {gap:.4g} mm between {punch} and {die} is less than the blank's {thickness:g} mm"
-    return Problem(f"tools.{punch}", text, f"make the punch smaller or the opening of the {kind} larger")
+    return Problem(f"tools.{punch}", text, f"make the punch smaller or the opening of the {kind} larger{swapped}")
 
 
 def check_ways(case: StampingCase) -> list[Problem]:
@@ -138,6 +147,8 @@ def check_ways(case: StampingCase) -> list[Problem]:
         strokes = [stage.tools[name].stroke or 0.0 if name in stage.tools else 0.0 for stage in case.stages]
         first = next((index for index, stroke in enumerate(strokes) if stroke), None)
         if first is None or max(itertools.accumulate(strokes)) > 0:
+            continue
+        if tool.kind != "punch" and first > 0:  # it has held the blank while others worked, and lets it go
             continue
         away, toward = ("down", "up") if tool.kind == "die" else ("up", "down")
         fault = f"the {tool.kind} only moves {away}, away from the blank"

@@ -58,6 +58,9 @@ class _DrawnTool(_Tool):
             raise fault("a sheet cannot be bent round a sharp edge", "give a radius > 0", key="edge_radius")
         if self.face_width is not None and self.kind == "punch":
             raise fault("a punch has no face round an opening", "leave it out", key="face_width")
+        if self.face_width is not None and self.face_width <= self.edge_radius:
+            text = f"the face must be wider than its edge radius of {self.edge_radius:g} mm, which is part of it"
+            raise fault(text, "make it wider", key="face_width")
         return self
 
 

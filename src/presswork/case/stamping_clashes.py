@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the tools of a stamping can do what the stages ask: hold the sheet, close on it, and miss each other."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from presswork.case.errors import Problem
+from presswork.case.stamping import StampingCase
+from presswork.case.stamping_tools import RectangularTool, RoundTool, StripTool
+from presswork.mesh.swept_tool import SweptTool
+from presswork.mesh.tool_file import TriangulatedTool
+from presswork.model import FloatArray, Mesh
+from presswork.model_stamping import StampingTool
+from presswork.sheet_law import make_sheet_law
+
+IDLE = 2.0
+"""Thicknesses between die and holder from which on it holds nothing."""
+SQUEEZED = 0.9
+"""Part of the thickness to which a holder may be moved towards the die."""
+CLASH = 0.5
+"""Part of the thickness that must be left between punch and die."""
+SAMPLES = 8
+"""Places along the stages at which tools from files are held against each other."""
+DRAWN_WITHIN = 0.1
+"""Part of the thickness by which the points of drawn tools may be off there."""
+SKEW = 0.01
+"""Part of its width by which a tool from a file may be off a symmetry plane."""
+
+
+def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+    """Return the problems of placed tools with blank, forces, symmetry planes and each other."""
+    problems = [p for tool in tools for p in (_check_symmetry(case, tool), _check_laid(case, mesh, tool)) if p]
+    if problems:
+        return problems
+    problems = [*_check_holders(case, tools), *_check_forces(case, mesh, tools)]
+    problems += [p for tool in tools if (p := _check_pushed(case, mesh, tool))]
+    moved = {tool.name: _strokes(case, tool.name) for tool in tools}
+    for one, other in itertools.permutations(tools, 2):
+        if (one.kind, other.kind) in (("punch", "die"), ("punch", "holder")):
+            problem = _check_pair(case, one, other, moved)
+            problems += [problem] if problem else []
+    return problems
+
+
+def _strokes(case: StampingCase, name: str) -> list[float]:
+    """Return how far a tool has moved along its way at the end of each stage [mm]; a pushed one not at all."""
+    each = [stage.tools[name].stroke or 0.0 if name in stage.tools else 0.0 for stage in case.stages]
+    return list(itertools.accumulate(each))
+
+
+def _is_pushed(case: StampingCase, name: str) -> bool:
+    return any(name in s.tools and s.tools[name].force is not None for s in case.stages)
+
+
+def _check_symmetry(case: StampingCase, tool: StampingTool) -> Problem | None:
+    """Return a problem where a symmetry plane of the blank is none of a tool from a file."""
+    if not isinstance(tool.shape, TriangulatedTool):
+        return None
+    points = tool.shape.points + np.asarray(tool.position)
+    for axis, plane in enumerate("xy"):
+        low, high = float(points[:, axis].min()), float(points[:, axis].max())
+        tolerance = SKEW * (high - low)
+        if plane in case.blank.symmetry and low < -tolerance and abs(low + high) > tolerance:
+            fault = (
+                f"the tool is not symmetric about the plane {plane} = 0: it spans {plane} = {low:.4g} to {high:.4g} mm"
+            )
+            remedy = f"move it there by position, or leave {plane} out of blank.symmetry"
+            return Problem(f"tools.{tool.name}", fault, remedy)
+    return None
+
+
+def _check_laid(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where the blank lies in the opening of a die or holder, not on its face."""
+    drawn = case.tools[tool.name]
+    if not isinstance(drawn, RoundTool | RectangularTool | StripTool) or tool.kind == "punch":
+        return None
+    away = np.abs(mesh.points[:, :2] - np.array(tool.position[:2]))
+    half = np.array(drawn.half_size())
+    beyond = np.linalg.norm(away, axis=1) - half[0] if isinstance(drawn, RoundTool) else (away - half).max(axis=1)
+    if beyond.max() > 0.0:
+        return None
+    verb = "falls through the opening of" if tool.kind == "die" else "is smaller than the opening of"
+    fault = f"the blank {verb} {tool.name}, by {-float(beyond.max()):.4g} mm"
+    size = {"round": "diameter", "rectangular": "size", "strip": "width"}[drawn.shape]
+    return Problem(
+        f"tools.{tool.name}.{size}", fault, "make the blank larger or the opening smaller", getattr(drawn, size)
+    )
+
+
+def _height(tool: StampingTool) -> float:
+    """Return where the working face of a die or holder stands at the start [mm]."""
+    face = 0.0
+    if isinstance(tool.shape, TriangulatedTool):
+        z = tool.shape.points[:, 2]
+        face = float(z.max() if tool.kind == "die" else z.min())
+    return tool.position[2] + face
+
+
+def _check_pushed(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where a tool that is pushed starts away from the blank."""
+    if not _is_pushed(case, tool.name):
+        return None
+    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0] - 0.5 * case.blank.thickness
+    if gap.min() <= case.blank.thickness:
+        return None
+    fault = f"the tool is pushed by a force, but starts {gap.min():.4g} mm off the blank, which it would hit"
+    return Problem(f"tools.{tool.name}.position", fault, "leave position out: then it just touches the blank")
+
+
+def _check_holders(case: StampingCase, tools: tuple[StampingTool, ...]) -> list[Problem]:
+    """Return the problems of holders that strokes or their place keep off the sheet, or press through it."""
+    thickness = case.blank.thickness
+    problems = []
+    for holder, die in itertools.product(tools, tools):
+        if (holder.kind, die.kind) != ("holder", "die") or _is_pushed(case, holder.name) or _is_pushed(case, die.name):
+            continue
+        apart = _height(holder) - _height(die)
+        drawn = case.tools[holder.name]
+        place = f"tools.{holder.name}." + ("gap" if drawn.gap is not None else "position")
+        gaps = apart - np.array([0.0, *_strokes(case, holder.name)]) - np.array([0.0, *_strokes(case, die.name)])
+        if gaps.min() < SQUEEZED * thickness * (1 - 1e-9):
+            index = max(int(np.argmin(gaps)) - 1, 0)
+            fault = f"the holder comes within {gaps.min():.4g} mm of the die, and the blank has {thickness:g} mm"
+            key = holder.name if holder.name in case.stages[index].tools else die.name
+            remedy = "shorten the stroke, or push the holder with a force"
+            problems.append(Problem(f"stages.{index}.tools.{key}.stroke", fault, remedy))
+        elif gaps.min() > IDLE * thickness:
+            fault = f"the holder never comes nearer to the die than {gaps.min():.4g} mm: it holds nothing"
+            remedy = f"push it by a force, take a gap near {thickness:g} mm, or leave the holder out"
+            problems.append(Problem(place if drawn.gap or drawn.position else f"tools.{holder.name}", fault, remedy))
+    return problems
+
+
+def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+    """Return the problems of holder forces that press nothing, or press the sheet flat."""
+    problems = []
+    sheet = case.materials[case.blank.material].to_model(case.blank.material)
+    strength = float(make_sheet_law(sheet).flow_stress(np.zeros(1))[0][0])
+    for holder in (t for t in tools if t.kind == "holder"):
+        area = _held_area(mesh, holder) * 2 ** len(set(case.blank.symmetry))
+        for index, stage in enumerate(case.stages):
+            action = stage.tools.get(holder.name)
+            if action is None or action.force is None:
+                continue
+            forces = [row[1] for row in action.force] if isinstance(action.force, tuple) else [action.force]
+            key = f"stages.{index}.tools.{holder.name}.force"
+            if max(forces) == 0.0:
+                fault = "the holder is pushed by no force: it cannot close on the sheet"
+                problems.append(Problem(key, fault, "give a force, or a gap to the die", max(forces)))
+            elif area > 0 and max(forces) / area > strength:
+                fault = (
+                    f"the holder would press the flange with {max(forces) / area:.4g} MPa; the sheet yields at "
+                    f"{strength:.4g} MPa"
+                )
+                problems.append(Problem(key, fault, 'plain numbers are N; a few MPa are usual: "10 kN"', max(forces)))
+    return problems
+
+
+def _held_area(mesh: Mesh, holder: StampingTool) -> float:
+    """Return the area of the cells over which a holder's face lies nearest [mm2]."""
+    corners = mesh.points[mesh.blocks[0].connectivity]
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1]), axis=1)
+    gap = holder.shape.surface().nearest(corners.mean(axis=1) - np.asarray(holder.position))[0]
+    return float(area[gap < gap.min() + 1e-3 * np.sqrt(area.mean())].sum())
+
+
+def _check_pair(
+    case: StampingCase, one: StampingTool, other: StampingTool, moved: dict[str, list[float]]
+) -> Problem | None:
+    """Return a problem where two tools, at least one from a file, run into each other."""
+    if isinstance(one.shape, SweptTool) and isinstance(other.shape, SweptTool):
+        return None  # clearances in the plan are exact, and openings go right through
+    if _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
+        return None
+    points = _sample(one, case.blank.thickness)
+    surface = other.shape.surface()
+    least = CLASH * case.blank.thickness if other.kind == "die" else 0.0
+    begin = {tool.name: 0.0 for tool in (one, other)}
+    for index, _ in enumerate(case.stages):
+        end = {tool.name: moved[tool.name][index] for tool in (one, other)}
+        for part in np.linspace(0.0, 1.0, SAMPLES + 1)[1:]:
+            way = {name: begin[name] + part * (end[name] - begin[name]) for name in begin}
+            at = points + np.asarray(one.position) + way[one.name] * np.asarray(one.way)
+            own = at - np.asarray(other.position) - way[other.name] * np.asarray(other.way)
+            gap = surface.nearest(np.ascontiguousarray(own))[0]
+            worst = int(np.argmin(gap))
+            if gap[worst] >= least * (1 - 1e-9):
+                continue
+            x, y, z = at[worst]
+            fault = (
+                f"after {abs(way[one.name]):.4g} mm of stroke {one.name} "
+                + (f"runs {-gap[worst]:.4g} mm into" if gap[worst] < 0 else f"leaves {gap[worst]:.4g} mm to")
+                + f" {other.name} at ({x:.4g}, {y:.4g}, {z:.4g}); the blank has {case.blank.thickness:g} mm"
+            )
+            mover = one.name if one.name in case.stages[index].tools else other.name
+            remedy = f"shorten the stroke, or see that {one.name} and {other.name} fit and are not swapped"
+            return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, end[mover] - begin[mover])
+        begin = end
+    return None
+
+
+def _sample(tool: StampingTool, thickness: float) -> FloatArray:
+    """Return the corners and middles of a tool's triangles (n, 3), in its own frame."""
+    if isinstance(tool.shape, TriangulatedTool):
+        points, triangles = tool.shape.points, tool.shape.triangles
+    else:
+        points, triangles = tool.shape.triangulate(DRAWN_WITHIN * thickness)
+    return np.concatenate([points, points[triangles].mean(axis=1)])

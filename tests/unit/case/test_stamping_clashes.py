@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stampings whose tools cannot do what the stages ask are refused before anything is computed."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork.case import CaseError, StampingCase, build_model
+from presswork.mesh.swept_tool import draw_die, draw_punch
+
+CUP: dict[str, Any] = {
+    "title": "cup",
+    "analysis": "stamping",
+    "blank": {"shape": "circle", "diameter": 100, "thickness": 0.8, "element_size": 6, "material": "steel",
+              "symmetry": ["x", "y"]},
+    "materials": {"steel": {"young": "206 GPa", "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 200,
+                                                                                "modulus": 1000}}},
+    "tools": {
+        "punch": {"kind": "punch", "shape": "round", "diameter": 50, "edge_radius": 5},
+        "die": {"kind": "die", "shape": "round", "diameter": 52.5, "edge_radius": 6},
+        "holder": {"kind": "holder", "shape": "round", "diameter": 54, "edge_radius": 1},
+    },
+    "stages": [{"name": "draw", "tools": {"punch": {"stroke": 20}, "holder": {"force": "10 kN"}}}],
+}  # fmt: skip
+DRAW = {"name": "draw", "tools": {"punch": {"stroke": 20}}}
+
+
+def build(*changes: tuple[str, object]) -> None:
+    data = copy.deepcopy(CUP)
+    for path, value in changes:
+        *keys, last = path.split(".")
+        here: Any = data
+        for key in keys:
+            here = here[int(key)] if key.isdigit() else here[key]
+        here[int(last) if last.isdigit() else last] = value
+    build_model(StampingCase.model_validate(data))
+
+
+def refuse(fragments: list[str], *changes: tuple[str, object]) -> None:
+    with pytest.raises(CaseError) as error:
+        build(*changes)
+    for fragment in fragments:
+        assert fragment in str(error.value)
+
+
+@pytest.mark.parametrize(("path", "value", "fragments"), [
+    ("tools.punch.diameter", 60, ["tools.punch", "negative", "are their kinds swapped?"]),
+    ("tools.punch.kind", "die", ["tools.punch.kind", "called punch, but is a die"]),
+    ("tools.die.face_width", 6, ["tools.die.face_width", "wider than its edge radius of 6 mm"]),
+    ("blank.element_size", 60, ["blank.element_size", "larger than half of the blank, 50 mm"]),
+    ("blank.diameter", 52, ["tools.die.diameter", "falls through the opening of die, by 0.25 mm"]),
+    ("blank.diameter", 53, ["tools.holder.diameter", "smaller than the opening of holder, by 0.5 mm"]),
+    ("stages.0.tools.holder.force", 0, ["stages.0.tools.holder.force", "cannot close"]),
+    ("stages.0.tools.holder.force", "10 MN", ["stages.0.tools.holder.force", "the sheet yields at 200 MPa", "10 kN"]),
+    ("tools.holder.position", [0, 0, 30], ["tools.holder.position", "pushed", "starts 29.6 mm off the blank"]),
+    ("tools.die.mu", 1.4, ["tools.die.mu", "< 1"]),
+    ("materials.steel.forming_limit", {"law": "keeler"}, ["forming_limit.thickness", "forming_limit.n", "missing key"]),
+    ("materials.steel.forming_limit", {"law": "points", "points": [[0, 0.3]]}, ["forming_limit.points", "two points"]),
+])  # fmt: skip
+def test_bad_input_is_named(path, value, fragments) -> None:
+    refuse(fragments, (path, value))
+
+
+def test_a_holder_must_come_near_the_sheet_and_leave_it_its_thickness() -> None:
+    stage = ("stages.0", DRAW)
+    build(stage, ("tools.holder.gap", 1.1))
+    refuse(["tools.holder.gap", "never comes nearer to the die than 2 mm"], stage, ("tools.holder.gap", 2))
+    high = ("tools.holder.position", [0, 0, 5])
+    refuse(["tools.holder.position", "holds nothing"], stage, high)
+    close = {"name": "close", "tools": {"holder": {"stroke": 4.6}}}
+    build(("stages", [close, DRAW]), high)
+    close["tools"] = {"holder": {"stroke": 4.8}}
+    refuse(["stages.0.tools.holder.stroke", "within 0.6 mm of the die"], ("stages", [close, DRAW]), high)
+    build(("stages", [DRAW, {"name": "open", "tools": {"holder": {"stroke": -9}}}]))
+
+
+def test_a_pressure_counts_the_flange_of_the_whole_part() -> None:
+    """200 MPa on the ring beyond the holder's edge radius, 28 to 50 mm: 1078 kN, and the mesh is coarse."""
+    build(("stages.0.tools.holder.force", 950e3))
+    refuse(["press the flange"], ("stages.0.tools.holder.force", 1200e3))
+
+
+def write_stl(path: Path, points: np.ndarray, triangles: np.ndarray) -> dict[str, str]:
+    facets = (
+        "facet normal 0 0 0\nouter loop\n" + "".join("vertex {:.9g} {:.9g} {:.9g}\n".format(*p) for p in points[t])
+        + "endloop\nendfacet\n" for t in triangles
+    )  # fmt: skip
+    path.write_text("solid tool\n" + "".join(facets) + "endsolid tool\n")
+    return {"shape": "file", "path": str(path)}
+
+
+def test_a_stroke_deeper_than_the_die_is_refused(tmp_path) -> None:
+    """A die from a file with a bottom 18 mm below its face: 17.2 mm of stroke are all there is, 17.6 mm the limit."""
+    points, triangles = draw_die((26.25, 26.25), 26.25, 6.0, width=60.0, depth=18.0).triangulate(0.05)
+    low = np.flatnonzero(points[:, 2] < -18 + 1e-6)
+    order = low[np.argsort(np.arctan2(points[low, 1], points[low, 0]))]
+    bottom = [[len(points), a, b] for a, b in zip(order, np.roll(order, -1), strict=True)]
+    die = write_stl(tmp_path / "die.stl", np.vstack([points, [0, 0, -18]]), np.vstack([triangles, bottom]))
+    changes = [("tools.die", {"kind": "die", **die})]
+    build(*changes, ("stages.0.tools.punch.stroke", 17.0))
+    refuse(["stages.0.tools.punch.stroke = 18.5", "punch leaves 0.3 mm to die", "0.8 mm"], *changes,
+           ("stages.0.tools.punch.stroke", 18.5))  # fmt: skip
+    refuse(["runs", "into die"], *changes, ("stages.0.tools.punch.stroke", 22))
+    refuse(["punch", "die", "swapped"], *changes, ("tools.punch.diameter", 55), ("tools.holder.diameter", 58))
+
+
+def test_a_tool_from_a_file_has_the_symmetry_of_the_blank(tmp_path) -> None:
+    points, triangles = draw_punch((25, 25), 25, 5, 30).triangulate(0.05)
+    there = {"kind": "punch", **write_stl(tmp_path / "there.stl", points, triangles)}
+    off = {"kind": "punch", **write_stl(tmp_path / "off.stl", points + np.array([0.5, 0, 0]), triangles)}
+    build(("tools.punch", there))
+    refuse(["tools.punch", "not symmetric about the plane x = 0", "x = -24.5 to 25.5 mm"], ("tools.punch", off))
+    build(("tools.punch", off), ("blank.symmetry", ["y"]))
