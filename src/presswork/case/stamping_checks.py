@@ -14,7 +14,8 @@ from presswork.case.stamping import VELOCITY, StampingCase, StampingStage
 from presswork.case.stamping_shapes import clearance
 from presswork.case.stamping_tools import DrawnTool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
-from presswork.model import Mesh
+from presswork.mesh.tool_file import TriangulatedTool
+from presswork.model import FloatArray, Mesh
 from presswork.model_stamping import StampingStage as StageModel
 from presswork.model_stamping import StampingTool
 
@@ -173,9 +174,13 @@ def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -
     """Return the problems of the meshed blank and the placed tools."""
     problems = []
     corner = mesh.points[:, :2]
+    placed = {tool.name: tool for tool in tools}
     for name, tool in case.tools.items():
+        if isinstance(tool, ToolFile):
+            problems += _check_extent(tool, placed[name], corner)
+            continue
         width = getattr(tool, "face_width", None)
-        if width is None or isinstance(tool, ToolFile):
+        if width is None:
             continue
         half = np.array(tool.half_size()) + width
         beyond = np.abs(corner) - half
@@ -187,6 +192,19 @@ def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -
                 Problem(f"tools.{name}.face_width", text, "make the face wider or the blank smaller", width)
             )
     return problems + [problem for tool in tools if (problem := _check_clear(case, mesh, tool)) is not None]
+
+
+def _check_extent(tool: ToolFile, placed: StampingTool, corner: FloatArray) -> list[Problem]:
+    """Return a problem where the blank reaches beyond a die or holder from a file, seen from above."""
+    assert isinstance(placed.shape, TriangulatedTool)
+    if tool.kind == "punch":
+        return []
+    points = placed.shape.points[:, :2] + np.array(placed.position[:2])
+    beyond = float(np.maximum(points.min(axis=0) - corner, corner - points.max(axis=0)).max())
+    if beyond <= 1e-6 * float(np.ptp(points, axis=0).max()):
+        return []
+    text = f"the blank is larger than the {tool.kind}: it reaches {beyond:.4g} mm beyond it"
+    return [Problem(f"tools.{placed.name}.path", text, "make the blank smaller, or check unit and position", tool.path)]
 
 
 def _check_clear(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model
-from presswork.mesh.swept_tool import draw_die, draw_punch
+from presswork.mesh.swept_tool import draw_die, draw_holder, draw_punch
 
 CUP: dict[str, Any] = {
     "title": "cup",
@@ -116,3 +116,12 @@ def test_a_tool_from_a_file_has_the_symmetry_of_the_blank(tmp_path) -> None:
     build(("tools.punch", there))
     refuse(["tools.punch", "not symmetric about the plane x = 0", "x = -24.5 to 25.5 mm"], ("tools.punch", off))
     build(("tools.punch", off), ("blank.symmetry", ["y"]))
+
+
+def test_a_blank_larger_than_a_holder_from_a_file_is_refused(tmp_path) -> None:
+    points, triangles = draw_holder((27, 27), 27, 1, width=21, height=10).triangulate(0.05)
+    holder = {"kind": "holder", **write_stl(tmp_path / "holder.stl", points, triangles)}
+    refuse(
+        ["tools.holder.path", "the blank is larger than the holder: it reaches 2 mm beyond"], ("tools.holder", holder)
+    )
+    build(("tools.holder", holder), ("blank.diameter", 95))
