@@ -138,7 +138,13 @@ def test_a_punch_that_goes_back_lets_go_and_the_holder_keeps_its_force(tmp_path)
 
 def test_pictures_are_drawn(cup, tmp_path) -> None:
     names = [p.name for p in plot_all(cup, tmp_path, fields=["thickness_strain"])]
-    assert {"force_stroke.png", "draw_in.png", "shell_thickness_strain_002.png"} <= set(names)
+    assert {
+        "force_stroke.png",
+        "draw_in.png",
+        "energies.png",
+        "outline_002.png",
+        "shell_thickness_strain_002.png",
+    } <= set(names)
 
 
 def test_a_resumed_run_gives_the_same_bits(cup, tmp_path) -> None:

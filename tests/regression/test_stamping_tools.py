@@ -123,11 +123,13 @@ def test_pictures_show_part_section_forces_and_energies(drawn, tmp_path) -> None
     assert names >= {
         "section_002.png",
         "draw_in.png",
+        "outline_002.png",
         "force_stroke.png",
         "energies.png",
         "shell_thickness_strain_002.png",
     }
-    assert all(p.stat().st_size > 10_000 for p in tmp_path.iterdir())
+    assert all(p.stat().st_size > 10_000 for p in tmp_path.glob("*.png"))
+    assert (tmp_path / "draw_in_002.csv").read_text().startswith("angle_degree,draw_in_mm")
 
 
 def test_a_punch_that_goes_back_leaves_the_part(tmp_path) -> None:

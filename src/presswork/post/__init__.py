@@ -3,6 +3,7 @@
 
 from presswork.post.contact_force import integrate_contact_force
 from presswork.post.die_fill import DieFill, measure_die_fill
+from presswork.post.draw_in import measure_draw_in_around, write_draw_in
 from presswork.post.formability import judge_cells, judge_part
 from presswork.post.interface import Interface, order_along_boundary, trace_interface
 from presswork.post.neutral_radius import NeutralRadius, find_neutral_radius
@@ -27,10 +28,12 @@ __all__ = [
     "judge_part",
     "measure_die_fill",
     "measure_draw_in",
+    "measure_draw_in_around",
     "order_along_boundary",
     "trace_interface",
     "trace_outline",
     "trace_profile",
+    "write_draw_in",
     "write_outline",
     "write_section",
 ]

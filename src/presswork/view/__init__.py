@@ -6,6 +6,7 @@ from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import plot_history
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import plot_contours, plot_mesh, plot_mesh_and_contours
+from presswork.view.outline_plot import plot_outline
 
 __all__ = [
     "FIELDS",
@@ -17,4 +18,5 @@ __all__ = [
     "plot_interface",
     "plot_mesh",
     "plot_mesh_and_contours",
+    "plot_outline",
 ]

@@ -9,15 +9,23 @@ from typing import TYPE_CHECKING, Literal, cast
 
 import numpy as np
 
+from presswork.post.draw_in import write_draw_in
 from presswork.post.section import write_section
 from presswork.results import OutputError, Result, ResultError
 from presswork.results.formability import FORMABILITY_FIELDS
 from presswork.results.whole_file import explain_write_error, replace_whole
 from presswork.view.blank_plot import plot_blank
 from presswork.view.forming_limit_plot import plot_forming_limit
-from presswork.view.history_plot import find_moving_tools, find_turning_tools, plot_energies, plot_history
+from presswork.view.history_plot import (
+    find_energies,
+    find_moving_tools,
+    find_turning_tools,
+    plot_energies,
+    plot_history,
+)
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
+from presswork.view.outline_plot import plot_outline
 from presswork.view.section_plot import plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell
 from presswork.view.style import DPI, require_matplotlib
@@ -48,8 +56,9 @@ def plot_all(
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
     space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
-    surface. Of dynamics: energies against time; of a stamping the section along x, draw-in, and the whole part,
-    mirrored by its symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
+    surface. Of dynamics and of stampings: energies against time; of a stamping the section along x, the outline from
+    above with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its
+    symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
     `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping STAMPING_FIELDS, of a one-step run
     ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder. sections: x, y of where a section begins [mm],
     and its angle from x [degree]; each is drawn, and its thickness written as CSV.
@@ -76,6 +85,10 @@ def plot_all(
             figure = plot_section(result, 0.0, step, figure=_new_figure())
             figure.set_size_inches(7.0, 6.0)
             paths.append(_save(figure, folder / f"section_{step:03d}.png"))
+            figure = plot_outline(result, step, figure=_new_figure())
+            figure.set_size_inches(6.4, 7.0)
+            paths.append(_save(figure, folder / f"outline_{step:03d}.png"))
+            write_draw_in(result, folder / f"draw_in_{step:03d}.csv", step)
         for section in sections:
             paths.append(_draw_section(result, section, step, folder))
         if result.formability.curve is not None:
@@ -134,7 +147,7 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
 def _plot_energies(result: Result, folder: Path) -> list[Path]:
     """Write the energies against time, if a run has them and has come as far as its first row."""
     history = result.history
-    if "kinetic_energy" not in history or len(history["time"]) == 0:
+    if not find_energies(history) or len(history["time"]) == 0:
         return []
     figure = _new_figure()
     plot_energies(result, figure.subplots())

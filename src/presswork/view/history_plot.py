@@ -27,7 +27,8 @@ def plot_history(
 ) -> Axes:
     """Draw columns of the history against each other; several runs go into one diagram.
 
-    Without x and y: force [kN] against stroke [mm] of every tool that moves, or against the angle of those that turn.
+    Without x and y: force [kN] against stroke [mm] of every tool that moves, and of a stamping's beads, or against the
+    angle of those that turn.
     With `y` alone, x is the angle or stroke of the same tool, or the time. `labels` name the runs, by default after
     their folders. Raises ResultError for an unknown column, or if no tool moves.
     """
@@ -56,14 +57,15 @@ def plot_history(
 
 
 def plot_energies(result: Result, ax: Axes | None = None) -> Axes:
-    """Draw the energies [J] of a dynamic run against time, and 5 % of the internal one: kinetic should lie below."""
+    """Draw energies and work [J] against time; of dynamics 5 % of the internal one too: kinetic should lie below."""
     require_matplotlib()
     ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
     history = result.history
     time = 1e3 * history["time"]
-    for column in (name for name in history if name.endswith("_energy")):
-        ax.plot(time, 1e-3 * history[column], label=column.removesuffix("_energy"), linewidth=1.6)
-    ax.plot(time, 0.05e-3 * history["internal_energy"], "k--", linewidth=0.9, label="5 % of internal")
+    for column in find_energies(history):
+        ax.plot(time, 1e-3 * history[column], label=column.removesuffix("_energy").replace("_", " "), linewidth=1.6)
+    if "kinetic_energy" in history:
+        ax.plot(time, 0.05e-3 * history["internal_energy"], "k--", linewidth=0.9, label="5 % of internal")
     ax.set_xlabel("time [ms]")
     ax.set_ylabel("energy [J]")
     ax.set_title(str(result.info.get("title", "")))
@@ -71,6 +73,11 @@ def plot_energies(result: Result, ax: Axes | None = None) -> Axes:
     ax.margins(x=0.02)
     clean_axes(ax)
     return ax
+
+
+def find_energies(history: dict[str, NDArray[Any]]) -> list[str]:
+    """Return the columns of energies and work."""
+    return [name for name in history if name.endswith(("_energy", "_work"))]
 
 
 def find_moving_tools(history: dict[str, NDArray[Any]]) -> list[str]:
@@ -97,7 +104,8 @@ def _choose_columns(
         moving = find_moving_tools(history)
         if result.is_stamping and moving:  # holders hardly move: all over the stroke of the one that does
             main = max(moving, key=lambda tool: float(np.abs(history[f"{tool}.stroke"]).max()))
-            return [(x or f"{main}.stroke", f"{tool}.force") for tool in moving]
+            beads = [name for name in history if name.startswith("bead_") and name.endswith(".force")]
+            return [(x or f"{main}.stroke", name) for name in (*(f"{tool}.force" for tool in moving), *beads)]
         turning = [(x or f"{tool}.angle", f"{tool}.force") for tool in find_turning_tools(history)]
         pairs = turning or [(x or f"{tool}.stroke", f"{tool}.force") for tool in moving]
     if not pairs:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from presswork.model import FloatArray
 from presswork.post.section import ORIGIN, cut_sheet, cut_tool, measure_draw_in
 from presswork.results import Result, ResultError
 from presswork.view.style import clean_axes, describe_step, new_figure, require_matplotlib
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _DRAW_IN_ANGLES = (0.0, 45.0, 90.0)
+_ALIKE = 0.01
+"""Part of the draw-in by which curves may differ and be drawn as one."""
 _TOOL_COLOURS = ("0.45", "#8a5a2b", "#2b6a8a", "#5a8a2b")
 
 
@@ -80,9 +83,18 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
     tool = max(way, key=lambda name: way[name])
     stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]
+    curves: list[tuple[list[float], FloatArray]] = []
     for angle in _DRAW_IN_ANGLES:
-        come_in = [measure_draw_in(result, float(np.radians(angle)), step) for step in steps]
-        ax.plot(stroke, come_in, ".-", label=f"at {angle:g} degrees", linewidth=1.6)
+        come_in = np.array([measure_draw_in(result, float(np.radians(angle)), step) for step in steps])
+        near = _ALIKE * float(np.abs(come_in).max())
+        same = next((angles for angles, other in curves if np.abs(other - come_in).max() <= near), None)
+        if same is None:
+            curves.append(([angle], come_in))
+        else:
+            same.append(angle)
+    for angles, come_in in curves:
+        label = f"at {' and '.join(f'{angle:g}' for angle in angles)} degrees"
+        ax.plot(stroke, come_in, ".-", label=label, linewidth=1.6)
     ax.set_xlabel(f"{tool} stroke [mm]")
     ax.set_ylabel("draw-in [mm]")
     ax.set_title(str(result.info.get("title", "")))

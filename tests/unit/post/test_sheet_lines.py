@@ -11,9 +11,17 @@ import pytest
 
 from presswork.mesh.blanks import dress_blank, mesh_rectangular_blank
 from presswork.model import Section
-from presswork.post import cut_sheet, measure_draw_in, trace_outline, write_outline, write_section
+from presswork.post import (
+    cut_sheet,
+    measure_draw_in,
+    measure_draw_in_around,
+    trace_outline,
+    write_draw_in,
+    write_outline,
+    write_section,
+)
 from presswork.results import OutputError, Result, ResultError, append_step
-from presswork.view import plot_all
+from presswork.view import plot_all, plot_outline
 
 DRAWN = np.array([-0.1, -0.2, 0.0])
 """Displacement gradient along x and y; z is 0.5 x."""
@@ -105,3 +113,19 @@ def test_chosen_sections_are_drawn_and_written_and_others_refused(tmp_path: Path
     assert {"section_-1_3_0_001.png", "section_-1_3_0_001.csv"} <= names
     with pytest.raises(ResultError, match=r"from \(0, 99\) mm at 0 degrees misses the blank"):
         plot_all(result, tmp_path / "plots", [], sections=[(0.0, 99.0, 0.0)])
+
+
+@pytest.mark.parametrize(("planes", "low", "high"), [("", 0, 360), ("x", -90, 90), ("y", 0, 180), ("xy", 0, 90)])
+def test_draw_in_is_measured_all_round_what_is_computed(tmp_path: Path, planes: str, low: float, high: float) -> None:
+    """Where the ray leaves the plate of 40 x 20 mm, the edge has come in by 0.1 x cos + 0.2 y sin."""
+    result = plate(tmp_path, planes)
+    rows = measure_draw_in_around(result)
+    assert (rows[0, 0], rows[-1, 0]) == (low, high)
+    c, s = np.abs(np.cos(np.radians(rows[:, 0]))), np.abs(np.sin(np.radians(rows[:, 0])))
+    length = np.minimum(20 / np.maximum(c, 1e-9), 10 / np.maximum(s, 1e-9))
+    np.testing.assert_allclose(rows[:, 1], length * (0.1 * c**2 + 0.2 * s**2), rtol=1e-6)
+    write_draw_in(result, tmp_path / "draw_in.csv")
+    np.testing.assert_allclose(np.loadtxt(tmp_path / "draw_in.csv", delimiter=",", skiprows=1), rows, rtol=1e-6)
+    figure = plot_outline(result)
+    assert figure.axes[0].lines[0].get_xydata().max() == pytest.approx(20)
+    np.testing.assert_allclose(figure.axes[1].lines[0].get_xydata(), rows)

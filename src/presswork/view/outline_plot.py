@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Picture of a drawn sheet's outline, seen from above beside the blank's, and of its draw-in in every direction."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from presswork.post.draw_in import measure_draw_in_around
+from presswork.post.outline import trace_outline
+from presswork.results import Result
+from presswork.view.style import clean_axes, describe_step, new_figure, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None) -> Figure:
+    """Draw the edges of blank and part from above, and how far the outer one has come in by the angle from x."""
+    require_matplotlib()
+    from matplotlib.ticker import MultipleLocator
+
+    figure = new_figure(6.4, 7.0) if figure is None else figure
+    upper, lower = figure.subplots(2, 1, height_ratios=(3, 1))
+    for at, colour, style, label in ((0, "0.45", "--", "blank"), (step, "C3", "-", "part")):
+        for number, loop in enumerate(trace_outline(result, at)):
+            closed = np.vstack([loop, loop[:1]])
+            name = label if number == 0 else None
+            upper.plot(closed[:, 0], closed[:, 1], color=colour, linestyle=style, linewidth=1.4, label=name)
+    upper.set_aspect("equal")
+    upper.set(xlabel="x [mm]", ylabel="y [mm]")
+    title = str(result.info.get("title", "")).strip()
+    upper.set_title(f"{title}\n{describe_step(result, step)}, outline from above", fontsize="medium")
+    upper.legend(fontsize="small", loc="center", frameon=False)
+    clean_axes(upper)
+    rows = measure_draw_in_around(result, step)
+    lower.plot(rows[:, 0], rows[:, 1], color="C3", linewidth=1.6)
+    lower.set(xlabel="angle from x [degree]", ylabel="draw-in [mm]")
+    lower.xaxis.set_major_locator(MultipleLocator(15 if np.ptp(rows[:, 0]) <= 90 else 45))
+    lower.margins(x=0.0)
+    clean_axes(lower)
+    return figure
