@@ -85,9 +85,7 @@ def plot_all(
             figure = plot_section(result, 0.0, step, figure=_new_figure())
             figure.set_size_inches(7.0, 6.0)
             paths.append(_save(figure, folder / f"section_{step:03d}.png"))
-            figure = plot_outline(result, step, figure=_new_figure())
-            figure.set_size_inches(6.4, 7.0)
-            paths.append(_save(figure, folder / f"outline_{step:03d}.png"))
+            paths.append(_save(plot_outline(result, step, figure=_new_figure()), folder / f"outline_{step:03d}.png"))
             write_draw_in(result, folder / f"draw_in_{step:03d}.csv", step)
         for section in sections:
             paths.append(_draw_section(result, section, step, folder))

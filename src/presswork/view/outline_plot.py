@@ -16,13 +16,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+_WIDTH, _BELOW = 4.4, 3.0
+"""Of the outline, and of what is below it with its labels [inch]."""
+
+
 def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None) -> Figure:
     """Draw the edges of blank and part from above, and how far the outer one has come in by the angle from x."""
     require_matplotlib()
-    from matplotlib.ticker import MultipleLocator
+    from matplotlib.ticker import MaxNLocator, MultipleLocator
 
     figure = new_figure(6.4, 7.0) if figure is None else figure
-    upper, lower = figure.subplots(2, 1, height_ratios=(3, 1))
+    size = np.ptp(trace_outline(result, 0)[0], axis=0)
+    height = float(np.clip(_WIDTH * size[1] / size[0], 0.6, 2.0 * _WIDTH))
+    figure.set_size_inches(_WIDTH + 2.0, height + _BELOW)
+    upper, lower = figure.subplots(2, 1, height_ratios=(height, 0.5 * _BELOW))
     for at, colour, style, label in ((0, "0.45", "--", "blank"), (step, "C3", "-", "part")):
         for number, loop in enumerate(trace_outline(result, at)):
             closed = np.vstack([loop, loop[:1]])
@@ -32,7 +39,8 @@ def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None
     upper.set(xlabel="x [mm]", ylabel="y [mm]")
     title = str(result.info.get("title", "")).strip()
     upper.set_title(f"{title}\n{describe_step(result, step)}, outline from above", fontsize="medium")
-    upper.legend(fontsize="small", loc="center", frameon=False)
+    upper.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False)
+    upper.yaxis.set_major_locator(MaxNLocator(int(np.clip(3 * height, 2, 9))))
     clean_axes(upper)
     rows = measure_draw_in_around(result, step)
     lower.plot(rows[:, 0], rows[:, 1], color="C3", linewidth=1.6)

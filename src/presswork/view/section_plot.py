@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _DRAW_IN_ANGLES = (0.0, 45.0, 90.0)
 _ALIKE = 0.01
-"""Part of the draw-in by which curves may differ and be drawn as one."""
+"""Part of the largest draw-in by which curves may differ and be drawn as one."""
 _TOOL_COLOURS = ("0.45", "#8a5a2b", "#2b6a8a", "#5a8a2b")
 
 
@@ -83,10 +83,13 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
     tool = max(way, key=lambda name: way[name])
     stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]
+    found = {
+        angle: np.array([measure_draw_in(result, float(np.radians(angle)), step) for step in steps])
+        for angle in _DRAW_IN_ANGLES
+    }
+    near = _ALIKE * max(float(np.abs(come_in).max()) for come_in in found.values())
     curves: list[tuple[list[float], FloatArray]] = []
-    for angle in _DRAW_IN_ANGLES:
-        come_in = np.array([measure_draw_in(result, float(np.radians(angle)), step) for step in steps])
-        near = _ALIKE * float(np.abs(come_in).max())
+    for angle, come_in in found.items():
         same = next((angles for angles, other in curves if np.abs(other - come_in).max() <= near), None)
         if same is None:
             curves.append(([angle], come_in))
