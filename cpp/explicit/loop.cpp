@@ -310,7 +310,7 @@ Energies ShellLoop<Real>::energies(double dt, double damping, double force_scale
   for (const auto& block : blocks)
     for (int i = 0; i < block->n(); ++i) {
       e.internal += block->value(i, block->rows().work);
-      e.hourglass += block->value(i, block->rows().hourglass_work);
+      if (block->rows().hourglass_work >= 0) e.hourglass += block->value(i, block->rows().hourglass_work);
     }
   if (contact) {
     const ContactEnergies c = contact->energies(dt);
