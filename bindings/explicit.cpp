@@ -234,10 +234,12 @@ NewDoubles trial_force(ShellLoop<Real>& self, Doubles increment) {
 }
 
 template <class Real>
-void advance(ShellLoop<Real>& self, double dt, Doubles force_scale, Doubles velocity_scale, double damping) {
+auto advance(ShellLoop<Real>& self, double dt, Doubles force_scale, Doubles velocity_scale, double damping) {
   require(force_scale.size() == velocity_scale.size(), "force_scale and velocity_scale must have the same length");
   nb::gil_scoped_release release;
-  self.advance(static_cast<int>(force_scale.size()), dt, damping, force_scale.data(), velocity_scale.data());
+  const auto failure =
+      self.advance(static_cast<int>(force_scale.size()), dt, damping, force_scale.data(), velocity_scale.data());
+  return std::make_tuple(failure.element, failure.cycle);
 }
 
 template <class Real>
@@ -283,7 +285,10 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
            nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
            "Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.")
       .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
-           nb::arg("damping") = 0.0, "Advance as many cycles of dt [s] as the scales have values.")
+           nb::arg("damping") = 0.0,
+           "Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; "
+           "returns "
+           "the shell and the cycle of it, or -1, -1.")
       .def("energies", &Loop::energies, nb::arg("dt"), nb::kw_only(), nb::arg("damping") = 0.0,
            nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0, "Energies at the present time.")
       .def("trial_force", &trial_force<Real>, nb::arg("increment"),

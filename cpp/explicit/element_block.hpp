@@ -32,8 +32,8 @@ class ElementBlock {
   virtual ~ElementBlock() = default;
 
   // Advance packs [first, last) by dt to the nodes' present positions, at their velocities; force: (packs, lanes,
-  // nodes, 6), from the first pack on.
-  virtual void advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) = 0;
+  // nodes, 6), from the first pack on. Gives the first element whose material law has failed, or -1.
+  virtual int advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) = 0;
   // Bound of each element's squared frequency [1/s2] (n).
   virtual void bound_frequencies(const Nodes<Real>& nodes, double* squared) const = 0;
 

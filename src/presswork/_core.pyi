@@ -608,8 +608,10 @@ class ShellLoop:
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
-    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
-        """Advance as many cycles of dt [s] as the scales have values."""
+    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int]:
+        """
+        Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell and the cycle of it, or -1, -1.
+        """
 
     def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
         """Energies at the present time."""
@@ -763,8 +765,10 @@ class ShellLoopSingle:
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
-    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
-        """Advance as many cycles of dt [s] as the scales have values."""
+    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int]:
+        """
+        Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell and the cycle of it, or -1, -1.
+        """
 
     def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
         """Energies at the present time."""

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.procedure.explicit import EnergyBalance, ExplicitShells, ShellOptions, layer_rule
+from presswork.procedure.explicit import EnergyBalance, ExplicitError, ExplicitShells, ShellOptions, layer_rule
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
@@ -199,6 +199,43 @@ def test_the_fast_law_and_the_general_one_give_the_same_run() -> None:
     assert (fast.equivalent_plastic_strain > 1e-3).mean() > 0.1
     np.testing.assert_allclose(fast.position, general.position, atol=1e-6)
     np.testing.assert_allclose(fast.stress, general.stress, atol=1e-3)
+
+
+@pytest.mark.parametrize(("precision", "element"), KINDS)
+def test_a_law_that_finds_no_stress_stops_the_run_with_its_shell(precision: str, element: str) -> None:
+    """One node is torn through its neighbours: the first shell to fail is the same for any threads, and news of the
+    node can have reached it; what was dumped before runs on.
+    """
+    law = _core.SheetLaw(
+        207e3, 0.3, _core.YieldFunction.hill1948([0.3, 0.4, 0.6, 1.5, 1.5, 1.8]), _core.HardeningLaw.swift,
+        [565.0, 0.007, 0.26],
+    )  # fmt: skip
+    found, torn, before = [], N // 2 * (N + 2), _core.max_threads()
+    for threads in (1, 2):
+        _core.set_threads(threads)
+        points, cells = mesh()
+        options = ShellOptions(element=element)  # type: ignore[arg-type]
+        shells = ExplicitShells(
+            points, np.repeat(cells, 2, axis=0), 0.8, law, 7.85e-9, options=options, precision=precision  # type: ignore[arg-type]
+        )  # fmt: skip
+        shells.advance(2)
+        good = shells.dump()
+        shells.fix([torn], "u", 5e6)
+        with pytest.raises(
+            ExplicitError, match=r"the material law of shell \d+ has failed in cycle \d+ .*too long"
+        ) as stop:
+            shells.advance(200)
+        found.append(str(stop.value))
+        assert shells.cycle == 2
+        shells.release()
+        shells.restore(good)
+        shells.advance(20)
+        assert np.isfinite(shells.position).all()
+    _core.set_threads(before)
+    assert found[0] == found[1]
+    shell, cycle = (int(found[0].split(word)[1].split()[0]) for word in ("shell ", "cycle "))
+    middle = points[np.repeat(cells, 2, axis=0)[shell]].mean(axis=0)
+    assert np.linalg.norm(middle - points[torn]) < 3.0 * (cycle - 2)  # news travels by a shell a cycle
 
 
 HARDENINGS = {

@@ -295,7 +295,7 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
 
         force_scale, velocity_scale: factors on force and on prescribed velocities, one or one for each cycle.
         damping: mass damping [1/s]; a mode of angular frequency w loses the fraction damping/(2 w) of critical.
-        Raises ExplicitError when the motion is no longer finite.
+        Raises ExplicitError when a material law finds no stress, or the motion is no longer finite.
         """
         scales = [np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale)]
         self._prepare_tools(scales[1])
@@ -303,7 +303,14 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         if self._reference is None:
             start = self._sum(self._energies(damping, force_scale, velocity_scale))
             self._reference = (start, abs(start))
-        self._loop.advance(self.dt, *scales, damping=damping)
+        shell, cycle = self._loop.advance(self.dt, *scales, damping=damping)
+        if shell >= 0:
+            done = self.cycle + cycle + 1
+            raise ExplicitError(
+                f"the material law of shell {self._elements[shell]} has failed in cycle {done} (t = "
+                f"{self.time + (cycle + 1) * self.dt:g} s), it finds no stress for the strain of this step: the step "
+                f"{self.dt:g} s is too long, the shell has collapsed, or the law's parameters are not those of a metal"
+            )
         self.cycle += n
         self.time += n * self.dt
         finite = np.isfinite(self.position).all(axis=1)
