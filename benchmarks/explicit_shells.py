@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cost of a one-point shell in the explicit loop: microseconds per shell and cycle, the whole cycle counted.
+"""Cost of a shell in the explicit loop: microseconds per shell and cycle, the whole cycle counted.
 
     python benchmarks/explicit_shells.py
     python benchmarks/explicit_shells.py --threads 1 --sizes 100
@@ -8,7 +8,7 @@
 A flat sheet is stretched equally in both directions, five points through the thickness, Swift hardening, every point
 plastic in every cycle (checked), no contact; double precision but for the column that says single. One thread: CPU
 time, which other processes on the machine disturb least; more threads: wall time. Each figure is the least of the
-repeats; the columns with one point, and with an elastic sheet, say what the layers and the plastic update cost.
+repeats; the columns with one layer, and with an elastic sheet, say what the layers and the plastic update cost.
 """
 
 from __future__ import annotations
@@ -116,15 +116,17 @@ def main() -> None:
         "single": (SWIFT, ShellOptions(), "single"),
         "general law": (SWIFT, ShellOptions(tabulate=False)),
         "elastic": (ELASTIC, ShellOptions()),
-        "one point": (SWIFT, ShellOptions(n_points=1)),
+        "one layer": (SWIFT, ShellOptions(n_points=1)),
+        "MITC4+": (SWIFT, ShellOptions(element="shell4_mitc_plus")),
+        "MITC4+ single": (SWIFT, ShellOptions(element="shell4_mitc_plus"), "single"),
     }
     columns = {name: columns[name] for name in given.columns or columns}
     print(f"{_core.architecture}, packs of {_core.pack_width}; microseconds per shell and cycle")
-    print(f"{'shells':>9} {'threads':>8} " + " ".join(f"{name:>12}" for name in columns))
+    print(f"{'shells':>9} {'threads':>8} " + " ".join(f"{name:>13}" for name in columns))
     for n in given.sizes:
         for threads in given.threads:
             figures = [time_cycle(n, threads, given.repeats, *what) for what in columns.values()]
-            print(f"{n * n:9,} {threads:8} " + " ".join(f"{figure:12.4f}" for figure in figures), flush=True)
+            print(f"{n * n:9,} {threads:8} " + " ".join(f"{figure:13.4f}" for figure in figures), flush=True)
 
 
 if __name__ == "__main__":

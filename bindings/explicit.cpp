@@ -107,8 +107,11 @@ void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Dou
   for (int node : cells) require(node >= 0 && node < self.nodes.n, "connectivity names a node that is not there");
   auto section =
       make_section(law, density, std::move(height), std::move(weight), tabulate, treatment, viscous, hourglass);
-  self.add(make_one_point_shells<Real>(static_cast<int>(each), self.nodes, std::move(section), std::move(cells),
-                                       thickness.data(), axis.data()));
+  if (each == 4 && treatment == Treatment::mitc)
+    self.add(make_mitc_shells<Real>(self.nodes, std::move(section), std::move(cells), thickness.data(), axis.data()));
+  else
+    self.add(make_one_point_shells<Real>(static_cast<int>(each), self.nodes, std::move(section), std::move(cells),
+                                         thickness.data(), axis.data()));
 }
 
 // Columns [first, first + width) of records of `stride` numbers as an array (n, width), and back.
@@ -155,15 +158,15 @@ NewDoubles thickness_of(const ShellLoop<Real>& self, int block) {
   return array;
 }
 
-// Stress (n, points, 3) as xx, yy, xy.
+// Stress (n, points in the plane, points across, 3) as xx, yy, xy.
 template <class Real>
 NewDoubles stress_of(const ShellLoop<Real>& self, int block) {
   const auto& elements = block_of(self, block);
   const auto& rows = elements.rows();
   double* to;
-  auto array = new_array({std::size_t(elements.n()), std::size_t(rows.points), 3}, &to);
+  auto array = new_array({std::size_t(elements.n()), std::size_t(rows.in_plane), std::size_t(rows.across), 3}, &to);
   for (int e = 0; e < elements.n(); ++e)
-    for (int k = 0; k < rows.points; ++k, to += 3) {
+    for (int k = 0; k < rows.in_plane * rows.across; ++k, to += 3) {
       const int row = rows.layers + k * rows.law;
       const double sum = elements.value(e, row), difference = elements.value(e, row + 1);
       to[0] = 0.5 * (sum + difference), to[1] = 0.5 * (sum - difference), to[2] = elements.value(e, row + 2);
@@ -177,9 +180,10 @@ NewDoubles history_of(const ShellLoop<Real>& self, int block) {
   const auto& rows = elements.rows();
   const int size = rows.law - 3;
   double* to;
-  auto array = new_array({std::size_t(elements.n()), std::size_t(rows.points), std::size_t(size)}, &to);
+  auto array = new_array(
+      {std::size_t(elements.n()), std::size_t(rows.in_plane), std::size_t(rows.across), std::size_t(size)}, &to);
   for (int e = 0; e < elements.n(); ++e)
-    for (int k = 0; k < rows.points; ++k)
+    for (int k = 0; k < rows.in_plane * rows.across; ++k)
       for (int r = 0; r < size; ++r) *to++ = elements.value(e, rows.layers + k * rows.law + 3 + r);
   return array;
 }
@@ -230,10 +234,12 @@ NewDoubles trial_force(ShellLoop<Real>& self, Doubles increment) {
 }
 
 template <class Real>
-void advance(ShellLoop<Real>& self, double dt, Doubles force_scale, Doubles velocity_scale, double damping) {
+auto advance(ShellLoop<Real>& self, double dt, Doubles force_scale, Doubles velocity_scale, double damping) {
   require(force_scale.size() == velocity_scale.size(), "force_scale and velocity_scale must have the same length");
   nb::gil_scoped_release release;
-  self.advance(static_cast<int>(force_scale.size()), dt, damping, force_scale.data(), velocity_scale.data());
+  const auto failure =
+      self.advance(static_cast<int>(force_scale.size()), dt, damping, force_scale.data(), velocity_scale.data());
+  return std::make_tuple(failure.element, failure.cycle);
 }
 
 template <class Real>
@@ -277,9 +283,12 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
            nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),
            nb::arg("tabulate") = true, nb::arg("treatment") = Treatment::plain, nb::arg("viscous") = false,
            nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
-           "Add a block of one-point shells of 3 or 4 nodes; blocks and their elements are numbered as they come.")
+           "Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.")
       .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
-           nb::arg("damping") = 0.0, "Advance as many cycles of dt [s] as the scales have values.")
+           nb::arg("damping") = 0.0,
+           "Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; "
+           "returns "
+           "the shell and the cycle of it, or -1, -1.")
       .def("energies", &Loop::energies, nb::arg("dt"), nb::kw_only(), nb::arg("damping") = 0.0,
            nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0, "Energies at the present time.")
       .def("trial_force", &trial_force<Real>, nb::arg("increment"),
@@ -326,9 +335,9 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
       .def_prop_rw("element_mass", &masses_of<Real>, &set_element_masses<Real>, nb::rv_policy::move,
                    "Mass of each element (n) [t]; setting it sets the nodes' masses.")
       .def("stress", &stress_of<Real>, nb::arg("block"),
-           "Stress xx, yy, xy of the layers (n, points, 3) of a block in the law's frame [MPa].")
+           "Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa].")
       .def("history", &history_of<Real>, nb::arg("block"),
-           "What the law of a block keeps at each layer (n, points, size); first eqps.")
+           "What the law of a block keeps (n, points in the plane, layers, size); first eqps.")
       .def("thickness", &thickness_of<Real>, nb::arg("block"), "Thickness (n) [mm] of a block.");
 }
 
@@ -366,10 +375,11 @@ void bind_explicit(nb::module_& m) {
           "Advance points by strain increments (n, 3); returns stress (n, 3), equivalent plastic strain (n), thickness "
           "strain increment (n).");
 
-  nb::enum_<Treatment>(m, "ShellTreatment", "How a shell of one point is made enough.")
+  nb::enum_<Treatment>(m, "ShellTreatment", "What a shell of four nodes is made of: one point in the plane, or 2 x 2.")
       .value("plain", Treatment::plain, "Belytschko, Lin & Tsay 1984")
       .value("warped", Treatment::warped, "with the terms of Belytschko, Wong & Chiang 1992")
-      .value("stabilized", Treatment::stabilized, "with hourglass stresses of the material's own");
+      .value("stabilized", Treatment::stabilized, "with hourglass stresses of the material's own")
+      .value("mitc", Treatment::mitc, "2 x 2 points, MITC4+");
 
   bind_loop<double>(m, "ShellLoop", "Central differences for shells; mm, s, t, N, MPa.");
   bind_loop<float>(m, "ShellLoopSingle", "ShellLoop in single precision, positions and work excepted.");

@@ -7,6 +7,7 @@
 //   advance(sum, difference, shear, dt, state) updates them by increments of strain; gives that of thickness strain
 //   young_at(state)                            Young's modulus at present
 //   young, poisson                             elasticity, for transverse shear, stable step and hourglass control
+//   can_fail                                   whether it may find no stress: its sum is then NaN
 #pragma once
 
 #include "material/anisotropic_law.hpp"
@@ -14,9 +15,9 @@
 
 namespace presswork {
 
-// Any SheetLaw, always in double precision. x of its frame is the frame's first axis. A failed lane turns to NaN, which
-// the loop finds.
+// Any SheetLaw, always in double precision. x of its frame is the frame's first axis.
 struct GeneralSheet {
+  static constexpr bool can_fail = true;
   SheetLaw law;
   double young = law.young, poisson = law.poisson;
 
@@ -57,6 +58,7 @@ struct GeneralSheet {
 };
 
 struct FastMises : TabulatedMises {
+  static constexpr bool can_fail = false;
   static constexpr int rows() { return 4; }
 
   template <class T>

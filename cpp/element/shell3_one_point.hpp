@@ -138,7 +138,7 @@ template <class T, class Law>
   state[hourglass] = held;
   state[work] += s.area * r.work;
   state[hourglass_work] += T(0.5) * (before + held) * curl;
-  change_thickness(r.thickness_strain, state);
+  change_thickness(r.thickness_strain, state[thickness], state[thickness_rounding]);
   // 4. nodal forces
   const T turn = T(0.5) * (T(1.0 / 3.0) * (q1 - q2) + held), half1 = T(0.5) * q1, half2 = T(0.5) * q2;
   T d[3][3];

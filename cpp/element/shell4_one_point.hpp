@@ -59,10 +59,10 @@ inline constexpr int head_rows = 16;
 // Adds an increment of thickness strain. What rounding takes is added to the next increment (Kahan 1965): steps of 1e-6
 // are 16 units in the last place of a float, all rounded the same way, and would drift.
 template <class T>
-[[gnu::always_inline]] inline void change_thickness(T strain, T* state) {
-  const T before = state[thickness], change = before * strain + state[thickness_rounding];
-  state[thickness] = before + change;
-  state[thickness_rounding] = change - (state[thickness] - before);
+[[gnu::always_inline]] inline void change_thickness(T strain, T& thickness, T& rounding) {
+  const T before = thickness, change = before * strain + rounding;
+  thickness = before + change;
+  rounding = change - (thickness - before);
 }
 
 template <class T>
@@ -382,7 +382,7 @@ template <bool warped, class T, class Law>
   }
   state[work] += g.area * r.work;
   state[hourglass_work] += lost;
-  change_thickness(r.thickness_strain, state);
+  change_thickness(r.thickness_strain, state[thickness], state[thickness_rounding]);
   // 5. nodal forces
   spread<warped>(g, r, shear, Q, force);
 }

@@ -89,6 +89,49 @@ template <class T>
   return drilling;
 }
 
+// Change of patterns and of strains in dt by velocities v and angular velocities w; skew as in `measure`.
+template <class T>
+[[gnu::always_inline]] inline void measure_change(const Centre<T>& g, double dt, const T v[4][3], const T w[4][3],
+                                                  Patterns<T>& change, const T skew[2], Forms<T>& strain) {
+  T step[4][3], turn[4][3], drilling[4];
+  for (int a = 0; a < 4; ++a)
+    for (int i = 0; i < 3; ++i) step[a][i] = T(dt) * v[a][i];
+  to_patterns(step, change.g[0], change.g[1], change.h);
+  const T spin = dot(g.spin[0], change.g[0]) + dot(g.spin[1], change.g[1]);
+  for (int a = 0; a < 4; ++a) drilling[a] = turn_director(w[a], T(dt), spin, g.c.d0, g.p[a], turn[a]);
+  const T even = drilling[0] + drilling[2], odd = drilling[1] + drilling[3];
+  const T drilled[2] = {T(0.25) * (even + odd), T(0.25) * (even - odd)};
+  to_patterns(turn, change.d[0], change.d[1], change.e);
+  to_mean(turn, change.d0);
+  measure<false>(skew, g.c, change, strain);
+  for (int i = 0; i < 3; ++i) strain.bending[i] += drilled[0] * g.drill[0][i] + drilled[1] * g.drill[1][i];
+}
+
+// Nodal forces and moments (4, 6) from forces on the patterns, f, which is used up, and what bending does on drilling;
+// `measure_change` transposed.
+template <class T>
+[[gnu::always_inline]] inline void spread_to_nodes(const Centre<T>& g, const T bending[3], Patterns<T>& f, T* force) {
+  T at[4][3], drilled[2] = {T(0.0), T(0.0)};
+  for (int k = 0; k < 2; ++k)
+    for (int i = 0; i < 3; ++i) drilled[k] += g.drill[k][i] * bending[i];
+  T drilling = -drilled[0];
+  const T of_node[2] = {T(0.25) * (drilled[0] + drilled[1]), T(0.25) * (drilled[0] - drilled[1])};
+  from_patterns(f.d0, f.d[0], f.d[1], f.e, at);
+  for (int a = 0; a < 4; ++a) {
+    T* moment = force + 6 * a + 3;
+    cross(g.p[a], at[a], moment);
+    const T along = dot(moment, g.c.d0);
+    for (int i = 0; i < 3; ++i) moment[i] += (of_node[a % 2] - along) * g.c.d0[i];
+    drilling += along;
+  }
+  for (int k = 0; k < 2; ++k)
+    for (int i = 0; i < 3; ++i) f.g[k][i] += drilling * g.spin[k][i];
+  const T none[3] = {T(0.0), T(0.0), T(0.0)};
+  from_patterns(none, f.g[0], f.g[1], f.h, at);
+  for (int a = 0; a < 4; ++a)
+    for (int i = 0; i < 3; ++i) force[6 * a + i] = at[a][i];
+}
+
 // Advance one shell (or pack) by dt; arguments as those of `advance` in shell4_one_point.hpp.
 template <class T, class Law>
 [[gnu::always_inline]] inline void advance_stabilized(const Law& law, const LayerRule& rule, double dt, const T x[4][3],
@@ -97,25 +140,13 @@ template <class T, class Law>
   Forms<T> strain;
   T membrane[3], curvature[3], shear_strain[2];
   {
-    T middle[4][3], step[4][3], turn[4][3];
+    T middle[4][3];
     for (int a = 0; a < 4; ++a)
-      for (int i = 0; i < 3; ++i) {
-        step[a][i] = T(dt) * v[a][i];
-        middle[a][i] = x[a][i] - T(0.5) * step[a][i];
-      }
+      for (int i = 0; i < 3; ++i) middle[a][i] = x[a][i] - T(0.5 * dt) * v[a][i];
     Centre<T> g;
     measure_centre(middle, state + reference, g);
     Patterns<T> change;
-    to_patterns(step, change.g[0], change.g[1], change.h);
-    const T spin = dot(g.spin[0], change.g[0]) + dot(g.spin[1], change.g[1]);
-    T drilling[4];
-    for (int a = 0; a < 4; ++a) drilling[a] = turn_director(w[a], T(dt), spin, g.c.d0, g.p[a], turn[a]);
-    const T even = drilling[0] + drilling[2], odd = drilling[1] + drilling[3];
-    const T drilled[2] = {T(0.25) * (even + odd), T(0.25) * (even - odd)};
-    to_patterns(turn, change.d[0], change.d[1], change.e);
-    to_mean(turn, change.d0);
-    measure<false>(g.skew, g.c, change, strain);
-    for (int i = 0; i < 3; ++i) strain.bending[i] += drilled[0] * g.drill[0][i] + drilled[1] * g.drill[1][i];
+    measure_change(g, dt, v, w, change, g.skew, strain);
     T e[3];
     to_frame(g.contra, strain.membrane, e), to_sums(e, membrane);
     to_frame(g.contra, strain.bending, e), to_sums(e, curvature);
@@ -154,29 +185,11 @@ template <class T, class Law>
   }
   state[work] += g.area * r.work;
   state[hourglass_work] += lost;
-  change_thickness(r.thickness_strain, state);
+  change_thickness(r.thickness_strain, state[thickness], state[thickness_rounding]);
   // 5. nodal forces
   Patterns<T> f;
   spread<false>(g.skew, g.c, out, f);
-  T at[4][3], drilled[2] = {T(0.0), T(0.0)};
-  for (int k = 0; k < 2; ++k)
-    for (int i = 0; i < 3; ++i) drilled[k] += g.drill[k][i] * out.bending[i];
-  T drilling = -drilled[0];
-  const T of_node[2] = {T(0.25) * (drilled[0] + drilled[1]), T(0.25) * (drilled[0] - drilled[1])};
-  from_patterns(f.d0, f.d[0], f.d[1], f.e, at);
-  for (int a = 0; a < 4; ++a) {
-    T* moment = force + 6 * a + 3;
-    cross(g.p[a], at[a], moment);
-    const T along = dot(moment, g.c.d0);
-    for (int i = 0; i < 3; ++i) moment[i] += (of_node[a % 2] - along) * g.c.d0[i];
-    drilling += along;
-  }
-  for (int k = 0; k < 2; ++k)
-    for (int i = 0; i < 3; ++i) f.g[k][i] += drilling * g.spin[k][i];
-  const T none[3] = {T(0.0), T(0.0), T(0.0)};
-  from_patterns(none, f.g[0], f.g[1], f.h, at);
-  for (int a = 0; a < 4; ++a)
-    for (int i = 0; i < 3; ++i) force[6 * a + i] = at[a][i];
+  spread_to_nodes(g, out.bending, f, force);
 }
 
 }  // namespace presswork::shell4

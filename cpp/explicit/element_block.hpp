@@ -14,9 +14,11 @@ namespace presswork::explicit_dynamics {
 
 // Where the loop finds what it reports in an element's state; layers start at `layers`, `law` rows each.
 struct StateRows {
-  int thickness, work, hourglass_work;  // work [N mm]: of the stresses, of the hourglass forces
-  int layers, points, law;              // a layer's rows: sum, difference, shear of stress, then the law's history
-  int count() const { return layers + points * law; }
+  int thickness, work, hourglass_work;  // work [N mm]: of the stresses, of the hourglass forces (-1: there are none)
+  // points in the plane, points across the thickness, which come first, and rows of each: sum, difference, shear of
+  // stress, then the law's history
+  int layers, in_plane, across, law;
+  int count() const { return layers + in_plane * across * law; }
 };
 
 // State is kept as [pack][row][lane]. The last pack is filled up with copies of the last element that take part in no
@@ -30,8 +32,8 @@ class ElementBlock {
   virtual ~ElementBlock() = default;
 
   // Advance packs [first, last) by dt to the nodes' present positions, at their velocities; force: (packs, lanes,
-  // nodes, 6), from the first pack on.
-  virtual void advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) = 0;
+  // nodes, 6), from the first pack on. Gives the first element whose material law has failed, or -1.
+  virtual int advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) = 0;
   // Bound of each element's squared frequency [1/s2] (n).
   virtual void bound_frequencies(const Nodes<Real>& nodes, double* squared) const = 0;
 

@@ -2,6 +2,7 @@
 #include "explicit/loop.hpp"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 
 namespace presswork::explicit_dynamics {
@@ -46,6 +47,7 @@ void ShellLoop<Real>::cut_blocks() {
   constexpr int group = 16, group_packs = group / ElementBlock<Real>::lanes, even = 32;
   tiles_.clear();
   scratch_size_ = 0;
+  int numbered_from = 0;
   for (const auto& block : blocks) {
     const int groups = (block->n() + group - 1) / group;
     int n_tiles = (block->n() + 511) / 512;
@@ -54,10 +56,11 @@ void ShellLoop<Real>::cut_blocks() {
       const auto bound = [&](std::int64_t i) {
         return std::min(block->n_packs(), static_cast<int>(i * groups / n_tiles) * group_packs);
       };
-      tiles_.push_back({block.get(), bound(t), bound(t + 1), 0, 0});
+      tiles_.push_back({block.get(), bound(t), bound(t + 1), numbered_from, 0, 0});
       const auto packs = static_cast<std::size_t>(tiles_.back().last - tiles_.back().first);
       scratch_size_ = std::max(scratch_size_, packs * ElementBlock<Real>::lanes * block->nodes_each() * freedoms);
     }
+    numbered_from += block->n();
   }
 }
 
@@ -130,8 +133,8 @@ void ShellLoop<Real>::set_masses() {
 
 // scratch: forces of the tile's elements (packs, lanes, nodes, 6).
 template <class Real>
-void ShellLoop<Real>::advance_tile(const Tile& tile, double dt, Real* scratch) {
-  tile.block->advance(nodes, dt, tile.first, tile.last, scratch);
+int ShellLoop<Real>::advance_tile(const Tile& tile, double dt, Real* scratch) {
+  const int failed = tile.block->advance(nodes, dt, tile.first, tile.last, scratch);
   for (int i = tile.nodes_first; i < tile.nodes_last; ++i) {
     Real sum[freedoms] = {};
     for (int s = entry_start_[i]; s < entry_start_[i + 1]; ++s)
@@ -140,6 +143,7 @@ void ShellLoop<Real>::advance_tile(const Tile& tile, double dt, Real* scratch) {
     Real* row = to >= 0 ? &internal_force[std::size_t(freedoms) * to] : &partial_[std::size_t(freedoms) * (-1 - to)];
     for (int j = 0; j < freedoms; ++j) row[j] = sum[j];
   }
+  return failed < 0 ? -1 : tile.numbered_from + failed;
 }
 
 template <class Real>
@@ -208,11 +212,12 @@ typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, 
 }
 
 template <class Real>
-void ShellLoop<Real>::advance(int n, double dt, double damping, const double* force_scale,
-                              const double* velocity_scale) {
+typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, double damping, const double* force_scale,
+                                                           const double* velocity_scale) {
   const int n_chunks = (nodes.n + chunk - 1) / chunk, n_tiles = static_cast<int>(tiles_.size());
   const int n_rims = static_cast<int>(rim_node_.size());
   std::vector<Sums> sums(n_chunks);
+  int failed = INT_MAX, failed_in = -1;
 #pragma omp parallel if (n_elements() >= serial_elements)
   {
     AlignedArray<Real> scratch(scratch_size_);
@@ -229,8 +234,14 @@ void ShellLoop<Real>::advance(int n, double dt, double damping, const double* fo
         }
         if (contact) contact->move_tools(cycle, dt, std::sqrt(fastest));
       }
-#pragma omp for schedule(static)
-      for (int t = 0; t < n_tiles; ++t) advance_tile(tiles_[t], dt, scratch.data());
+#pragma omp for schedule(static) reduction(min : failed)
+      for (int t = 0; t < n_tiles; ++t)
+        if (const int shell = advance_tile(tiles_[t], dt, scratch.data()); shell >= 0) failed = std::min(failed, shell);
+      if (failed != INT_MAX) {  // the same for all threads
+#pragma omp master
+        failed_in = cycle;
+        break;
+      }
 #pragma omp for schedule(static)
       for (int i = 0; i < n_rims; ++i) close_rims(i, i + 1);
       if (beads) {
@@ -247,6 +258,7 @@ void ShellLoop<Real>::advance(int n, double dt, double damping, const double* fo
       contact->close_cycle();
     }
   }
+  return failed == INT_MAX ? Failure{} : Failure{failed, failed_in};
 }
 
 template <class Real>
@@ -310,7 +322,7 @@ Energies ShellLoop<Real>::energies(double dt, double damping, double force_scale
   for (const auto& block : blocks)
     for (int i = 0; i < block->n(); ++i) {
       e.internal += block->value(i, block->rows().work);
-      e.hourglass += block->value(i, block->rows().hourglass_work);
+      if (block->rows().hourglass_work >= 0) e.hourglass += block->value(i, block->rows().hourglass_work);
     }
   if (contact) {
     const ContactEnergies c = contact->energies(dt);

@@ -51,8 +51,13 @@ class ShellLoop {
 
   // Masses of nodes from those of the elements; after a change of either.
   void set_masses();
-  // Advance n cycles of dt. The scales (n) multiply force and prescribed velocities in each cycle; damping [1/s].
-  void advance(int n, double dt, double damping, const double* force_scale, const double* velocity_scale);
+  // The material law of an element has failed in a cycle of a call; of several the first in number.
+  struct Failure {
+    int element = -1, cycle = -1;
+  };
+  // Advance n cycles of dt, or up to that in which a material law fails. The scales (n) multiply force and prescribed
+  // velocities in each cycle; damping [1/s].
+  Failure advance(int n, double dt, double damping, const double* force_scale, const double* velocity_scale);
   // Energies at the present time; scales are those of the next cycle.
   Energies energies(double dt, double damping, double force_scale, double velocity_scale) const;
   // Advance the elements alone, and with them the internal force.
@@ -91,11 +96,12 @@ class ShellLoop {
   struct Tile {
     ElementBlock<Real>* block;
     int first, last;              // packs
+    int numbered_from;            // number of the block's first element in the loop
     int nodes_first, nodes_last;  // in target_
   };
   void cut_blocks();
   void make_tiles();
-  void advance_tile(const Tile& tile, double dt, Real* scratch);
+  int advance_tile(const Tile& tile, double dt, Real* scratch);  // gives the element whose law has failed, or -1
   void close_rims(int first, int last);
   Sums move_nodes(int first, int last, const Step& step);
   // Velocity half a step on of one node, and its outer force at present.

@@ -12,12 +12,13 @@ struct OnePoint {
   static constexpr int nodes = count;
 
   static StateRows rows(const ShellSection& section) {
-    return {shell4::thickness,
-            shell4::work,
-            shell4::hourglass_work,
-            shell4::head_rows,
-            static_cast<int>(section.rule.height.size()),
-            std::visit([](const auto& law) { return law.rows(); }, section.law)};
+    return {.thickness = shell4::thickness,
+            .work = shell4::work,
+            .hourglass_work = shell4::hourglass_work,
+            .layers = shell4::head_rows,
+            .in_plane = 1,
+            .across = static_cast<int>(section.rule.height.size()),
+            .law = std::visit([](const auto& law) { return law.rows(); }, section.law)};
   }
 
   // p - q and p + q are the sides of the reference, of which the frame knows the inverse; p x q is `per_area` areas.
@@ -112,10 +113,9 @@ std::unique_ptr<ElementBlock<Real>> make_one_point_shells(int nodes_each, const 
       return make.template operator()<Quadrilateral<Treatment::plain>>();
     case Treatment::warped:
       return make.template operator()<Quadrilateral<Treatment::warped>>();
-    case Treatment::stabilized:
+    default:
       return make.template operator()<Quadrilateral<Treatment::stabilized>>();
   }
-  return nullptr;
 }
 
 template std::unique_ptr<ElementBlock<double>> make_one_point_shells(int, const Nodes<double>&, ShellSection,

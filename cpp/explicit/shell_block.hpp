@@ -12,6 +12,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -45,8 +46,8 @@ class ShellBlock final : public ElementBlock<Real> {
     }
   }
 
-  void advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) override {
-    std::visit([&](const auto& law) { advance_packs(law, nodes, dt, first, last, force); }, section_.law);
+  int advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) override {
+    return std::visit([&](const auto& law) { return advance_packs(law, nodes, dt, first, last, force); }, section_.law);
   }
 
   void bound_frequencies(const Nodes<Real>& nodes, double* squared) const override {
@@ -69,7 +70,8 @@ class ShellBlock final : public ElementBlock<Real> {
 
  private:
   template <class Law>
-  void advance_packs(const Law& law, const Nodes<Real>& nodes, double dt, int first, int last, Real* force) {
+  int advance_packs(const Law& law, const Nodes<Real>& nodes, double dt, int first, int last, Real* force) {
+    int failed = -1;
     for (int pack = first; pack < last; ++pack) {
       P x[each][3], v[each][3], w[each][3], nodal[forces];
       gather_positions<each>(nodes, this->pack_nodes(pack), x);
@@ -82,7 +84,23 @@ class ShellBlock final : public ElementBlock<Real> {
       else
         for (int lane = 0; lane < lanes; ++lane)
           for (int i = 0; i < forces; ++i) to[lane][i] = nodal[i][lane];
+      if constexpr (Law::can_fail)
+        if (failed < 0 && any(!(nodal[0] * nodal[0] > P(-1)))) failed = find_failed(pack, x, v, w, nodal[0]);
     }
+    return failed;
+  }
+
+  // The first element of a pack whose force is NaN though its motion is finite, or -1.
+  int find_failed(int pack, const P x[each][3], const P v[each][3], const P w[each][3], const P& force) const {
+    for (int lane = 0; lane < lanes && pack * lanes + lane < this->n_; ++lane) {
+      bool finite = true;
+      for (int a = 0; a < each; ++a)
+        for (int i = 0; i < 3; ++i)
+          finite =
+              finite && std::isfinite(x[a][i][lane]) && std::isfinite(v[a][i][lane]) && std::isfinite(w[a][i][lane]);
+      if (finite && std::isnan(force[lane])) return pack * lanes + lane;
+    }
+    return -1;
   }
 
   ShellSection section_;

@@ -10,8 +10,9 @@
 
 namespace presswork::explicit_dynamics {
 
-// How one point is made enough: Belytschko & Tsay's shell, with warping terms, or with physical stabilisation.
-enum class Treatment { plain, warped, stabilized };
+// How one point is made enough: Belytschko & Tsay's shell, with warping terms, or with physical stabilisation; or 2 x 2
+// points, which are.
+enum class Treatment { plain, warped, stabilized, mitc };
 
 struct ShellSection {
   std::variant<FastMises, GeneralSheet> law;
@@ -21,9 +22,9 @@ struct ShellSection {
   ShellControl control;
 };
 
-// Shells of one point: section.treatment says which, of three nodes there is one kind. connectivity (n, nodes),
-// thickness (n) [mm], axis (n, 3): direction of the law's x, of any length, projected on the element. Throws
-// std::invalid_argument for an element that has no area or that its axis is normal to.
+// Shells of one point: section.treatment says which, of three nodes there is one kind; and fully integrated ones of
+// four nodes. connectivity (n, nodes), thickness (n) [mm], axis (n, 3): direction of the law's x, of any length,
+// projected on the element. Throws std::invalid_argument for an element that has no area or that its axis is normal to.
 template <class Real>
 std::unique_ptr<ElementBlock<Real>> make_one_point_shells(int nodes_each, const Nodes<Real>& nodes,
                                                           ShellSection section, std::vector<int> connectivity,
@@ -50,5 +51,9 @@ inline bool invert_reference(const double p[3], const double q[3], const double 
   inverse[0] = d * over, inverse[1] = -b * over, inverse[2] = -c * over, inverse[3] = a * over;
   return true;
 }
+template <class Real>
+std::unique_ptr<ElementBlock<Real>> make_mitc_shells(const Nodes<Real>& nodes, ShellSection section,
+                                                     std::vector<int> connectivity, const double* thickness,
+                                                     const double* axis);
 
 }  // namespace presswork::explicit_dynamics

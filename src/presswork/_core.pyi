@@ -515,7 +515,9 @@ class TabulatedMises:
         """
 
 class ShellTreatment(enum.Enum):
-    """How a shell of one point is made enough."""
+    """
+    What a shell of four nodes is made of: one point in the plane, or 2 x 2.
+    """
 
     plain = 0
     """Belytschko, Lin & Tsay 1984"""
@@ -525,6 +527,9 @@ class ShellTreatment(enum.Enum):
 
     stabilized = 2
     """with hourglass stresses of the material's own"""
+
+    mitc = 3
+    """2 x 2 points, MITC4+"""
 
 class ShellLoop:
     """Central differences for shells; mm, s, t, N, MPa."""
@@ -600,11 +605,13 @@ class ShellLoop:
 
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """
-        Add a block of one-point shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
+        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
-    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
-        """Advance as many cycles of dt [s] as the scales have values."""
+    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int]:
+        """
+        Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell and the cycle of it, or -1, -1.
+        """
 
     def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
         """Energies at the present time."""
@@ -670,12 +677,12 @@ class ShellLoop:
 
     def stress(self, block: int) -> NDArray[numpy.float64]:
         """
-        Stress xx, yy, xy of the layers (n, points, 3) of a block in the law's frame [MPa].
+        Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa].
         """
 
     def history(self, block: int) -> NDArray[numpy.float64]:
         """
-        What the law of a block keeps at each layer (n, points, size); first eqps.
+        What the law of a block keeps (n, points in the plane, layers, size); first eqps.
         """
 
     def thickness(self, block: int) -> NDArray[numpy.float64]:
@@ -755,11 +762,13 @@ class ShellLoopSingle:
 
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """
-        Add a block of one-point shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
+        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
-    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
-        """Advance as many cycles of dt [s] as the scales have values."""
+    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int]:
+        """
+        Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell and the cycle of it, or -1, -1.
+        """
 
     def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
         """Energies at the present time."""
@@ -825,12 +834,12 @@ class ShellLoopSingle:
 
     def stress(self, block: int) -> NDArray[numpy.float64]:
         """
-        Stress xx, yy, xy of the layers (n, points, 3) of a block in the law's frame [MPa].
+        Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa].
         """
 
     def history(self, block: int) -> NDArray[numpy.float64]:
         """
-        What the law of a block keeps at each layer (n, points, size); first eqps.
+        What the law of a block keeps (n, points in the plane, layers, size); first eqps.
         """
 
     def thickness(self, block: int) -> NDArray[numpy.float64]:

@@ -16,6 +16,7 @@ import numpy as np
 from presswork.mesh.swept_tool import SweptTool
 from presswork.mesh.tool_file import TriangulatedTool
 from presswork.model import (
+    ExplicitElement,
     FloatArray,
     IntArray,
     Material,
@@ -85,8 +86,10 @@ class StampingStage:
 
 @dataclass(frozen=True)
 class ExplicitSettings:
-    """How the explicit procedure steps through time."""
+    """How the explicit procedure computes shells and steps through time."""
 
+    element: ExplicitElement = "shell4_one_point"
+    """Of the blank."""
     target_step: float | None = None
     """Time step [s] that mass is added for; None: no mass is added, the step follows from the mesh."""
     safety: float = 0.9

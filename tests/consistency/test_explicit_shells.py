@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.procedure.explicit import EnergyBalance, ExplicitShells, ShellOptions, layer_rule
+from presswork.procedure.explicit import EnergyBalance, ExplicitError, ExplicitShells, ShellOptions, layer_rule
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
@@ -45,17 +45,21 @@ def make_run(precision: str = "double", law: _core.SheetLaw = SWIFT, **options: 
 
 
 def results(shells: ExplicitShells) -> list[np.ndarray]:
-    return [shells.position, shells.velocity, shells.stress, shells.equivalent_plastic_strain, shells.thickness]
+    points = [shells.stress_at_points, shells.history_at_points]
+    return [shells.position, shells.velocity, *points, shells.thickness]
 
 
-@pytest.mark.parametrize("precision", ["double", "single"])
-def test_threads_do_not_change_a_bit(precision: str) -> None:
+KINDS = [("double", "shell4_one_point"), ("single", "shell4_one_point"), ("double", "shell4_mitc_plus")]
+
+
+@pytest.mark.parametrize(("precision", "element"), KINDS)
+def test_threads_do_not_change_a_bit(precision: str, element: str) -> None:
     """State, and energies too, after 300 cycles of plastic flow."""
     before = _core.max_threads()
     runs = []
     for threads in (1, 2, 3):
         _core.set_threads(threads)
-        shells = make_run(precision)
+        shells = make_run(precision, element=element)
         shells.advance(300)
         runs.append([*results(shells), np.array(list(vars_of(shells.energies())))])
     _core.set_threads(before)
@@ -69,14 +73,14 @@ def vars_of(energies: object) -> list[float]:
     return [getattr(energies, name) for name in ("kinetic", "internal", "hourglass", "external", "error_percent")]
 
 
-@pytest.mark.parametrize("precision", ["double", "single"])
-def test_a_run_restarted_from_a_dump_gives_the_same_bits(precision: str) -> None:
-    whole = make_run(precision)
+@pytest.mark.parametrize(("precision", "element"), KINDS)
+def test_a_run_restarted_from_a_dump_gives_the_same_bits(precision: str, element: str) -> None:
+    whole = make_run(precision, element=element)
     whole.scale_mass(1.2 * whole.dt)
     whole.advance(150)
     dump = whole.dump()
     whole.advance(150)
-    again = make_run(precision)
+    again = make_run(precision, element=element)
     again.restore(dump)
     again.advance(150)
     for a, b in zip(results(whole), results(again), strict=True):
@@ -85,13 +89,15 @@ def test_a_run_restarted_from_a_dump_gives_the_same_bits(precision: str) -> None
     assert (again.cycle, again.time) == (whole.cycle, whole.time)
 
 
-@pytest.mark.parametrize("tabulate", [True, False])
-def test_single_precision_follows_double(tabulate: bool) -> None:
+@pytest.mark.parametrize(
+    ("options", "cycles"), [({}, 3000), ({"tabulate": False}, 800), ({"element": "shell4_mitc_plus"}, 2000)]
+)
+def test_single_precision_follows_double(options: dict[str, object], cycles: int) -> None:
     """Plastic cycles, displacements of 3 mm: position to 5e-6 mm, stress to 1e-5 of 460 MPa, strain to 2e-6,
     thickness to 2e-7 mm."""
-    double, single = (make_run(precision, tabulate=tabulate) for precision in ("double", "single"))
+    double, single = (make_run(precision, **options) for precision in ("double", "single"))
     for shells in (double, single):
-        shells.advance(3000 if tabulate else 800)
+        shells.advance(cycles)
     assert double.equivalent_plastic_strain.max() > 0.03
     assert 0 < np.abs(single.position - double.position).max() < 5e-6
     np.testing.assert_allclose(single.stress, double.stress, atol=1e-5 * 460)
@@ -115,7 +121,9 @@ def test_a_mesh_of_both_kinds_keeps_its_order() -> None:
     np.testing.assert_array_equal(first.bound_frequencies(), last.bound_frequencies())
 
 
-@pytest.mark.parametrize("treatment", [_core.ShellTreatment.warped, _core.ShellTreatment.stabilized])
+@pytest.mark.parametrize(
+    "treatment", [_core.ShellTreatment.warped, _core.ShellTreatment.stabilized, _core.ShellTreatment.mitc]
+)
 def test_a_mesh_in_two_blocks_moves_as_in_one(treatment: _core.ShellTreatment) -> None:
     points, cells = mesh()
     height, weight = layer_rule(5, "gauss")
@@ -146,7 +154,8 @@ def test_calls_may_be_long_or_short() -> None:
     np.testing.assert_array_equal(one.position, many.position)
 
 
-def test_numbering_does_not_matter() -> None:
+@pytest.mark.parametrize("element", ["shell4_one_point", "shell4_mitc_plus"])
+def test_numbering_does_not_matter(element: str) -> None:
     """Nodes, elements and the first node of each element renumbered: the same motion."""
     points, cells = mesh()
     rng = np.random.default_rng(3)
@@ -156,12 +165,31 @@ def test_numbering_does_not_matter() -> None:
     turned = np.stack([np.roll(new[c], rng.integers(4)) for c in cells])[rng.permutation(len(cells))]
     runs = []
     for x, c, place in ((points, cells, np.arange(len(points))), (shuffled, turned, new)):
-        shells = ExplicitShells(x, c, 0.8, SWIFT, 7.85e-9)
+        options = ShellOptions(element=element)  # type: ignore[arg-type]
+        shells = ExplicitShells(x, c, 0.8, SWIFT, 7.85e-9, options=options)
         shells.fix(place[points[:, 0] == 0], "uvwpqr")
         shells.fix(place[points[:, 0] == 48], "u", 5000.0)
         shells.advance(200)
         runs.append(shells.position[place])
     np.testing.assert_allclose(runs[0], runs[1], atol=1e-9)
+
+
+def test_shells_begin_with_the_layers_they_are_given() -> None:
+    """Fully integrated ones at every point, or with one value for all; triangles beside them take the mean."""
+    first = make_run(element="shell4_mitc_plus")
+    first.advance(200)
+    stress, history = first.stress_at_points, first.history_at_points
+    assert stress.shape[:3] == (len(first.connectivity), 4, 5)
+    of_quads = first.connectivity[:, 2] != first.connectivity[:, 3]
+    assert np.ptp(history[of_quads, ..., 0], axis=1).max() > 1e-3
+    np.testing.assert_array_equal(np.ptp(stress[~of_quads], axis=1), 0.0)
+    second = make_run(element="shell4_mitc_plus")
+    second.set_layers(stress, history)
+    np.testing.assert_allclose(second.stress_at_points, stress, atol=1e-12 * np.abs(stress).max())
+    np.testing.assert_array_equal(second.history_at_points, history)
+    second.set_layers(first.stress, first.history)
+    np.testing.assert_allclose(second.stress_at_points[:, 2], first.stress, atol=1e-12 * np.abs(stress).max())
+    assert np.abs(second.internal_force).max() > 1.0
 
 
 def test_the_fast_law_and_the_general_one_give_the_same_run() -> None:
@@ -171,6 +199,43 @@ def test_the_fast_law_and_the_general_one_give_the_same_run() -> None:
     assert (fast.equivalent_plastic_strain > 1e-3).mean() > 0.1
     np.testing.assert_allclose(fast.position, general.position, atol=1e-6)
     np.testing.assert_allclose(fast.stress, general.stress, atol=1e-3)
+
+
+@pytest.mark.parametrize(("precision", "element"), KINDS)
+def test_a_law_that_finds_no_stress_stops_the_run_with_its_shell(precision: str, element: str) -> None:
+    """One node is torn through its neighbours: the first shell to fail is the same for any threads, and news of the
+    node can have reached it; what was dumped before runs on.
+    """
+    law = _core.SheetLaw(
+        207e3, 0.3, _core.YieldFunction.hill1948([0.3, 0.4, 0.6, 1.5, 1.5, 1.8]), _core.HardeningLaw.swift,
+        [565.0, 0.007, 0.26],
+    )  # fmt: skip
+    found, torn, before = [], N // 2 * (N + 2), _core.max_threads()
+    for threads in (1, 2):
+        _core.set_threads(threads)
+        points, cells = mesh()
+        options = ShellOptions(element=element)  # type: ignore[arg-type]
+        shells = ExplicitShells(
+            points, np.repeat(cells, 2, axis=0), 0.8, law, 7.85e-9, options=options, precision=precision  # type: ignore[arg-type]
+        )  # fmt: skip
+        shells.advance(2)
+        good = shells.dump()
+        shells.fix([torn], "u", 5e6)
+        with pytest.raises(
+            ExplicitError, match=r"the material law of shell \d+ has failed in cycle \d+ .*too long"
+        ) as stop:
+            shells.advance(200)
+        found.append(str(stop.value))
+        assert shells.cycle == 2
+        shells.release()
+        shells.restore(good)
+        shells.advance(20)
+        assert np.isfinite(shells.position).all()
+    _core.set_threads(before)
+    assert found[0] == found[1]
+    shell, cycle = (int(found[0].split(word)[1].split()[0]) for word in ("shell ", "cycle "))
+    middle = points[np.repeat(cells, 2, axis=0)[shell]].mean(axis=0)
+    assert np.linalg.norm(middle - points[torn]) < 3.0 * (cycle - 2)  # news travels by a shell a cycle
 
 
 HARDENINGS = {
@@ -241,6 +306,28 @@ def test_every_option_changes_the_result(options: dict[str, object]) -> None:
         shells.advance(200)
     assert 1e-9 < np.abs(plain.position - other.position).max() < 1.0
     assert abs(other.energies().error_percent) < 1.0
+
+
+def test_fully_integrated_shells_move_like_those_of_one_point_and_have_no_hourglass_energy() -> None:
+    """Tension and pressure on a coarse wavy sheet, plastic: positions within 2 % of the way (1.2 %)."""
+    points, cells = mesh()
+    runs = []
+    for element in ("shell4_one_point", "shell4_mitc_plus"):
+        options = ShellOptions(element=element)  # type: ignore[arg-type]
+        shells = ExplicitShells(points, cells, 0.8, SWIFT, 7.85e-9, options=options)
+        shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
+        shells.fix(np.flatnonzero(points[:, 0] == 48), "u", 5000.0)
+        shells.force = np.tile([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (len(points), 1))
+        runs.append(shells)
+    one, four = runs
+    for shells in runs:
+        shells.dt = min(one.dt, four.dt)
+        shells.advance(1500)
+        assert abs(shells.energies().error_percent) < 1.0
+    moved = np.abs(one.position - points).max()
+    assert 1e-5 * moved < np.abs(one.position - four.position).max() < 0.02 * moved
+    assert one.energies().hourglass > 0.0
+    assert four.energies().hourglass == 0.0
 
 
 def test_damping_takes_energy_and_says_how_much() -> None:

@@ -67,6 +67,17 @@ def test_motion_ends_where_the_case_says_and_the_energies_balance(pulled) -> Non
     assert pulled.times == pytest.approx([0.0, history["time"][9], history["time"][19]])
 
 
+def test_the_element_of_the_case_is_the_one_that_is_computed(pulled, tmp_path) -> None:
+    """Fully integrated shells in homogeneous tension: the same fields, means over their points; no hourglass energy."""
+    model = build_model(StampingCase.model_validate(pull(explicit={"element": "shell4_mitc_plus"})))
+    run = run_model(model, tmp_path / "out").result
+    assert model.mesh.blocks[0].element == "shell4_mitc_plus"
+    for name in ("eqps", "thickness_strain", "stress_middle_xx", "major_strain_top"):
+        np.testing.assert_allclose(run.field(name), pulled.field(name), rtol=2e-3, err_msg=name)
+    assert pulled.history["hourglass_energy"][-1] > 0.0
+    assert run.history["hourglass_energy"].max() == 0.0
+
+
 def test_pictures_are_drawn(pulled, tmp_path) -> None:
     names = [p.name for p in plot_all(pulled, tmp_path)]
     assert "energies.png" in names

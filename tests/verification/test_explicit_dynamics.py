@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from explicit_problems import DENSITY, POISSON, YOUNG, elastic_options, grid, mises, triangles
 
-from presswork.procedure.explicit import ExplicitShells, Precision
+from presswork.procedure.explicit import ExplicitShells, Precision, ShellOptions
 
 PRECISIONS: tuple[Precision, ...] = ("double", "single")
+MITC = {"element": "shell4_mitc_plus"}
+elements = pytest.mark.parametrize("element", ["shell4_one_point", "shell4_mitc_plus"])
 
 
 def period_of(signal: np.ndarray, times: np.ndarray) -> float:
@@ -79,19 +81,20 @@ def plate_frequency(n: int, precision: Precision = "double", *, every: int = 0, 
 
 @pytest.mark.parametrize(
     "options",
-    [{"warping": False}, {"hourglass": "stiffness"}, {}, {"precision": "single"}, {"every": 1}, {"every": 3}],
-    ids=["plain", "warped", "stabilized", "single", "triangles", "mixed"],
+    [{"warping": False}, {"hourglass": "stiffness"}, {}, {"precision": "single"}, {"every": 1}, {"every": 3},
+     MITC, MITC | {"precision": "single", "every": 3}],
+    ids=["plain", "warped", "stabilized", "single", "triangles", "mixed", "mitc", "mitc mixed single"],
 )  # fmt: skip
 def test_frequency_of_a_hinged_plate(options: dict[str, Any]) -> None:
     """Within 1 % of Kirchhoff's on 16 x 16."""
     assert plate_frequency(16, **options) == pytest.approx(1.0, abs=0.01)
 
 
-def cantilever_frequency(n: int, precision: Precision = "double") -> float:
+def cantilever_frequency(n: int, precision: Precision = "double", **options: object) -> float:
     """Strip 100 x 5 x 1 mm without lateral contraction, n shells: first frequency over the beam's."""
     points, cells = grid(n, 1, 100.0, 5.0)
-    law = mises(poisson=0.0)
-    shells = ExplicitShells(points, cells, 1.0, law, DENSITY, options=elastic_options(), precision=precision)
+    law, chosen = mises(poisson=0.0), elastic_options(**options)
+    shells = ExplicitShells(points, cells, 1.0, law, DENSITY, options=chosen, precision=precision)
     shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
     s, k = points[:, 0] / 100.0, 1.87510407
     ratio = (np.cosh(k) + np.cos(k)) / (np.sinh(k) + np.sin(k))
@@ -102,9 +105,10 @@ def cantilever_frequency(n: int, precision: Precision = "double") -> float:
     return 2 * np.pi / vibrate(shells, n, 2.5 * 2 * np.pi / omega) / omega
 
 
-def test_frequency_of_a_cantilever() -> None:
+@elements
+def test_frequency_of_a_cantilever(element: str) -> None:
     """Within 1 % of the beam's on 20 shells."""
-    assert cantilever_frequency(20) == pytest.approx(1.0, abs=0.01)
+    assert cantilever_frequency(20, element=element) == pytest.approx(1.0, abs=0.01)
 
 
 def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -113,22 +117,23 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
 
 
+@elements
 @pytest.mark.parametrize("axis", [[0, 0, 1], [1, 0, 0], [1, -2, 0.5]])
-def test_turning_a_stressed_sheet_changes_nothing_in_it(axis: list[float]) -> None:
+def test_turning_a_stressed_sheet_changes_nothing_in_it(axis: list[float], element: str) -> None:
     """Steps of a quarter degree, one turn, a sheet stretched, bent and warped beyond yield: stress to 3e-5 of itself.
 
     What is left is of third order in the step, from the spin of warped elements; flat ones are exact.
     """
     points, cells = grid(4, 4, 4.0, 4.0, distort=0.2)
     law = mises("swift", (565.0, 0.007, 0.26))
-    shells = ExplicitShells(points, cells, 0.8, law, DENSITY)
+    shells = ExplicitShells(points, cells, 0.8, law, DENSITY, options=ShellOptions(element=element))  # type: ignore[arg-type]
     n = len(points)
     start = np.zeros((n, 6))
     start[:, 0], start[:, 1], start[:, 2] = 0.01 * points[:, 0], -0.004 * points[:, 0], 0.01 * points[:, 0] ** 2
     start[:, 4] = -0.02 * points[:, 0]
     everything = np.arange(n)
     prescribe(shells, everything, start / shells.dt)
-    before, thickness = shells.stress, shells.thickness
+    before, thickness = shells.stress_at_points, shells.thickness
     assert (shells.equivalent_plastic_strain > 0).all()
     axis_vector, angle = np.array(axis, dtype=float), np.radians(0.25)
     turn = rotation(axis_vector, angle)
@@ -138,7 +143,7 @@ def test_turning_a_stressed_sheet_changes_nothing_in_it(axis: list[float]) -> No
             [x @ turn.T - x, np.tile(angle * axis_vector / np.linalg.norm(axis_vector), (n, 1))], axis=1
         )
         prescribe(shells, everything, move / shells.dt)
-    np.testing.assert_allclose(shells.stress, before, atol=3e-5 * np.abs(before).max())
+    np.testing.assert_allclose(shells.stress_at_points, before, atol=3e-5 * np.abs(before).max())
     np.testing.assert_allclose(shells.thickness, thickness, rtol=1e-6)
 
 
@@ -149,12 +154,13 @@ def prescribe(shells: ExplicitShells, nodes: np.ndarray, velocity: np.ndarray) -
     shells.advance(1)
 
 
+@elements
 @pytest.mark.parametrize("axis", [[0, 0, 1], [1, 0, 0]])
-def test_a_plate_spins_freely_for_ten_turns(axis: list[float]) -> None:
+def test_a_plate_spins_freely_for_ten_turns(axis: list[float], element: str) -> None:
     """Rim at 50 m/s: energy and angular momentum to 1e-3, and stress no larger at the end than in the first turns."""
     points, cells = grid(6, 6, 60.0, 60.0)
     points -= [30.0, 30.0, 0.0]
-    shells = ExplicitShells(points, cells, 1.0, mises(), DENSITY, options=elastic_options())
+    shells = ExplicitShells(points, cells, 1.0, mises(), DENSITY, options=elastic_options(element=element))
     spin = 5e4 / 30.0 * np.array(axis, dtype=float)
     shells.velocity = np.concatenate([np.cross(spin, points), np.tile(spin, (len(points), 1))], axis=1)
     turn = 2 * np.pi / np.linalg.norm(spin)
@@ -172,18 +178,18 @@ def test_a_plate_spins_freely_for_ten_turns(axis: list[float]) -> None:
         worst = 0.0
         for _ in range(50):
             shells.advance(cycles)
-            worst = max(worst, float(np.abs(shells.stress).max()))
+            worst = max(worst, float(np.abs(shells.stress_at_points).max()))
         largest.append(worst)
     assert max(largest) < 1.2 * max(largest[:3])
     assert abs(shells.energies().error_percent) < 0.1
     np.testing.assert_allclose(momentum(), before, rtol=1e-3, atol=1e-9 * np.abs(before).max())
 
 
-def energy_error(precision: Precision) -> tuple[float, float]:
+def energy_error(precision: Precision, **options: object) -> tuple[float, float]:
     """A cantilevered strip in 1e5 cycles: worst error of the balance [%], largest swing [mm]."""
     points, cells = grid(10, 2, 50.0, 10.0)
-    law = mises(young=70e3)
-    shells = ExplicitShells(points, cells, 1.0, law, 2.7e-9, options=elastic_options(), precision=precision)
+    law, chosen = mises(young=70e3), elastic_options(**options)
+    shells = ExplicitShells(points, cells, 1.0, law, 2.7e-9, options=chosen, precision=precision)
     shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
     velocity = np.zeros((len(points), 6))
     velocity[:, 2] = 4e4 * (points[:, 0] / 50.0) ** 2
@@ -196,12 +202,16 @@ def energy_error(precision: Precision) -> tuple[float, float]:
     return worst, swing
 
 
-@pytest.mark.parametrize("precision", PRECISIONS)
-def test_energy_over_a_hundred_thousand_cycles(precision: Precision) -> None:
-    """The strip is thrown into swings of a third of its length: the balance closes within 0.2 %."""
-    worst, swing = energy_error(precision)
+@pytest.mark.parametrize(
+    ("precision", "options", "limit"), [("double", {}, 0.2), ("single", {}, 0.2), ("double", MITC, 0.4)]
+)
+def test_energy_over_a_hundred_thousand_cycles(precision: Precision, options: dict[str, Any], limit: float) -> None:
+    """The strip is thrown into swings of a third of its length: the balance closes within 0.2 % (0.06, integrated fully
+    0.19).
+    """
+    worst, swing = energy_error(precision, **options)
     assert swing > 16.0
-    assert worst < 0.2
+    assert worst < limit
 
 
 if __name__ == "__main__":
@@ -212,4 +222,7 @@ if __name__ == "__main__":
         for n in (10, 20, 40):
             print(which, "cantilever", n, cantilever_frequency(n, which))
         print(which, "energy error of 1e5 cycles in per cent, swing", energy_error(which))
+    print("fully integrated: plate", [plate_frequency(n, **MITC) for n in (8, 16, 32)])  # type: ignore[arg-type]
+    print("fully integrated: cantilever", [cantilever_frequency(n, **MITC) for n in (10, 20, 40)])  # type: ignore[arg-type]
+    print("fully integrated: energy error", energy_error("double", **MITC))
     print("Belytschko-Tsay plate", [plate_frequency(n, warping=False) for n in (8, 16, 32)])

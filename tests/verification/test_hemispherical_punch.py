@@ -20,6 +20,13 @@ def test_explicit_and_implicit_stretch_alike(mu: float) -> None:
     assert implicit.thickness_strain.min() < -0.2
 
 
+def test_fully_integrated_explicit_shells_stretch_like_those_of_one_point() -> None:
+    """Thickness strain of every element within 1 % of the largest, force within 0.5 %; no hourglass energy."""
+    one, four = stretch("explicit", 0.15), stretch("explicit", 0.15, 5.0, 'explicit.element="shell4_mitc_plus"')
+    assert np.abs(one.thickness_strain - four.thickness_strain).max() < 0.01 * np.abs(one.thickness_strain).max()
+    assert four.force == pytest.approx(one.force, rel=0.005)
+
+
 def test_friction_moves_the_thinnest_ring_off_the_pole() -> None:
     """Without friction the sheet is thinnest at the pole, with it some way off."""
     slippery, rough = stretch("explicit", 0.0), stretch("explicit", 0.15)

@@ -17,7 +17,7 @@ from presswork.case.shell import ShellBoundary, ShellDisplacement
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.stamping_tools import Tool
 from presswork.case.units import Density, Force, Length, LineForce, Number, Rate, Time, Velocity, fault
-from presswork.model import SolverSettings
+from presswork.model import ExplicitElement, SolverSettings
 
 HEAVIEST, LIGHTEST = 1e-6, 1e-10
 """Densities [t/mm3] of no metal: 50 times osmium's, and a sixteenth of magnesium's."""
@@ -127,8 +127,12 @@ class StampingBead(Bead):
 
 
 class Explicit(Part):
-    """How the explicit procedure steps through time."""
+    """How the explicit procedure computes shells and steps through time."""
 
+    element: ExplicitElement = Field(
+        default=_EXPLICIT.element,
+        description="shells of the blank: one point in their plane, or fully integrated at about three times the cost",
+    )
     target_step: Time | None = Field(
         default=None,
         gt=0,

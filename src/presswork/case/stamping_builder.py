@@ -7,7 +7,6 @@ import logging
 from dataclasses import replace
 from math import cos, radians, sin
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -32,10 +31,7 @@ from presswork.model_stamping import StampingStage as StageModel
 
 logger = logging.getLogger(__name__)
 
-ELEMENTS: dict[Literal["explicit", "implicit"], model.ElementName] = {
-    "explicit": "shell4_one_point",
-    "implicit": "shell4_mitc",
-}
+IMPLICIT_ELEMENT: model.ElementName = "shell4_mitc"
 SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
 
@@ -103,7 +99,11 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
         mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry)
     else:
         mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry)
-    return dress_blank(mesh, ELEMENTS[case.procedure], section, material)
+    return dress_blank(mesh, _element(case), section, material)
+
+
+def _element(case: StampingCase) -> model.ElementName:
+    return case.explicit.element if case.procedure == "explicit" else IMPLICIT_ELEMENT
 
 
 def _read_mesh(
@@ -136,7 +136,7 @@ def _read_mesh(
             raise CaseError([Problem("blank.symmetry", fault, "cut the mesh there", blank.symmetry)], case.source)
         outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
     node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
-    return dress_blank(replace(mesh, node_sets=node_sets), ELEMENTS[case.procedure], section, material)
+    return dress_blank(replace(mesh, node_sets=node_sets), _element(case), section, material)
 
 
 def build_stage(stage: StampingStage) -> StageModel:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Explicit dynamics of one-point shells: central differences on arrays, `n` cycles a call in C++.
+"""Explicit dynamics of shells: central differences on arrays, `n` cycles a call in C++.
 
     run = ExplicitShells(points, connectivity, thickness, law, density)
     run.fix(nodes, "uvw")
@@ -135,7 +135,10 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         return out
 
     def _of_blocks(self, values: Callable[[int], Array]) -> Array:
-        return np.concatenate([values(block) for block in range(len(self._counts))])
+        parts = [values(block) for block in range(len(self._counts))]
+        if parts[0].ndim == 4 and parts[0].shape[1] > 1:  # the one point of triangles stands for all
+            parts = [np.broadcast_to(part, (len(part), *parts[0].shape[1:])) for part in parts]
+        return np.concatenate(parts)
 
     @property
     def position(self) -> Array:
@@ -180,7 +183,12 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
 
     @property
     def stress(self) -> Array:
-        """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up."""
+        """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up; means in the plane."""
+        return np.asarray(self.stress_at_points.mean(axis=1))
+
+    @property
+    def stress_at_points(self) -> Array:
+        """Stress (n, q, n_points, 3) at the q points in the plane, in the order of the implicit shells of 2 x 2."""
         return self._by_element(self._of_blocks(self._loop.stress))
 
     @property
@@ -190,22 +198,36 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
 
     @property
     def history(self) -> Array:
-        """What the law keeps at each layer (n, n_points, n_history), equivalent plastic strain first."""
+        """What the law keeps at each layer (n, n_points, n_history), equivalent plastic strain first; means also."""
+        return np.asarray(self.history_at_points.mean(axis=1))
+
+    @property
+    def history_at_points(self) -> Array:
+        """What the law keeps at the q points in the plane (n, q, n_points, n_history)."""
         return self._by_element(self._of_blocks(self._loop.history))
 
     def set_layers(self, stress: npt.ArrayLike, history: npt.ArrayLike) -> None:
-        """Begin with stress and history in the form of these properties; internal forces follow from them."""
-        s, kept = np.asarray(stress, dtype=float), np.asarray(history, dtype=float)
-        for name, given, own in (("stress", s, self.stress), ("history", kept, self.history)):
-            if given.shape != own.shape:
+        """Begin with stress and history in the form of these properties; internal forces follow from them.
+
+        Both at the layers (n, n_points, ...), for all points in the plane, or at each of them (n, q, n_points, ...).
+        """
+        s, kept = (np.asarray(given, dtype=float) for given in (stress, history))
+        for name, given, own in (("stress", s, self.stress_at_points), ("history", kept, self.history_at_points)):
+            if given.shape not in (own.shape, own.shape[:1] + own.shape[2:]):
                 raise ExplicitError(f"{name} has shape {given.shape}: these shells have {own.shape}")
         sums = np.stack([s[..., 0] + s[..., 1], s[..., 0] - s[..., 1], s[..., 2]], axis=-1)
-        rows = np.concatenate([sums, kept], axis=2)[self._elements].reshape(len(s), -1)
-        begin = self.dump()
-        begin["state"][:, -rows.shape[1] :] = rows  # an element's layers come last
-        self.restore(begin)
-        begin["forces"] = self._loop.trial_force(np.zeros(self._fixed.shape))
-        self.restore(begin)
+        rows = np.concatenate([sums, kept], axis=-1)[self._elements]
+        if rows.ndim == 3:
+            rows = rows[:, None]
+        position, velocity, states, forces, *work = self._loop.dump()
+        for block, part in enumerate(np.split(rows, np.cumsum(self._counts)[:-1])):
+            shape = self._loop.history(block).shape[:3]
+            of_block = part.mean(axis=1, keepdims=True) if shape[1] == 1 else part
+            layers = np.broadcast_to(of_block, (*shape, part.shape[-1])).reshape(shape[0], -1)
+            states[block][:, -layers.shape[1] :] = layers  # an element's layers come last
+        self._loop.restore(position, velocity, states, forces, *work)
+        forces = self._loop.trial_force(np.zeros(self._fixed.shape))
+        self._loop.restore(position, velocity, states, forces, *work)
 
     @property
     def thickness(self) -> Array:
@@ -273,7 +295,7 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
 
         force_scale, velocity_scale: factors on force and on prescribed velocities, one or one for each cycle.
         damping: mass damping [1/s]; a mode of angular frequency w loses the fraction damping/(2 w) of critical.
-        Raises ExplicitError when the motion is no longer finite.
+        Raises ExplicitError when a material law finds no stress, or the motion is no longer finite.
         """
         scales = [np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale)]
         self._prepare_tools(scales[1])
@@ -281,7 +303,14 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         if self._reference is None:
             start = self._sum(self._energies(damping, force_scale, velocity_scale))
             self._reference = (start, abs(start))
-        self._loop.advance(self.dt, *scales, damping=damping)
+        shell, cycle = self._loop.advance(self.dt, *scales, damping=damping)
+        if shell >= 0:
+            done = self.cycle + cycle + 1
+            raise ExplicitError(
+                f"the material law of shell {self._elements[shell]} has failed in cycle {done} (t = "
+                f"{self.time + (cycle + 1) * self.dt:g} s), it finds no stress for the strain of this step: the step "
+                f"{self.dt:g} s is too long, the shell has collapsed, or the law's parameters are not those of a metal"
+            )
         self.cycle += n
         self.time += n * self.dt
         finite = np.isfinite(self.position).all(axis=1)
@@ -320,7 +349,7 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         return {
             "position": position,
             "velocity": velocity,
-            "state": np.concatenate(states),
+            "state": np.concatenate([state.ravel() for state in states]),
             "forces": forces,
             "element_mass": self._loop.element_mass,
             "contact": self._loop.dump_contact(),
@@ -334,7 +363,9 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         self.cycle = int(cycle)
         self._reference = None if np.isnan(start) else (start, largest)
         self._loop.element_mass = dump["element_mass"]
-        states = np.split(dump["state"], np.cumsum(self._counts)[:-1])
+        sizes = [state.shape for state in self._loop.dump()[2]]
+        parts = np.split(dump["state"], np.cumsum([n * rows for n, rows in sizes])[:-1])
+        states = [part.reshape(size) for part, size in zip(parts, sizes, strict=True)]
         self._loop.restore(dump["position"], dump["velocity"], states, dump["forces"], external, damping)
         self._restore_tools(dump["contact"], step)
         self._restore_beads(dump["beads"])

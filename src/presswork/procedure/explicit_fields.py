@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The saved fields of one-point shells, in the form of shell_fields.py.
+"""The saved fields of explicit shells, in the form of shell_fields.py.
 
-One-point shells keep no directors: strains at the faces are taken along the normals of the mesh at the nodes.
+Strains are those at the middle of each shell. Explicit shells keep no directors: strains at the faces are taken along
+the normals of the mesh at the nodes.
 """
 
 from __future__ import annotations
@@ -46,16 +47,16 @@ class OnePointFields:
     def cell_fields(
         self, points: FloatArray, thickness: FloatArray, stress: FloatArray, eqps: FloatArray
     ) -> dict[str, FloatArray]:
-        """Return the fields: points (n, 3) and thickness (n_cells) now, stress (n_cells, k, 3), eqps (n_cells, k)."""
-        direction = np.repeat(self._direction(points)[:, None, None], stress.shape[1], axis=2)
+        """Return the fields: points (n, 3), thickness (n_cells) now, stress (n_cells, q, k, 3), eqps of the same."""
+        direction = np.repeat(self._direction(points)[:, None, None], stress.shape[2], axis=2)
         return layer_fields(
             self._geometry,
             points,
             self._normals(points),
             thickness[:, None],
             direction,
-            stress[:, None],
-            eqps[:, None],
+            stress,
+            eqps,
         )
 
     def _direction(self, points: FloatArray) -> FloatArray:

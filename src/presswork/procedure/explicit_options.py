@@ -4,18 +4,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from presswork import _core
+from presswork.model import ExplicitElement
 from presswork.procedure.explicit_input import ExplicitError
 
 
 @dataclass(frozen=True, kw_only=True)
 class ShellOptions:
-    """How a one-point shell is computed.
+    """How a shell is computed.
 
+    element: of four nodes; "shell4_one_point", or "shell4_mitc_plus", fully integrated on 2 x 2 points in the plane,
+    which has no hourglass modes, and no use for warping, hourglass and coefficients. Triangles are of one point.
     n_points, rule: points through the thickness; "gauss" or, with points on both surfaces, "lobatto".
     warping: Belytschko, Wong & Chiang's terms for warped elements; without them it is Belytschko & Tsay's shell.
     hourglass: "physical", stresses with the material's own moduli; or "stiffness" or "viscous" control by perturbation,
@@ -24,6 +27,7 @@ class ShellOptions:
     isotropic hardening alone takes a fast update besides.
     """
 
+    element: ExplicitElement = "shell4_one_point"
     n_points: int = 5
     rule: Literal["gauss", "lobatto"] = "gauss"
     warping: bool = True
@@ -37,6 +41,13 @@ class ShellOptions:
             raise ExplicitError(f"n_points = {self.n_points}: a {self.rule} rule has {least} to 51 points")
         if any(not 0 <= c <= 0.2 for c in self.coefficients):
             raise ExplicitError(f"coefficients = {self.coefficients}: hourglass coefficients lie between 0 and 0.2")
+        if self.element not in get_args(ExplicitElement):
+            raise ExplicitError(f"element = {self.element!r}: give {' or '.join(get_args(ExplicitElement))}")
+        one_point = (True, "physical", ShellOptions.coefficients)
+        if self.element == "shell4_mitc_plus" and (self.warping, self.hourglass, self.coefficients) != one_point:
+            raise ExplicitError(
+                'element = "shell4_mitc_plus" has no hourglass modes: leave out warping, hourglass and coefficients'
+            )
         if self.hourglass == "physical" and not self.warping:
             raise ExplicitError(
                 'warping = False: hourglass = "physical" includes the warping terms; with them off, give hourglass = '
@@ -46,6 +57,8 @@ class ShellOptions:
     @property
     def treatment(self) -> _core.ShellTreatment:
         """The kernel's name for it."""
+        if self.element == "shell4_mitc_plus":
+            return _core.ShellTreatment.mitc
         if self.hourglass == "physical":
             return _core.ShellTreatment.stabilized
         return _core.ShellTreatment.warped if self.warping else _core.ShellTreatment.plain

@@ -80,7 +80,7 @@ class ExplicitStamping:
             make_sheet_law(material),
             material.density,
             axis=model.rolling_direction,
-            options=ShellOptions(n_points=section.points, rule=section.rule),
+            options=ShellOptions(element=model.explicit.element, n_points=section.points, rule=section.rule),
             precision=model.explicit.precision,
         )
         self._fields = OnePointFields(
@@ -251,7 +251,8 @@ class ExplicitStamping:
         shells, mesh = self.shells, self.model.mesh
         points = shells.position
         reaction = shells.internal_force * self._held()
-        cells = self._fields.cell_fields(points, shells.thickness, shells.stress, shells.equivalent_plastic_strain)
+        eqps = shells.history_at_points[..., 0]
+        cells = self._fields.cell_fields(points, shells.thickness, shells.stress_at_points, eqps)
         planes = "".join(name for name, is_cut in zip("xy", self.model.symmetry, strict=True) if is_cut)
         return Snapshot(
             time=shells.time,

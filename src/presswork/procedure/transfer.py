@@ -3,7 +3,8 @@
 
 Positions, thickness, and stress and history of the law of every layer are carried over (SheetState); their components
 stay as they are, in the frame of the law, and the frame goes with them. A one-point shell gives what it has to all
-points of the implicit shell; the other way it takes the mean of the points.
+points of the implicit shell; the other way it takes the mean of the points. A fully integrated one has the same points;
+its thickness is one for all of them.
 
 Explicit shells keep no directors, so the implicit ones begin with the sheet's normals, without transverse shear.
 Hourglass forces stay behind, being no stress. So the state carried over is nearly, not wholly, in balance: what it
@@ -61,14 +62,16 @@ class SheetState:
 
 
 def sheet_of_explicit(shells: ExplicitShells) -> SheetState:
-    """Return the present state of explicit shells: one point each."""
-    axis, thickness, stress, history = law_axes(shells), shells.thickness, shells.stress, shells.history
+    """Return the present state of explicit shells: of one point each, or of four of quadrilaterals."""
+    axis, thickness = law_axes(shells)[:, None], shells.thickness[:, None]
+    layers = (shells.stress_at_points, shells.history_at_points)
     blocks = []
     three = is_triangle(shells.connectivity)
     for n_nodes, own in ((4, ~three), (3, three)):
         if own.any():
-            parts = (values[own][:, None] for values in (axis, thickness, stress, history))
-            blocks.append(SheetBlock(shells.connectivity[own][:, :n_nodes], *parts))
+            stress, history = (values[own] if n_nodes == 4 else values[own][:, :1] for values in layers)
+            cells = shells.connectivity[own][:, :n_nodes]
+            blocks.append(SheetBlock(cells, axis[own], thickness[own], stress, history))
     return SheetState(shells.position, tuple(blocks))
 
 
@@ -113,7 +116,8 @@ def carry_to_implicit(shells: ExplicitShells, procedure: ImplicitProcedure) -> N
 def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
     """Let an implicit procedure, fresh from its model, begin with a sheet's state, as carry_to_implicit.
 
-    A block of one point gives what it has to all points of its shells. Raises TransferError.
+    A block of one point gives what it has to all points of its shells, shells of one point take the mean of several.
+    Raises TransferError.
     """
     mechanics, _ = _shells_of(procedure)
     _check_fit(sheet, procedure)
@@ -132,9 +136,9 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         own.direction[i][:] = np.stack(
             [(along * first).sum(axis=-1), (along * np.cross(normal, first)).sum(axis=-1)], axis=-1
         )
-        own.history[i][:] = block.history
-        state.stress[i].reshape(cells, q, k, 3)[:] = block.stress
-        state.eqps[i].reshape(cells, q, k)[:] = block.history[..., 0]
+        own.history[i][:] = _at_points(block.history, q)
+        state.stress[i].reshape(cells, q, k, 3)[:] = _at_points(block.stress, q)
+        state.eqps[i].reshape(cells, q, k)[:] = own.history[i][..., 0]
 
     trial = state.duplicate()
     force = mechanics.evaluate(state, trial, np.zeros_like(state.displacement), with_stiffness=False)
@@ -172,9 +176,10 @@ def carry_to_explicit(
         options=options,
         precision=precision,
     )
+    q = shells.stress_at_points.shape[1]
     shells.set_layers(
-        np.concatenate([block.stress.mean(axis=1) for block in sheet.blocks]),
-        np.concatenate([block.history.mean(axis=1) for block in sheet.blocks]),
+        np.concatenate([_at_points(block.stress, q) for block in sheet.blocks]),
+        np.concatenate([_at_points(block.history, q) for block in sheet.blocks]),
     )
     return shells
 
@@ -254,6 +259,14 @@ def _layer_bases(block: CellBlock, points: FloatArray, director: FloatArray, thi
     b = np.einsum("qaj,cai->cqji", slopes, director)
     z = 0.5 * thickness[:, :, None] * thickness_rule(block.section)[0]
     return np.asarray(a[:, :, None] + z[..., None, None] * b[:, :, None])
+
+
+def _at_points(values: FloatArray, q: int) -> FloatArray:
+    """Return values (n_cells, any, ...) at q points in the plane: as they are, or their means."""
+    if values.shape[1] == q:
+        return values
+    mean = values.mean(axis=1, keepdims=True)
+    return np.broadcast_to(mean, (len(values), q, *values.shape[2:]))
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
