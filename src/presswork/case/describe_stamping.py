@@ -53,6 +53,10 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     for number, stage in enumerate(problem.stages, 1):
         yield f'stage {number} "{stage.name}", {stage.duration:.4g} s, {stage.ramp:.3g} s to start and to stop:'
         yield from (f"  {line}" for line in _describe_stage(stage))
+    for line in problem.trim:
+        low, high = line.polygon.min(axis=0), line.polygon.max(axis=0)
+        reach = f"x {low[0]:.4g} to {high[0]:.4g} mm, y {low[1]:.4g} to {high[1]:.4g} mm"
+        yield f"then trim {line.name}: what lies {line.keep} of a line over {reach} stays"
     if problem.springback is not None:
         yield f"then springback: tools and boundaries away, implicit, in {problem.springback.increments} increments"
     if problem.procedure == "implicit":

@@ -15,6 +15,7 @@ from presswork import model
 from presswork.case.blank import BlankFile, CircularBlank
 from presswork.case.errors import CaseError, Problem
 from presswork.case.forming_limit.build import build_sheets
+from presswork.case.plan_line import draw_line
 from presswork.case.references import check_set_names
 from presswork.case.shell import FREEDOMS, HOLDS
 from presswork.case.stamping import RAMP, VELOCITY, StampingCase, StampingStage
@@ -24,9 +25,10 @@ from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.cut import check_meets
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
-from presswork.model_stamping import ExplicitSettings, Springback, StampingModel, StampingOutput, ToolAction
+from presswork.model_stamping import ExplicitSettings, Springback, StampingModel, StampingOutput, ToolAction, TrimLine
 from presswork.model_stamping import StampingStage as StageModel
 
 logger = logging.getLogger(__name__)
@@ -55,6 +57,8 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
     beads, problems = build_beads(case, mesh, tools)
     _stop_at(problems, case)
     _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
+    trim, problems = _build_trim(case, mesh)
+    _stop_at(problems, case)
     angle = radians(case.blank.rolling_direction)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
     supports = [
@@ -79,6 +83,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         implicit=case.implicit.build(),
         output=StampingOutput(**case.output.model_dump()),
         beads=beads,
+        trim=trim,
         springback=Springback(**case.springback.model_dump()) if case.springback else None,
         case_text=case.text,
     )
@@ -102,6 +107,23 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
     else:
         mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry)
     return dress_blank(mesh, ELEMENTS[case.procedure], section, material)
+
+
+def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[TrimLine, ...], list[Problem]]:
+    """Draw or read the trim lines, and hold them against the blank, beyond which no part reaches."""
+    folder = case.source.parent if case.source is not None else Path()
+    lines, problems = [], []
+    for name, trim in case.trim.items():
+        polygon = draw_line(trim, f"trim.{name}", folder)
+        if isinstance(polygon, Problem):
+            problems.append(polygon)
+            continue
+        try:
+            check_meets(mesh.points, polygon, trim.keep)
+        except MeshError as error:
+            problems.append(Problem(f"trim.{name}", error.fault.replace("the sheet", "the blank"), error.remedy))
+        lines.append(TrimLine(name, polygon, trim.keep))
+    return tuple(lines), problems
 
 
 def _read_mesh(

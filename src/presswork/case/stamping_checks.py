@@ -10,7 +10,7 @@ import numpy as np
 from presswork.case.blank import BlankFile, CircularBlank
 from presswork.case.errors import Problem, suggest
 from presswork.case.library import list_keys
-from presswork.case.stamping import VELOCITY, StampingCase, StampingStage
+from presswork.case.stamping import VELOCITY, StampingCase, StampingStage, TrimFile
 from presswork.case.stamping_shapes import clearance
 from presswork.case.stamping_tools import DrawnTool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
@@ -38,14 +38,12 @@ def check_names(case: StampingCase) -> list[Problem]:
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
     if isinstance(case.blank, BlankFile):
         units["blank.unit"] = case.blank.unit
+    units |= {f"trim.{n}.unit": t.unit for n, t in case.trim.items() if isinstance(t, TrimFile) and t.unit is not None}
     for key, unit in units.items():
         try:
             unit_factor(unit, LENGTH)
         except ValueError as error:
             problems.append(Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit))
-    if case.springback is not None and case.procedure == "implicit":
-        fault, remedy = "springback follows explicit forming alone", 'leave it out, or take procedure = "explicit"'
-        problems.append(Problem("springback", fault, remedy))
     names = [stage.name for stage in case.stages]
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"

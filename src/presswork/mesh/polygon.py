@@ -7,6 +7,9 @@ import numpy as np
 
 from presswork.model import BoolArray, FloatArray
 
+_AT_A_TIME = 200_000
+"""Pairs of points and sides held in memory."""
+
 
 def list_sides(polygon: FloatArray) -> FloatArray:
     """Return the sides (m, 2, 2): start and end."""
@@ -26,11 +29,14 @@ def contains(sides: FloatArray, points: FloatArray) -> BoolArray:
 
 def measure_distance(sides: FloatArray, points: FloatArray) -> FloatArray:
     """Return the distance of points (n, 2) to the nearest of sides (m, 2, 2) (n,) [mm]."""
+    start, along = sides[:, 0], sides[:, 1] - sides[:, 0]
+    square = np.maximum((along**2).sum(axis=1), 1e-300)
     nearest = np.full(len(points), np.inf)
-    for start, end in sides:
-        along = end - start
-        part = np.clip((points - start) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
-        nearest = np.minimum(nearest, ((points - start - part[:, None] * along) ** 2).sum(axis=1))
+    rows = max(1, _AT_A_TIME // len(sides))
+    for first in range(0, len(points), rows):
+        away = points[first : first + rows, None] - start
+        part = np.clip((away * along).sum(axis=2) / square, 0.0, 1.0)
+        nearest[first : first + rows] = ((away - part[..., None] * along) ** 2).sum(axis=2).min(axis=1)
     return np.asarray(np.sqrt(nearest))
 
 

@@ -36,6 +36,8 @@ APART = 0.2
 """Least distance of the nodes that hold the sheet, over the blank's length and width."""
 STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
 """Columns of the history that lose the elastic energy which springback sets free."""
+WORTH_A_WARNING = 0.2
+"""Of an element by which the trimmed outline misses its line."""
 SHARE = 0.03
 """Of the whole process that springback counts as in the progress display."""
 
@@ -300,7 +302,11 @@ class ReleasedStamping:
             return summary
         if self._released.trimmed is not None:
             cells = sum(len(block.connectivity) for block in self.mesh.blocks)
-            summary[TRIM] = {"cells": cells, "off_line_mm": self._released.trimmed.off_line}
+            miss = self._released.trimmed.off_line
+            summary[TRIM] = {"cells": cells, "off_line_mm": miss}
+            if miss > WORTH_A_WARNING * self._released.trimmed.element_size:
+                text = f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there"
+                summary["warnings"] = [*summary["warnings"], text]
         if self.model.springback is None:
             return summary
         way = np.linalg.norm(self._moved(), axis=1)

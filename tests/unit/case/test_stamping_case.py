@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe, read_case
+from presswork.mesh.polygon import polygon_area
 from presswork.model_stamping import StampingModel
 
 CUP: dict[str, Any] = {
@@ -237,5 +238,67 @@ def test_the_implicit_procedure_takes_the_same_case_on_the_same_mesh() -> None:
     np.testing.assert_array_equal(implicit.mesh.blocks[0].connectivity, explicit.mesh.blocks[0].connectivity)
     assert implicit.mesh.blocks[0].element == "shell4_mitc"
     assert "cut back and grown" in describe(implicit)
-    with pytest.raises(CaseError, match="springback follows explicit forming alone"):
-        build_model(StampingCase.model_validate({**CUP, "procedure": "implicit", "springback": {}}))
+
+
+LINE = {"shape": "polygon", "points": [[-30, -30], [30, -30], [30, 30], [-30, 30]]}
+
+
+def test_a_trim_line_becomes_a_polygon(tmp_path: Path) -> None:
+    """Area of each line against its formula, whatever it is drawn by."""
+    (tmp_path / "line.csv").write_text("x, y\n-30, -30\n30, -30\n30, 30\n-30, 30\n")
+    shapes = {
+        "a": (LINE, 3600.0),
+        "b": (LINE | {"corner_radius": 10}, 3600.0 - (4 - np.pi) * 100),
+        "c": ({"shape": "rectangle", "size": [50, 30], "corner_radius": 5, "centre": [3, 4]}, 1500 - (4 - np.pi) * 25),
+        "d": ({"shape": "circle", "diameter": 40, "centre": [1, 0]}, np.pi * 400),
+        "e": ({"shape": "file", "path": str(tmp_path / "line.csv")}, 3600.0),
+    }
+    for line in build(trim={name: shape for name, (shape, _) in shapes.items()}).trim:
+        assert polygon_area(line.polygon) == pytest.approx(shapes[line.name][1], rel=1e-4)
+        assert line.keep == "inside"
+    words = describe(build(trim={"hole": {"shape": "circle", "diameter": 40, "keep": "outside"}}, springback={}))
+    assert "then trim hole: what lies outside of a line over x -20 to 20 mm, y -20 to 20 mm stays" in words
+
+
+def test_a_trim_line_is_read_from_a_drawing(tmp_path: Path) -> None:
+    ezdxf = pytest.importorskip("ezdxf")
+    drawing = ezdxf.new(units=5)  # cm
+    space = drawing.modelspace()
+    space.add_line((-3, -2), (3, -2), {"layer": "trim"})
+    space.add_arc((3, 0), 2, -90, 90, dxfattribs={"layer": "trim"})
+    space.add_line((3, 2), (-3, 2), {"layer": "trim"})
+    space.add_circle((0, 0), 1, {"layer": "hole"})
+    path = tmp_path / "line.dxf"
+    drawing.saveas(path)
+    line = {"shape": "file", "path": str(path), "layer": "trim"}
+    with pytest.raises(CaseError, match=r"trim.t.path.*the line is open, from \(-30, -20\) to \(-30, 20\)"):
+        build(trim={"t": line})
+    space.add_line((-3, 2), (-3, -2), {"layer": "trim"})
+    drawing.saveas(path)
+    trim = build(trim={"t": line, "hole": line | {"layer": "hole", "keep": "outside"}}).trim
+    assert polygon_area(trim[0].polygon) == pytest.approx(60 * 40 + 0.5 * np.pi * 400, rel=1e-4)
+    assert abs(polygon_area(trim[1].polygon)) == pytest.approx(np.pi * 100, rel=1e-4)
+
+
+@pytest.mark.parametrize(("line", "fragments"), [
+    ({"shape": "circle", "diameter": 0}, ["trim.t.diameter", "> 0"]),
+    ({"shape": "circle", "diameter": 102}, ["trim.t", "cuts nothing off", "runs round all of the blank", "0 to 50"]),
+    ({"shape": "circle", "diameter": 102, "keep": "outside"}, ["trim.t", "nothing is left outside of the line"]),
+    ({"shape": "circle", "diameter": 20, "centre": [80, 0]}, ["nothing is left inside", "beside the blank"]),
+    ({"shape": "circle", "diameter": 20, "centre": [80, 0], "keep": "outside"}, ["nothing off", "beside the blank"]),
+    ({"shape": "circle", "diameter": 2, "centre": [3, 3], "keep": "outside"}, ["nothing off", "within one element"]),
+    ({"shape": "rectangle", "size": [20, 0]}, ["trim.t.size", "two values > 0"]),
+    ({"shape": "rectangle", "size": [20, 30], "corner_radius": 11}, ["corner_radius", "at most 10 fits"]),
+    ({"shape": "polygon", "points": [[0, 0], [1, 1]]}, ["trim.t.points", "3"]),
+    ({"shape": "polygon", "points": [[0, 0], [30, 30], [30, 0], [0, 30]]}, ["trim.t", "crosses", "(15, 15)"]),
+    ({"shape": "polygon", "points": [[0, 0], [0, 0], [30, 0], [0, 30]]}, ["trim.t.points.1", "coincides"]),
+    (LINE | {"corner_radius": 31}, ["trim.t.points", "at most 30 mm fits"]),
+    ({"shape": "file", "path": "nothing.dxf"}, ["trim.t.path = \"nothing.dxf\"", "no such file"]),
+    ({"shape": "file", "path": "nothing.dxf", "unit": "kg"}, ["trim.t.unit", "unit of length"]),
+    (LINE | {"keep": "left"}, ["trim.t.keep", "inside"]),
+])  # fmt: skip
+def test_bad_trim_lines_are_named_before_computing(line, fragments) -> None:
+    with pytest.raises(CaseError) as caught:
+        build(trim={"t": line})
+    for fragment in fragments:
+        assert fragment in str(caught.value)
