@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cut a mesh of quadrilaterals and triangles along a closed line in its plan (x, y).
 
-1. A node is moved onto every sharp corner of the line, within the cell that the corner lies in.
+1. A node is moved onto every corner of the line, sharp or rounded within an element, in the cell that it lies in.
 2. Nodes that the line passes nearby, closer than NEAR of an edge, are moved onto it along that edge. Nodes of the
    sheet's own outline move along it, and its corners stay.
 3. Edges that the line still crosses get a node there; what is kept of their cells is split into quadrilaterals and
@@ -39,6 +39,8 @@ NEAR = 0.3
 """Part of an edge within which a node is moved onto the line."""
 SHARP = float(np.radians(20.0))
 """A line or an outline that turns by more has a corner."""
+TIGHT = float(np.radians(45.0))
+"""A line that turns by more within an element has a corner there too."""
 FAR = 0.1
 """Part of an edge: how deep it may run on the wrong side of the line, which is curved."""
 LEAST = 0.2
@@ -123,6 +125,7 @@ class _Cutter:
         self.edges = edges[np.unique(edge_keys(edges), return_index=True)[1]]
         extent = float(np.ptp(points[:, :2], axis=0).max())
         self.on, self.spacing = _ON * extent, 1e-2 * extent
+        self.element_size = float(np.median(np.linalg.norm(np.ptp(points[edges], axis=1)[:, :2], axis=1)))
         self.samples = cKDTree(sample_sides(self.sides, self.spacing))
         check_meets(points, line, keep)
         self.side = self._find_sides(points[:, :2])
@@ -143,14 +146,14 @@ class _Cutter:
     # --- 1 -----------------------------------------------------------------------------------------------------------
 
     def place_corners(self) -> None:
-        """Move a node onto every sharp corner of the line."""
+        """Move a node onto every corner of the line."""
         around: dict[int, list[tuple[int, int]]] = defaultdict(list)
         for b, cells in enumerate(self.blocks):
             for node, cell in zip(
                 cells.ravel().tolist(), np.repeat(np.arange(len(cells)), cells.shape[1]).tolist(), strict=True
             ):
                 around[node].append((b, cell))
-        for corner in find_corners(self.line, SHARP):
+        for corner in find_corners(self.line, SHARP, TIGHT, self.element_size):
             found = self._find_cell(corner)
             if found is None:
                 continue

@@ -75,9 +75,23 @@ def polygon_area(polygon: FloatArray) -> float:
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
-def find_corners(polygon: FloatArray, least_turn: float) -> FloatArray:
-    """Return the corners (n, 2) of a polygon (m, 2) at which it turns by more than an angle [rad]."""
+def find_corners(polygon: FloatArray, sharp: float, tight: float, window: float) -> FloatArray:
+    """Return the corners (n, 2) of a polygon (m, 2).
+
+    They are the points where it turns by more than `sharp` [rad], and the middles of bends that turn by more than
+    `tight` within a length `window` [mm], none of which lies in another one's window.
+    """
     into = polygon - np.roll(polygon, 1, axis=0)
     out = np.roll(polygon, -1, axis=0) - polygon
-    cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
-    return np.asarray(polygon[np.abs(np.arctan2(cross, (into * out).sum(axis=1))) > least_turn])
+    turn = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1))
+    length = np.linalg.norm(out, axis=1)
+    at, whole = np.cumsum(length) - length, float(length.sum())
+    ahead = (at - at[:, None] + 0.5 * whole) % whole - 0.5 * whole
+    within = np.abs(ahead) <= 0.5 * window
+    bend = np.abs(within @ turn)
+    lopsided = np.abs((within * ahead) @ turn) / window  # zero in the middle of a bend
+    corners = np.flatnonzero(np.abs(turn) > sharp).tolist()
+    for i in np.argsort(lopsided - bend).tolist():
+        if bend[i] > tight and not within[i, corners].any():
+            corners.append(i)
+    return np.asarray(polygon[sorted(corners)])
