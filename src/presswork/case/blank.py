@@ -35,6 +35,9 @@ class _MeshedBlank(_Blank):
     """A blank that is meshed by the program."""
 
     element_size: Length = Field(gt=0, description="largest side of an element, about [mm]")
+    cells: Literal["quadrilaterals", "triangles"] = Field(
+        default="quadrilaterals", description="triangles: each quadrilateral is cut by both diagonals"
+    )
 
 
 class RectangularBlank(_MeshedBlank):
@@ -66,9 +69,9 @@ class CircularBlank(_MeshedBlank):
 
 
 class BlankFile(_Blank):
-    """A mesh of quadrilaterals from a file; with symmetry planes it is the part at x, y >= 0."""
+    """A mesh of quadrilaterals or triangles from a file; with symmetry planes it is the part at x, y >= 0."""
 
-    shape: Literal["file"] = Field(description="a mesh of quadrilaterals from a file")
+    shape: Literal["file"] = Field(description="a mesh of quadrilaterals or triangles from a file")
     path: str = Field(description="the mesh file, relative to the case file")
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 

@@ -33,10 +33,11 @@ from presswork.model_stamping import StampingStage as StageModel
 
 logger = logging.getLogger(__name__)
 
-ELEMENTS: dict[Literal["explicit", "implicit"], model.ElementName] = {
-    "explicit": "shell4_one_point",
-    "implicit": "shell4_mitc",
+ELEMENTS: dict[Literal["explicit", "implicit"], dict[int, model.ElementName]] = {
+    "explicit": {3: "shell3_one_point", 4: "shell4_one_point"},
+    "implicit": {3: "shell3_mitc_plus", 4: "shell4_mitc"},
 }
+"""By number of nodes."""
 SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
 
@@ -103,9 +104,9 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
     if isinstance(blank, BlankFile):
         return _read_mesh(case, blank, section, material, symmetry)
     if isinstance(blank, CircularBlank):
-        mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry)
+        mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry, triangles=blank.cells == "triangles")
     else:
-        mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry)
+        mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry, triangles=blank.cells == "triangles")
     return dress_blank(mesh, ELEMENTS[case.procedure], section, material)
 
 
@@ -133,12 +134,14 @@ def _read_mesh(
     path = (case.source.parent if case.source is not None else Path()) / blank.path
     try:
         kinds = set(read_raw(path).cells)
-        if kinds - {"quad4"}:
+        if kinds not in ({"quad4"}, {"tri3"}):
             raise MeshError(
-                f"the cells are not quadrilaterals alone: {', '.join(sorted(kinds))}", "mesh with 4-node cells"
+                f"the cells are neither quadrilaterals alone nor triangles alone: {', '.join(sorted(kinds))}",
+                "mesh with 4-node cells, or with 3-node cells",
             )
+        element = ELEMENTS["implicit"][4 if kinds == {"quad4"} else 3]
         scale = unit_factor(blank.unit, LENGTH)
-        mesh, notes = read_shell_mesh(path, element="shell4_mitc", section=section, scale=scale, material=material)
+        mesh, notes = read_shell_mesh(path, element=element, section=section, scale=scale, material=material)
     except MeshError as error:
         raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
     for note in notes:

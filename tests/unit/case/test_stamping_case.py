@@ -220,8 +220,16 @@ def test_a_blank_from_a_file_is_cut_where_its_mesh_ends(tmp_path: Path) -> None:
     assert [s.node_set for s in model.supports] == ["symmetry_x", "symmetry_y"]
     assert len(model.mesh.node_sets["symmetry_x"]) == 4
     assert len(model.mesh.node_sets["edge"]) == 7
-    (tmp_path / "blank.inp").write_text("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3\n1, 1, 2, 3\n")
-    with pytest.raises(CaseError, match=r"blank.path.*not quadrilaterals alone: tri3"):
+    text = (tmp_path / "blank.inp").read_text()
+    triangles = [(i, i + 1, i + 5) for i in (1, 2, 3, 5, 6, 7, 9, 10, 11)]
+    triangles += [(i, i + 5, i + 4) for i in (1, 2, 3, 5, 6, 7, 9, 10, 11)]
+    rows = "\n".join(f"{k + 1}, {a}, {b}, {c}" for k, (a, b, c) in enumerate(triangles))
+    (tmp_path / "blank.inp").write_text(f"{text.partition('*ELEMENT')[0]}*ELEMENT, TYPE=S3\n{rows}\n")
+    for procedure, element in (("explicit", "shell3_one_point"), ("implicit", "shell3_mitc_plus")):
+        (block,) = build(blank=blank, procedure=procedure).mesh.blocks
+        assert (block.element, block.connectivity.shape) == (element, (18, 3))
+    (tmp_path / "blank.inp").write_text(f"{text}*ELEMENT, TYPE=S3\n101, 1, 2, 6\n")
+    with pytest.raises(CaseError, match=r"blank.path.*neither quadrilaterals alone nor triangles alone: quad4, tri3"):
         build(blank=blank)
     write_blank(tmp_path / "blank.inp", low=-3)
     with pytest.raises(CaseError, match=r"blank.symmetry.*symmetry plane x = 0: it reaches from -3 mm"):
