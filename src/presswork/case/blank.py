@@ -68,6 +68,19 @@ class CircularBlank(_MeshedBlank):
         return 0.5 * self.diameter, 0.5 * self.diameter
 
 
+class OutlinedBlank(_MeshedBlank):
+    """What lies inside an outline from a file."""
+
+    shape: Literal["outline"] = Field(description="what lies inside an outline from a file")
+    path: str = Field(
+        description="a DXF drawing, or a text file with the corners of a polygon; relative to the case file"
+    )
+    unit: str | None = Field(
+        default=None, description="length unit of its coordinates; without it a drawing's own, or mm"
+    )
+    layer: str | None = Field(default=None, description="of a drawing: the layer that it is on; without it: all layers")
+
+
 class BlankFile(_Blank):
     """A mesh of quadrilaterals or triangles from a file; with symmetry planes it is the part at x, y >= 0."""
 
@@ -76,4 +89,4 @@ class BlankFile(_Blank):
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 
 
-Blank = Annotated[RectangularBlank | CircularBlank | BlankFile, Field(discriminator="shape")]
+Blank = Annotated[RectangularBlank | CircularBlank | OutlinedBlank | BlankFile, Field(discriminator="shape")]

@@ -12,20 +12,29 @@ from typing import Literal
 import numpy as np
 
 from presswork import model
-from presswork.case.blank import BlankFile, CircularBlank
+from presswork.case.blank import BlankFile, CircularBlank, OutlinedBlank
 from presswork.case.errors import CaseError, Problem
 from presswork.case.forming_limit.build import build_sheets
-from presswork.case.plan_line import draw_line
+from presswork.case.plan_line import LineFile, draw_line
 from presswork.case.references import check_set_names
 from presswork.case.shell import FREEDOMS, HOLDS
 from presswork.case.stamping import RAMP, VELOCITY, StampingCase, StampingStage
 from presswork.case.stamping_beads import build_beads, check_bead_stages, check_closing
-from presswork.case.stamping_checks import check_fit, check_names, check_target_step, check_tools, check_ways
+from presswork.case.stamping_checks import (
+    MOST_CELLS,
+    check_fit,
+    check_names,
+    check_target_step,
+    check_tools,
+    check_ways,
+    explain_too_many,
+)
 from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
-from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_outlined_blank, mesh_rectangular_blank
 from presswork.mesh.cut import check_meets
+from presswork.mesh.polygon import polygon_area
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
 from presswork.model_stamping import ExplicitSettings, Springback, StampingModel, StampingOutput, ToolAction, TrimLine
@@ -103,11 +112,29 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
     symmetry = ["x" in blank.symmetry, "y" in blank.symmetry]
     if isinstance(blank, BlankFile):
         return _read_mesh(case, blank, section, material, symmetry)
-    if isinstance(blank, CircularBlank):
+    if isinstance(blank, OutlinedBlank):
+        mesh = _mesh_outline(case, blank, symmetry)
+    elif isinstance(blank, CircularBlank):
         mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry, triangles=blank.cells == "triangles")
     else:
         mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry, triangles=blank.cells == "triangles")
     return dress_blank(mesh, ELEMENTS[case.procedure], section, material)
+
+
+def _mesh_outline(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]) -> model.Mesh:
+    """Read the outline of a blank, and mesh what lies in it."""
+    folder = case.source.parent if case.source is not None else Path()
+    file = LineFile(shape="file", path=blank.path, unit=blank.unit, layer=blank.layer)
+    line = draw_line(file, "blank", folder)
+    if isinstance(line, Problem):
+        raise CaseError([line], case.source)
+    n_cells = abs(polygon_area(line)) / blank.element_size**2 / 2 ** sum(symmetry)
+    if n_cells > MOST_CELLS:
+        raise CaseError([explain_too_many(n_cells, blank.element_size)], case.source)
+    try:
+        return mesh_outlined_blank(line, blank.element_size, symmetry, triangles=blank.cells == "triangles")
+    except MeshError as error:
+        raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
 
 
 def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[TrimLine, ...], list[Problem]]:

@@ -310,3 +310,31 @@ def test_bad_trim_lines_are_named_before_computing(line, fragments) -> None:
         build(trim={"t": line})
     for fragment in fragments:
         assert fragment in str(caught.value)
+
+
+def test_a_blank_is_meshed_inside_an_outline(tmp_path: Path) -> None:
+    """An octagon: its area, quarter of it, and triangles alone."""
+    corners = [(35, -15), (35, 15), (15, 35), (-15, 35), (-35, 15), (-35, -15), (-15, -35), (15, -35)]
+    path = tmp_path / "blank.csv"
+    path.write_text("\n".join(f"{x}, {y}" for x, y in corners))
+    blank = {k: v for k, v in CUP["blank"].items() if k != "diameter"}
+    blank |= {"shape": "outline", "path": str(path), "element_size": 3}
+    for cells, kinds in (("quadrilaterals", [4, 3]), ("triangles", [3])):
+        model = build(blank=blank | {"cells": cells})
+        assert [b.connectivity.shape[1] for b in model.mesh.blocks] == kinds
+        assert model.cells.shape[1] == 4
+        corners_of_cells = model.mesh.points[model.cells][..., :2]
+        x, y = np.moveaxis(corners_of_cells, -1, 0)
+        area = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum()
+        assert area == pytest.approx((70 * 70 - 2 * 20 * 20) / 4, rel=1e-9)
+        assert [s.node_set for s in model.supports] == ["symmetry_x", "symmetry_y"]
+        assert (np.abs(model.mesh.points[model.mesh.node_sets["symmetry_x"], 0]) < 1e-9).all()
+    path.write_text("0, 0\n-10, 0\n-10, -10")
+    with pytest.raises(CaseError, match=r"blank.path.*nothing of the line lies at x, y >= 0"):
+        build(blank=blank)
+    path.write_text("0, 0\n10, 10\n10, 0\n0, 10")
+    with pytest.raises(CaseError, match=r"blank.path.*crosses"):
+        build(blank=blank)
+    path.write_text("0, 0\n10, 0\n0, 10")
+    with pytest.raises(CaseError, match=r"blank.element_size = 0.001.*more than memory"):
+        build(blank=blank | {"element_size": 0.001})
