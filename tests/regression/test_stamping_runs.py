@@ -78,6 +78,19 @@ def test_every_kind_of_blank_narrows_by_the_r_value_of_its_rolling_direction(
         np.testing.assert_allclose(width / thickness, r, rtol=0.01)
 
 
+@pytest.mark.parametrize("cells", ["quadrilaterals", "triangles"])
+def test_a_strip_blank_between_two_planes_is_a_slice_of_a_wide_one(cells, tmp_path: Path) -> None:
+    """Plane strain of von Mises: no width strain; 2/sqrt(3) of the uniaxial stress, at p = 2/sqrt(3) of the strain."""
+    case = pull(boundary={"slice": {"set": "top", "hold": "symmetry_y"}})
+    case["blank"] |= {"size": [20, 4], "cells": cells}
+    case["stages"][0]["velocity"] = "0.25 m/s"
+    result = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "out", threads=1).result
+    np.testing.assert_allclose(result.field("strain_middle")[:, 1], 0.0, atol=1e-12)
+    stress, strain = result.field("stress_middle_xx"), np.log(11 / 10)
+    p = 2 / np.sqrt(3) * (strain - (1 - 0.25) * stress / 206e3)  # elastic: sigma_yy is half of sigma_xx
+    np.testing.assert_allclose(stress, 2 / np.sqrt(3) * 565.32 * (0.007117 + p) ** 0.2589, rtol=3e-3)
+
+
 def test_motion_ends_where_the_case_says_and_the_energies_balance(pulled) -> None:
     right = pulled.mesh.points[:, 0] > 9.99
     np.testing.assert_allclose(pulled.field("displacement")[right, 0], 1.0, rtol=1e-12)

@@ -32,6 +32,8 @@ from presswork.results.formability import formability_fields
 TRIM, NAME = "trim", "springback"
 ELEMENTS: dict[int, ShellElement] = {3: "shell3_mitc_plus", 4: "shell4_mitc_plus"}
 """By number of nodes."""
+SYMMETRY = tuple(tuple(i in held for i in range(6)) for held in ((0, 4, 5), (1, 3, 5)))
+"""What planes normal to x and y hold: a displacement and two rotations."""
 APART = 0.2
 """Least distance of the nodes that hold the sheet, over the blank's length and width."""
 STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
@@ -86,7 +88,7 @@ def hold_rigidly(points: FloatArray, symmetry: tuple[bool, bool]) -> dict[int, t
 def make_springback_model(model: StampingModel, mesh: Mesh) -> Model:
     """Return the Model of the released sheet; mesh: undeformed."""
     springback = model.springback or Springback()
-    planes = [s for s in model.supports if s.node_set in ("symmetry_x", "symmetry_y")]
+    planes = [s for s in model.supports if s.fix in SYMMETRY]
     blocks = tuple(replace(block, element=ELEMENTS[block.connectivity.shape[1]]) for block in mesh.blocks)
     node_sets = dict(mesh.node_sets)
     supports = list(planes)
