@@ -35,6 +35,9 @@ class _MeshedBlank(_Blank):
     """A blank that is meshed by the program."""
 
     element_size: Length = Field(gt=0, description="largest side of an element, about [mm]")
+    cells: Literal["quadrilaterals", "triangles"] = Field(
+        default="quadrilaterals", description="triangles: each quadrilateral is cut by both diagonals"
+    )
 
 
 class RectangularBlank(_MeshedBlank):
@@ -65,12 +68,25 @@ class CircularBlank(_MeshedBlank):
         return 0.5 * self.diameter, 0.5 * self.diameter
 
 
-class BlankFile(_Blank):
-    """A mesh of quadrilaterals from a file; with symmetry planes it is the part at x, y >= 0."""
+class OutlinedBlank(_MeshedBlank):
+    """What lies inside an outline from a file."""
 
-    shape: Literal["file"] = Field(description="a mesh of quadrilaterals from a file")
+    shape: Literal["outline"] = Field(description="what lies inside an outline from a file")
+    path: str = Field(
+        description="a DXF drawing, or a text file with the corners of a polygon; relative to the case file"
+    )
+    unit: str | None = Field(
+        default=None, description="length unit of its coordinates; without it a drawing's own, or mm"
+    )
+    layer: str | None = Field(default=None, description="of a drawing: the layer that it is on; without it: all layers")
+
+
+class BlankFile(_Blank):
+    """A mesh of quadrilaterals or triangles from a file; with symmetry planes it is the part at x, y >= 0."""
+
+    shape: Literal["file"] = Field(description="a mesh of quadrilaterals or triangles from a file")
     path: str = Field(description="the mesh file, relative to the case file")
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 
 
-Blank = Annotated[RectangularBlank | CircularBlank | BlankFile, Field(discriminator="shape")]
+Blank = Annotated[RectangularBlank | CircularBlank | OutlinedBlank | BlankFile, Field(discriminator="shape")]
