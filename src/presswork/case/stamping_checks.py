@@ -36,8 +36,8 @@ def check_names(case: StampingCase) -> list[Problem]:
         n_cells = 4 * float(np.prod(np.array(case.blank.half_size()) / case.blank.element_size)) / cuts
         if n_cells > MOST_CELLS:
             problems.append(explain_too_many(n_cells, case.blank.element_size))
-        if case.blank.element_size > min(case.blank.half_size()):
-            fault = f"larger than half of the blank, {min(case.blank.half_size()):g} mm"
+        if case.blank.element_size > max(case.blank.half_size()):
+            fault = f"larger than half of the blank, {max(case.blank.half_size()):g} mm"
             problems.append(Problem("blank.element_size", fault, "make it smaller", case.blank.element_size))
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
     if isinstance(case.blank, BlankFile):
