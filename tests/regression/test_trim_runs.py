@@ -42,11 +42,26 @@ def cup(**changes: Any) -> StampingModel:
     }))  # fmt: skip
 
 
-@pytest.fixture(scope="module", params=["explicit", "implicit"])
-def pan(request, tmp_path_factory) -> Result:
-    outcome = run_model(cup(procedure=request.param), tmp_path_factory.mktemp(request.param) / "out", threads=1)
+def run_whole(procedure: str, folder: Path) -> Result:
+    outcome = run_model(cup(procedure=procedure), folder / "out", threads=1)
     assert outcome.status == "completed", outcome.reason
     return outcome.result
+
+
+@pytest.fixture(scope="module")
+def explicit_pan(tmp_path_factory) -> Result:
+    return run_whole("explicit", tmp_path_factory.mktemp("explicit"))
+
+
+@pytest.fixture(scope="module")
+def implicit_pan(tmp_path_factory) -> Result:
+    return run_whole("implicit", tmp_path_factory.mktemp("implicit"))
+
+
+@pytest.fixture(params=["explicit_pan", "implicit_pan"])
+def pan(request) -> Result:
+    result: Result = request.getfixturevalue(request.param)
+    return result
 
 
 def plan_area(result: Result, step: int) -> float:
@@ -100,12 +115,14 @@ def test_lines_verdicts_and_pictures_are_those_of_the_trimmed_part(pan, tmp_path
 
 
 @pytest.mark.parametrize("stop_after", [4, 5, 6])
-def test_a_run_stopped_round_the_trimming_resumes_to_the_same_bits(tmp_path: Path, stop_after: int) -> None:
+def test_a_run_stopped_round_the_trimming_resumes_to_the_same_bits(
+    explicit_pan, tmp_path: Path, stop_after: int
+) -> None:
     def stopping(progress) -> None:
         if next(rows) == stop_after:
             raise KeyboardInterrupt
 
-    whole = run_model(cup(), tmp_path / "whole", threads=1).result
+    whole = explicit_pan
     rows = iter(range(1, 100))
     stopped = run_model(cup(), tmp_path / "out", threads=1, on_increment=stopping)
     assert stopped.status == "interrupted"
