@@ -25,7 +25,8 @@ class StampingTools:
 
     def __init__(self, model: StampingModel, shells: ExplicitShells) -> None:
         self._model = model
-        self._tools = [shells.add_tool(t.name, t.shape.surface(), mu=t.mu) for t in model.tools]
+        edges = model.explicit.contact_points == "edges"
+        self._tools = [shells.add_tool(t.name, t.shape.surface(), mu=t.mu, edges=edges) for t in model.tools]
         for tool, at_work in zip(model.tools, self._tools, strict=True):
             at_work.position = tool.position
             if is_pushed(model, tool):
