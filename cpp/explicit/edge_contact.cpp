@@ -51,7 +51,7 @@ EdgeContact::EdgeContact(int n_nodes, const std::vector<int>& cell_start, const 
 
 void EdgeContact::add(const Tool& tool) {
   Pairs of;
-  if (tool.grip.edges) of.sharp = std::make_unique<contact::SharpPlaces>(tool.surface, length_, turn);
+  if (tool.grip.edges) of.sharp = std::make_unique<contact::SharpPlaces>(tool.surface, 0.5 * length_, turn);
   if (of.sharp && !of.sharp->any()) of.sharp.reset();
   if (of.sharp) {
     of.wake.assign(n_edges(), 0.0), of.at.assign(n_edges(), Touching{});
@@ -230,7 +230,7 @@ void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen
   if (p.seen == off) p.spared = std::max(half_at(tool.grip, nodes, edge, s) - found.gap, 0.0);
   p.seen = followed;
   p.left = memory_;  // were it flat here, it need not be along the edge
-  p.offset = -found.gap;
+  p.offset = -found.gap, p.tilt = dot(found.normal, seen.way);
   for (int k = 0; k < 3; ++k) {
     p.normal[k] = found.normal[k];
     p.offset += found.normal[k] * (seen.start[k] + s * seen.way[k]);
@@ -246,14 +246,14 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, int edge, const Ends& ends,
   double way[2][3], slip = 0.0;
   for (int i = 0; i < 2; ++i)
     for (int k = 0; k < 3; ++k) way[i][k] = dt * (ends.v[i][k] - tool.velocity[k]);
-  const double nearer = (1.0 - p.s) * dot(p.normal, way[0]) + p.s * dot(p.normal, way[1]);
   for (const auto& of_end : way) {
     double aside = 0.0;
-    for (int k = 0; k < 3; ++k) aside += std::abs(of_end[k] - nearer * p.normal[k]);
+    const double out = dot(p.normal, of_end);
+    for (int k = 0; k < 3; ++k) aside += std::abs(of_end[k] - out * p.normal[k]);
     slip = std::max(slip, aside);
   }
   p.left -= slip;
-  if (p.left <= 0.0) {
+  if (p.left <= 0.0 || std::abs(dot(p.normal, seen.way) - p.tilt) > 0.1 * memory_) {
     ask(tool, of, edge, seen, nodes, sums);
     if (of.wake[edge] > tool.travel) {  // nothing is near
       const double known = p.seen;

@@ -147,8 +147,8 @@ class Explicit(Part):
     )
     contact_points: Literal["nodes", "edges"] = Field(
         default=_EXPLICIT.contact_points,
-        description="what of the blank touches tools: nodes alone, or edges between them, too, where a tool turns by "
-        "more than 30 degrees within the longest edge",
+        description="what of the blank touches tools: nodes alone, or edges between them, too, where a tool's "
+        "radius is less than the longest edge",
     )
 
 
