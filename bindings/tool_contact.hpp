@@ -94,6 +94,9 @@ void bind_tools(nb::class_<Loop>& loop) {
           nb::arg("tool"), nb::arg("displacement"), "Put a tool somewhere else.")
       .def("push_tool", &push_tool<Loop>, nb::arg("tool"), nb::arg("direction"), nb::arg("mass"), nb::arg("drag"),
            "Let a force place a tool of this mass [t] along a unit vector; drag [1/s].")
+      .def(
+          "move_tool", [](Loop& self, int i) { tool_of(self, i).pushed = false; }, nb::arg("tool"),
+          "Let velocities move a tool again that a force has placed.")
       .def("drive_tool", &drive_tool<Loop>, nb::arg("tool"), nb::arg("drive"),
            "Velocities (n, 3), or forces (n) of a pushed tool, of the next n cycles.")
       .def("tool_state", &tool_state<Loop>, nb::arg("tool"),

@@ -550,6 +550,9 @@ class ShellLoop:
         Let a force place a tool of this mass [t] along a unit vector; drag [1/s].
         """
 
+    def move_tool(self, tool: int) -> None:
+        """Let velocities move a tool again that a force has placed."""
+
     def drive_tool(self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """
         Velocities (n, 3), or forces (n) of a pushed tool, of the next n cycles.
@@ -709,6 +712,9 @@ class ShellLoopSingle:
         """
         Let a force place a tool of this mass [t] along a unit vector; drag [1/s].
         """
+
+    def move_tool(self, tool: int) -> None:
+        """Let velocities move a tool again that a force has placed."""
 
     def drive_tool(self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """

@@ -49,6 +49,11 @@ class RigidTool:
         self._refuse_second_motion("follow")
         self._way = (self._unit(direction), motion)
 
+    def stop(self) -> None:
+        """Let it stand still where it is, whatever has moved or pushed it; then it may be moved or pushed anew."""
+        self._velocity, self._way, self._force, self.mass = np.zeros(3), None, None, None
+        self._loop.move_tool(self.number)
+
     def push(
         self,
         direction: npt.ArrayLike,
