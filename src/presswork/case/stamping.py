@@ -145,6 +145,11 @@ class Explicit(Part):
     precision: Literal["double", "single"] = Field(
         default=_EXPLICIT.precision, description="single: about half the time and memory, seven digits"
     )
+    contact_points: Literal["nodes", "edges"] = Field(
+        default=_EXPLICIT.contact_points,
+        description="what of the blank touches tools: nodes alone, or edges between them, too, where a tool's "
+        "radius is less than the longest edge",
+    )
 
 
 class Springback(Part):

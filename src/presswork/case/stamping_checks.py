@@ -124,9 +124,10 @@ def check_tools(case: StampingCase) -> list[Problem]:
     moved = {name for stage in case.stages for name, action in stage.tools.items() if action.stroke is not None}
     for index, stage in enumerate(case.stages):
         for name, action in stage.tools.items():
-            if action.force is not None and name in moved:
-                fault = "the tool is moved by a stroke in one stage and pushed by a force in another"
-                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, "give it one or the other"))
+            if action.force is not None and name in moved and case.procedure == "implicit":
+                fault = "the implicit procedure cannot move a tool in one stage and push it in another"
+                remedy = 'give it strokes or forces alone, or take procedure = "explicit"'
+                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, remedy))
             opposite = "die" if case.tools[name].kind != "die" else "holder"
             if action.force is not None and not any(t.kind == opposite for t in case.tools.values()):
                 fault = f"the {case.tools[name].kind} is pushed, but no {opposite} lies on the other side of the blank"
