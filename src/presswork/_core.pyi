@@ -377,9 +377,9 @@ class ToolSurface:
     """Surface of a rigid tool in its own frame; see tool_surface.hpp."""
 
     @staticmethod
-    def triangles(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, depth: float = float('inf')) -> ToolSurface:
+    def triangles(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, depth: float = float('inf'), smooth: bool = False) -> ToolSurface:
         """
-        Surface of triangles (n, 3) over points (n_points, 3) [mm], counter-clockwise as seen from free space. Penetrations deeper than depth [mm] are not found. Raises ValueError where a triangle has no area, an edge has more than two triangles, or neighbours are wound against each other.
+        Surface of triangles (n, 3) over points (n_points, 3) [mm], counter-clockwise as seen from free space. smooth: rounded off, with normals that do not jump; see smooth_triangulation.hpp. Penetrations deeper than depth [mm] are not found. Raises ValueError where a triangle has no area, an edge has more than two triangles, or neighbours are wound against each other.
         """
 
     @staticmethod
@@ -398,9 +398,9 @@ class ToolSurface:
         The gap, or where nothing is closer than reach how far each point is from the surface at least (n,) [mm].
         """
 
-    def normal_slope(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> NDArray[numpy.float64]:
+    def slopes(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Derivative of the normal to the point (n, 3, 3) [1/mm]; zero on triangles and where nothing is near.
+        Derivatives of the gap (n, 3) and of the normal (n, 3, 3: component, direction) [1/mm] to points (n, 3); zero where nothing is near, and of the normal on triangles that are not smooth.
         """
 
     @property

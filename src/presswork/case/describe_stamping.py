@@ -65,12 +65,6 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
             f"increments: {settings.min_increment:g} to {settings.max_increment:g} of a stage, cut back and grown by "
             f"the iterations they take; {6 * len(mesh.points)} freedoms"
         )
-        for tool in problem.tools:
-            if not isinstance(tool.shape, SweptTool):
-                yield (
-                    f"hint: nodes that slide over the edges between the triangles of {tool.name} may find no "
-                    'equilibrium; draw the tool by its dimensions, or take procedure = "explicit"'
-                )
         return
     speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
     step = problem.explicit.target_step or problem.explicit.safety * WAVE * shortest / speed

@@ -14,6 +14,7 @@ from presswork.procedure.body_contact import BodyContacts, BodyForces
 from presswork.procedure.contact import Constraints, Contact
 from presswork.procedure.floating_tools import Floating, FloatingTools, LostWorkpieceError
 from presswork.procedure.friction import Friction, FrictionForces
+from presswork.procedure.inertia import Inertia, InertiaForces
 from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
 from presswork.procedure.loads import AppliedLoads
 from presswork.procedure.mechanics import BadGuess, LawFailed, Mechanics, PassedThrough, factor_of
@@ -50,14 +51,16 @@ class _Point:
     loads: AppliedLoads
     bodies: BodyForces
     sheet: SheetForces | None
+    inertia: InertiaForces | None
     reaction: FloatArray
     length: FloatArray
     """What each freedom is multiplied by to make it a length, and its force divided by to make it a force."""
 
     @property
     def largest_force(self) -> float:
-        """Largest nodal force, internal or applied [N]."""
-        return max(float(np.abs(f / self.length).max()) for f in (self.internal, self.loads.force))
+        """Largest nodal force, internal, applied or of inertia [N]."""
+        largest = max(float(np.abs(f / self.length).max()) for f in (self.internal, self.loads.force))
+        return max(largest, float(np.abs(self.inertia.resistance).max())) if self.inertia else largest
 
 
 @dataclass(frozen=True)
@@ -96,6 +99,7 @@ class Equilibrium:
         self.bodies = BodyContacts(model, mechanics)
         self.sheet = SheetContact(model) if model.sheet_tools or model.sheet_beads else None
         self.pushed_sheet_tools = PushedSheetTools(model)
+        self.inertia = Inertia(model)
         self._timing = timing
         self._threads = threads
         self._noise = mechanics.force_of_round_off()
@@ -185,6 +189,8 @@ class Equilibrium:
                 self.bodies.settle(trial, point.bodies)
                 if self.sheet and point.sheet:
                     self.sheet.settle(trial, point.sheet)
+                if point.inertia:
+                    trial.velocity, trial.inertia_force = point.inertia.velocity, point.inertia.resistance
                 trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
             if iteration == most or (stiff and self._is_hopeless(log)):
@@ -236,7 +242,7 @@ class Equilibrium:
     def _evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
     ) -> _Point | BadGuess:
-        dt = self._model.stages[step.stage].duration * (step.fraction - step.fraction_n)
+        dt = self._model.stages[step.stage].time_between(step.fraction_n, step.fraction)
         internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
         if isinstance(internal, BadGuess):
             return internal
@@ -249,7 +255,10 @@ class Equilibrium:
         sheet = self._touch_sheet(state_n, trial, displacement, step)
         if sheet:
             reaction -= sheet.force
-        return _Point(displacement, internal, loads, bodies, sheet, reaction, self._mechanics.length)
+        inertia = self.inertia.evaluate(state_n, increment, dt) if self.inertia.is_needed else None
+        if inertia:
+            reaction[:, :3] += inertia.resistance
+        return _Point(displacement, internal, loads, bodies, sheet, inertia, reaction, self._mechanics.length)
 
     def _touch_sheet(self, state_n: State, trial: State, displacement: FloatArray, step: Step) -> SheetForces | None:
         started = perf_counter()
@@ -397,9 +406,9 @@ class Equilibrium:
         self._mechanics.assemble_stiffness(constraints.turned, constraints.frames, self._data)
         if self._model.solver.pressure_stiffness and len(loads.pairs):
             assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
-        for touching in (point.bodies, point.sheet):
-            if touching and len(touching.pairs):
-                blocks = (touching.pairs, touching.blocks, constraints.turned, constraints.frames)
+        for other in (point.bodies, point.sheet, point.inertia):
+            if other and len(other.pairs):
+                blocks = (other.pairs, other.blocks, constraints.turned, constraints.frames)
                 assembler.add_blocks(*blocks, self._data)
         if friction:
             self._add_friction(friction, constraints)
