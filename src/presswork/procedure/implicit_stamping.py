@@ -24,6 +24,7 @@ from presswork.procedure.stamping_tools import (
     cut_surfaces,
     is_pushed,
     make_whole,
+    stroke_of,
     tabulate_force,
     tabulate_share,
     tool_columns,
@@ -228,6 +229,7 @@ class ImplicitStamping:
             "time": self.time,
             "iterations": 0,
             **tools,
+            **bead_columns(self.model, [0.0] * len(self.model.beads)),
             **energies,
             "energy_error_percent": balance["error_percent"],
         }
@@ -257,8 +259,7 @@ class ImplicitStamping:
         verdict = judge_fields(fields, centres, self._judged)
         assert verdict is not None, "shells have principal strains"
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
-        progress = state.progress
-        increments, iterations, cutbacks = (int(progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS))
+        increments, iterations, cutbacks = (int(state.progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS))
         energy = self.procedure.energy_balance()
         untouched = find_never_touched([t.name for t in self.model.tools], history)
         warnings = [f"the tool {name} never touched the blank" for name in untouched]
@@ -277,7 +278,7 @@ class ImplicitStamping:
             "freedoms": 6 * len(self.model.mesh.points),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
-            "time_simulated": float(progress[TIME]),
+            "time_simulated": float(state.progress[TIME]),
             "formability": verdict.to_summary(),
             "linear_solver": self.procedure.equilibrium.solver.name,
             "warnings": warnings,
