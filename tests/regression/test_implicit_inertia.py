@@ -60,7 +60,7 @@ def test_a_blank_that_lies_loose_is_drawn(tmp_path) -> None:
     explicit dynamics, and inertia takes little."""
     loose: dict[str, Any] = copy.deepcopy(CUP)
     loose["blank"] |= {"thickness": 0.5, "size": [90, 90]}
-    loose["tools"]["holder"]["gap"] = 3
+    loose["tools"]["holder"]["gap"] = 0.9
     loose["stages"] = [{"name": "draw", "tools": {"punch": {"stroke": 10}}}]
     case = StampingCase.model_validate({**loose, "implicit": {}})
     assert run_model(build_model(case), tmp_path / "statics", threads=1).status == "gave_up"
