@@ -32,6 +32,8 @@ class SmoothTriangulation {
 
   double depth() const { return flat_.depth(); }
 
+  const Triangulation& flat() const { return flat_; }  // as it was before
+
  private:
   static constexpr int open = -1, crease = -2;  // instead of a neighbour
   struct Patch {

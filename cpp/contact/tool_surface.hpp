@@ -47,7 +47,10 @@ class ToolSurface {
   }
 
   const SweptSurface* swept() const { return std::get_if<SweptSurface>(&surface_); }
-  const Triangulation* triangles() const { return std::get_if<Triangulation>(&surface_); }
+  const Triangulation* triangles() const {
+    if (const auto* smooth = std::get_if<SmoothTriangulation>(&surface_)) return &smooth->flat();
+    return std::get_if<Triangulation>(&surface_);
+  }
 
  private:
   std::variant<SweptSurface, Triangulation, SmoothTriangulation> surface_;
