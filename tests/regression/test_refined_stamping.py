@@ -105,6 +105,22 @@ def test_springback_begins_from_a_mesh_without_hanging_nodes(tmp_path: Path) -> 
     assert 0.01 < result.summary["springback"]["largest_mm"] < 2
 
 
+def test_triangles_are_split_and_a_refined_part_is_trimmed(tmp_path: Path) -> None:
+    """Trimming, too, begins from a mesh without hanging nodes."""
+    case = stretch(
+        {"cells": "triangles", "refine": {"levels": 1}},
+        trim={"edge": {"shape": "rectangle", "size": [25, 20], "keep": "inside"}},
+    )
+    case["stages"][0]["tools"]["punch"]["stroke"] = 1.5
+    outcome = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "out", threads=1)
+    assert outcome.status == "completed"
+    cells = [[len(b.connectivity) for b in outcome.result.mesh_at(step).blocks] for step in (0, -2, -1)]
+    assert cells[0] == [40]
+    assert 40 < cells[1][0] < 160
+    assert outcome.result.mesh_at().points[:, 0].max() == pytest.approx(12.5, abs=0.5)
+    assert np.abs(outcome.result.history["energy_error_percent"]).max() < 0.2
+
+
 def test_mass_is_added_to_children_for_a_step_that_they_do_not_allow() -> None:
     """The target step is kept, and so is the mass of a pushed holder."""
     case = stretch(explicit={"target_step": 2.5e-7})
