@@ -36,7 +36,7 @@ class StampingTools:
         for tool, at_work in zip(model.tools, self._tools, strict=True):
             at_work.position = tool.position
         # a resumed run takes the same
-        self._pushing_mass = before._pushing_mass if before else float(shells.mass[:, 0].sum())
+        self._pushing_mass: float = before._pushing_mass if before else float(shells.mass[:, 0].sum())
         self._shells = shells
         for bead in model.beads:
             shells.add_bead(bead.line, tabulate_share(model, bead))
