@@ -148,8 +148,10 @@ class ReleasedStamping:
             yield SpringbackReport(before + report.number, report, report.is_save_point)
 
     def _release(self) -> _Released:
-        """Cut the part, and hand its state over to an implicit procedure."""
-        mesh, state, trimmed = self.model.mesh, self.forming.sheet(), None
+        """Cut the part, and hand its state over to an implicit procedure, which knows no hanging nodes."""
+        if isinstance(self.forming, ExplicitStamping):
+            self.forming.split_evenly()
+        mesh, state, trimmed = self.forming.mesh, self.forming.sheet(), None
         try:
             if self.model.trim:
                 trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS)
@@ -189,7 +191,7 @@ class ReleasedStamping:
     def mesh(self) -> Mesh:
         """The undeformed sheet: the blank, and what trimming leaves of it."""
         trimmed = None if self._released is None else self._released.trimmed
-        return self.model.mesh if trimmed is None else trimmed.mesh
+        return self.forming.mesh if trimmed is None else trimmed.mesh
 
     @property
     def columns(self) -> list[str]:
@@ -210,7 +212,7 @@ class ReleasedStamping:
         if isinstance(report, TrimReport):
             assert self._released is not None
             assert self._released.trimmed is not None
-            before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.model.mesh, self.mesh))
+            before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.forming.mesh, self.mesh))
             return [f"{TRIM}: {after} of {before} shells, outline within {self._released.trimmed.off_line:.3g} mm"]
         if not isinstance(report, SpringbackReport):
             return self.forming.log_lines(report)
@@ -251,7 +253,7 @@ class ReleasedStamping:
         if self._released is None:
             point_data = dict(snapshot.point_data)
             if self.model.springback is not None:
-                point_data[NAME] = np.zeros_like(self.model.mesh.points)
+                point_data[NAME] = np.zeros_like(self.mesh.points)
             return replace(snapshot, point_data=point_data)
         state, mechanics = self._released.implicit.state, self._released.implicit.mechanics
         cells = mechanics.cell_fields(state)
