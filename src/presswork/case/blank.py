@@ -65,6 +65,20 @@ class CircularBlank(_MeshedBlank):
         return 0.5 * self.diameter, 0.5 * self.diameter
 
 
+class OutlinedBlank(_MeshedBlank):
+    """A blank within an outline from a file: a DXF drawing, or points as CSV."""
+
+    shape: Literal["outline"] = Field(description="within a closed outline from a file, meshed with quadrilaterals")
+    path: str = Field(
+        description="DXF, or CSV with columns x_mm and y_mm (a column loop: its first is taken), relative to the case "
+        "file; of a part with symmetry planes the whole outline"
+    )
+    unit: str | None = Field(
+        default=None,
+        description="length unit of the file's coordinates; without it mm, or what a drawing says of itself",
+    )
+
+
 class BlankFile(_Blank):
     """A mesh of quadrilaterals from a file; with symmetry planes it is the part at x, y >= 0."""
 
@@ -73,4 +87,4 @@ class BlankFile(_Blank):
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 
 
-Blank = Annotated[RectangularBlank | CircularBlank | BlankFile, Field(discriminator="shape")]
+Blank = Annotated[RectangularBlank | CircularBlank | OutlinedBlank | BlankFile, Field(discriminator="shape")]

@@ -11,19 +11,29 @@ from pathlib import Path
 import numpy as np
 
 from presswork import model
-from presswork.case.blank import BlankFile, CircularBlank
+from presswork.case.blank import BlankFile, CircularBlank, OutlinedBlank
+from presswork.case.blank_outline import read_blank_outline
+from presswork.case.chain import ProfileFileError
 from presswork.case.errors import CaseError, Problem
 from presswork.case.forming_limit.build import build_sheets
 from presswork.case.references import check_set_names
 from presswork.case.shell import FREEDOMS, HOLDS
 from presswork.case.stamping import RAMP, VELOCITY, StampingCase, StampingStage
 from presswork.case.stamping_beads import build_beads, check_bead_stages, check_closing
-from presswork.case.stamping_checks import check_fit, check_names, check_target_step, check_tools, check_ways
+from presswork.case.stamping_checks import (
+    MOST_CELLS,
+    check_fit,
+    check_names,
+    check_target_step,
+    check_tools,
+    check_ways,
+)
 from presswork.case.stamping_clashes import check_clashes
 from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.outlined_blank import mesh_outlined_blank, signed_area
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
 from presswork.model_stamping import ExplicitSettings, Springback, StampingModel, StampingOutput, ToolAction
@@ -95,7 +105,9 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
     symmetry = ["x" in blank.symmetry, "y" in blank.symmetry]
     if isinstance(blank, BlankFile):
         return _read_mesh(case, blank, section, material, symmetry)
-    if isinstance(blank, CircularBlank):
+    if isinstance(blank, OutlinedBlank):
+        mesh = _mesh_outlined(case, blank, symmetry)
+    elif isinstance(blank, CircularBlank):
         mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry)
     else:
         mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry)
@@ -104,6 +116,21 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
 
 def _element(case: StampingCase) -> model.ElementName:
     return case.explicit.element if case.procedure == "explicit" else IMPLICIT_ELEMENT
+
+
+def _mesh_outlined(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]) -> model.Mesh:
+    """Read the outline of a blank and mesh what is within."""
+    path = (case.source.parent if case.source is not None else Path()) / blank.path
+    key, value = "blank.path", blank.path
+    try:
+        outline = read_blank_outline(path, unit_factor(blank.unit, LENGTH) if blank.unit else None)
+        n_cells = abs(signed_area(outline)) / blank.element_size**2
+        if n_cells > MOST_CELLS:
+            key = "blank.element_size"
+            raise MeshError(f"about {n_cells:.2g} elements, more than memory will hold", "make it larger")
+        return mesh_outlined_blank(outline, blank.element_size, symmetry)
+    except (MeshError, ProfileFileError) as error:
+        raise CaseError([Problem(key, error.fault, error.remedy, value)], case.source) from error
 
 
 def _read_mesh(

@@ -7,7 +7,7 @@ import itertools
 
 import numpy as np
 
-from presswork.case.blank import BlankFile, CircularBlank
+from presswork.case.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
 from presswork.case.errors import Problem, suggest
 from presswork.case.library import list_keys
 from presswork.case.stamping import VELOCITY, StampingCase, StampingStage
@@ -31,7 +31,7 @@ def check_names(case: StampingCase) -> list[Problem]:
     if case.blank.material not in case.materials:
         remedy = suggest(case.blank.material, [*case.materials, *list_keys()], "materials, of the case and the library")
         problems.append(Problem("blank.material", "no such material", remedy, case.blank.material))
-    if not isinstance(case.blank, BlankFile):
+    if isinstance(case.blank, RectangularBlank | CircularBlank):
         cuts = 2 ** len(set(case.blank.symmetry))
         n_cells = 4 * float(np.prod(np.array(case.blank.half_size()) / case.blank.element_size)) / cuts
         if n_cells > MOST_CELLS:
@@ -41,7 +41,7 @@ def check_names(case: StampingCase) -> list[Problem]:
             fault = f"larger than half of the blank, {min(case.blank.half_size()):g} mm"
             problems.append(Problem("blank.element_size", fault, "make it smaller", case.blank.element_size))
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
-    if isinstance(case.blank, BlankFile):
+    if isinstance(case.blank, BlankFile | OutlinedBlank) and case.blank.unit is not None:
         units["blank.unit"] = case.blank.unit
     for key, unit in units.items():
         try:
@@ -184,7 +184,7 @@ def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -
             continue
         half = np.array(tool.half_size()) + width
         beyond = np.abs(corner) - half
-        if isinstance(case.blank, CircularBlank) and tool.shape == "round":
+        if isinstance(case.blank, CircularBlank | OutlinedBlank) and tool.shape == "round":
             beyond = np.linalg.norm(corner, axis=1, keepdims=True) - half[:1]
         if beyond.max() > 1e-9:
             text = f"the blank is larger than the {tool.kind}: it reaches {beyond.max():.4g} mm beyond its face"

@@ -29,7 +29,7 @@ def mesh_rectangular_blank(size: tuple[float, float], element_size: float, symme
     x, y = (grid.ravel() for grid in np.meshgrid(*lines))
     n = len(lines[0])
     first = (np.arange(n - 1)[None, :] + n * np.arange(len(lines[1]) - 1)[:, None]).ravel()
-    return _name_sets(np.column_stack([x, y]), np.stack([first, first + 1, first + n + 1, first + n], axis=1), symmetry)
+    return name_sets(np.column_stack([x, y]), np.stack([first, first + 1, first + n + 1, first + n], axis=1), symmetry)
 
 
 def mesh_circular_blank(diameter: float, element_size: float, symmetry: Sequence[bool]) -> Mesh:
@@ -41,7 +41,7 @@ def mesh_circular_blank(diameter: float, element_size: float, symmetry: Sequence
     for axis, is_cut in enumerate(symmetry):
         if not is_cut:
             points, cells = _add_mirror_image(points, cells, axis)
-    return _name_sets(points, cells, symmetry)
+    return name_sets(points, cells, symmetry)
 
 
 def _quarter_circle(radius: float, element_size: float) -> tuple[FloatArray, IntArray]:
@@ -76,7 +76,7 @@ def _add_mirror_image(points: FloatArray, cells: IntArray, axis: int) -> tuple[F
     return np.concatenate([points, image]), np.concatenate([cells, number[cells][:, ::-1]])
 
 
-def _name_sets(points: FloatArray, cells: IntArray, symmetry: Sequence[bool]) -> Mesh:
+def name_sets(points: FloatArray, cells: IntArray, symmetry: Sequence[bool]) -> Mesh:
     """Return the mesh in space; its element and section are filled in by dress_blank."""
     block = CellBlock("shell4_one_point", cells.astype(np.int32), 0)
     boundary = find_boundary_edges([block.connectivity])

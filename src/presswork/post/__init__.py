@@ -8,7 +8,7 @@ from presswork.post.formability import judge_cells, judge_part
 from presswork.post.interface import Interface, order_along_boundary, trace_interface
 from presswork.post.neutral_radius import NeutralRadius, find_neutral_radius
 from presswork.post.nodal import average_to_nodes, cell_areas, count_corners
-from presswork.post.outline import trace_outline, write_outline
+from presswork.post.outline import trace_outline
 from presswork.post.section import cut_sheet, cut_tool, measure_draw_in, write_section
 from presswork.post.tool_profile import distance_to_profile, trace_profile
 
@@ -34,6 +34,5 @@ __all__ = [
     "trace_outline",
     "trace_profile",
     "write_draw_in",
-    "write_outline",
     "write_section",
 ]

@@ -17,10 +17,9 @@ from presswork.post import (
     measure_draw_in_around,
     trace_outline,
     write_draw_in,
-    write_outline,
     write_section,
 )
-from presswork.results import OutputError, Result, ResultError, append_step
+from presswork.results import OutputError, Result, ResultError, append_step, write_outline
 from presswork.view import plot_all, plot_outline
 
 DRAWN = np.array([-0.1, -0.2, 0.0])
