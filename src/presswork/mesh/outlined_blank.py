@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Quadrilaterals within any outline: a grid of squares inside, and one row of cells between it and the outline.
 
-Schneiders 1996 (the grid-based approach): squares far enough inside the outline are kept; every node of their rim gets a
-partner on the outline, every side of their rim so becomes a cell; then nodes move to the middle of their neighbours.
+Schneiders 1996 (the grid-based approach): squares far enough inside the outline are kept; every node of their rim gets
+a partner on the outline, every side of their rim so becomes a cell; then nodes move to the middle of their neighbours.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from presswork.model import FloatArray, IndexArray
@@ -12,28 +14,53 @@ _NEAR = 1e-6
 """Part of the blank's size within which a node lies in a symmetry plane."""
 
 
-def trace_outline(result: Result, step: int = -1) -> list[FloatArray]:
-    """Return the edges of the whole sheet as deformed: closed loops (n, 3) [mm], the first point not repeated.
+@dataclass(frozen=True)
+class OutlineLoop:
+    """A closed edge of the whole sheet, the sheet on its left."""
 
-    The longest is first, then holes. What symmetry planes have cut off is mirrored back.
-    Raises ResultError for a body that is no sheet.
+    nodes: IndexArray
+    """Of the mesh, in order (n,); those of mirror images come again."""
+    signs: FloatArray
+    """By which x, y of the node are multiplied, -1 in a mirror image (n, 2)."""
+
+    def place(self, points: FloatArray) -> FloatArray:
+        """Return the loop's places, or its vectors, of those of all nodes (n_points, 2 | 3)."""
+        found = np.array(points[self.nodes])
+        found[:, :2] *= self.signs
+        return found
+
+
+def find_outline(result: Result, step: int = -1) -> list[OutlineLoop]:
+    """Return the edges of the whole sheet, in no order.
+
+    What symmetry planes have cut off is mirrored back. Raises ResultError for a body that is no sheet.
     """
     if not result.is_shell:
         raise ResultError(f"{result.folder} holds no sheet with an outline")
-    mesh, now = result.mesh_at(step), result.points(step)
+    mesh = result.mesh_at(step)
     start, edges = mesh.points, mesh.boundary_edges[:, :2].astype(np.intp)
-    nodes = np.arange(len(start))
+    nodes, signs = np.arange(len(start)), np.ones((len(start), 2))
     for axis, name in enumerate("xy"):
         if name not in str(result.info.get("symmetry", "")):
             continue
         on_plane = np.abs(start[nodes][:, axis]) <= _NEAR * float(np.ptp(start, axis=0).max())
         edges = edges[~on_plane[edges].all(axis=1)]
         image = np.where(on_plane, np.arange(len(nodes)), np.arange(len(nodes)) + len(nodes))
-        mirrored = now.copy()
+        mirrored = signs.copy()
         mirrored[:, axis] *= -1.0
-        now, nodes = np.concatenate([now, mirrored]), np.concatenate([nodes, nodes])
+        nodes, signs = np.concatenate([nodes, nodes]), np.concatenate([signs, mirrored])
         edges = np.concatenate([edges, image[edges[:, ::-1]]])
-    loops = [now[loop] for loop in _chain(edges)]
+    return [OutlineLoop(nodes[loop], signs[loop]) for loop in _chain(edges)]
+
+
+def trace_outline(result: Result, step: int = -1) -> list[FloatArray]:
+    """Return the edges of the whole sheet as deformed: closed loops (n, 3) [mm], the first point not repeated.
+
+    The longest is first, then holes. What symmetry planes have cut off is mirrored back.
+    Raises ResultError for a body that is no sheet.
+    """
+    now = result.points(step)
+    loops = [loop.place(now) for loop in find_outline(result, step)]
     return sorted(loops, key=lambda loop: -float(np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1).sum()))
 
 

@@ -13,9 +13,10 @@ _COLUMNS = ("x_mm", "y_mm", "z_mm")
 
 
 def write_outline(loops: Sequence[FloatArray], path: Path | str) -> None:
-    """Write loops (n, 2 | 3) as CSV (loop, x, y[, z] [mm]), or as closed polylines in x, y by a path that ends with .dxf.
+    """Write loops (n, 2 | 3) [mm].
 
-    Raises OutputError for another ending, for a file that cannot be written, and for DXF without ezdxf.
+    By its ending the path says how: .csv with loop, x, y[, z]; .dxf with closed polylines in x, y. Raises
+    OutputError for another ending, for a file that cannot be written, and for DXF without ezdxf.
     """
     path = Path(path)
     kind = path.suffix.lower()
