@@ -27,7 +27,8 @@ from presswork.onestep import OneStepResult, solve_one_step
 from presswork.run import run_model
 
 DEPTHS = (15.0, 20.0, 25.0)
-HOLDER_FORCE, MU = 10e3, 0.144
+HOLDER_FORCE, MU = 15e3, 0.144
+"""Of the example [N]."""
 LEVEL, STEEP = 0.996, 0.3
 """Upward part of a cell's normal from which on it lies level, below which it belongs to the wall."""
 
