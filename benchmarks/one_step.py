@@ -4,11 +4,12 @@
 Run: python benchmarks/one_step.py [THREADS]
 
 A round cup of triangles, with holder and friction. Wall and CPU seconds of the whole solution, and of the first guess
-alone; iterations and passes of friction.
+alone; iterations and passes of friction; largest memory of the process so far.
 """
 
 from __future__ import annotations
 
+import resource
 import sys
 from pathlib import Path
 from time import perf_counter, process_time
@@ -21,12 +22,12 @@ from one_step_problems import NO_QUADS, cup_profile, fan, make_model, revolve
 
 from presswork.onestep import solve_one_step
 
-AROUND = (60, 130, 172, 270, 386)
+AROUND = (60, 130, 172, 270, 386, 546)
 
 
 def main() -> None:
     threads = int(sys.argv[1]) if len(sys.argv) > 1 else 0
-    print("triangles   wall [s]   CPU [s]   first guess [s]   iterations   passes")
+    print("triangles   wall [s]   CPU [s]   first guess [s]   iterations   passes   memory [MB]")
     for around in AROUND:
         points, quads = revolve(cup_profile(25.0, 5.0, 18.0, 38.0, 2.0 * np.pi * 25.0 / around), around)
         triangles = np.concatenate([fan(around), quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)])
@@ -34,9 +35,11 @@ def main() -> None:
         wall, cpu = perf_counter(), process_time()
         result = solve_one_step(model, threads=threads)
         wall, cpu = perf_counter() - wall, process_time() - cpu
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
         guess = result.seconds["flatten"]
         times = f"{wall:8.2f}   {cpu:7.2f}   {guess:15.2f}"
-        print(f"{len(triangles):9d}   {times}   {result.iterations:10d}   {result.passes:6d}", flush=True)
+        counts = f"{result.iterations:10d}   {result.passes:6d}   {memory:11.0f}"
+        print(f"{len(triangles):9d}   {times}   {counts}", flush=True)
 
 
 if __name__ == "__main__":

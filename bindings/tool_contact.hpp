@@ -34,9 +34,9 @@ Tool& tool_of(Loop& self, int i) {
 
 template <class Loop>
 int add_tool(Loop& self, std::shared_ptr<const contact::ToolSurface> surface, double friction, double penalty,
-             double damping, bool cells, bool thickness) {
+             double damping, bool edges, bool thickness) {
   if (!self.contact) self.contact = self.make_contact();
-  self.contact->add(std::move(surface), Grip{friction, penalty, damping, cells, thickness});
+  self.contact->add(std::move(surface), Grip{friction, penalty, damping, edges, thickness});
   return static_cast<int>(self.contact->tools.size()) - 1;
 }
 
@@ -84,7 +84,7 @@ template <class Loop>
 void bind_tools(nb::class_<Loop>& loop) {
   using namespace tool_contact;
   loop.def("add_tool", &add_tool<Loop>, nb::arg("surface"), nb::kw_only(), nb::arg("friction"), nb::arg("penalty"),
-           nb::arg("damping"), nb::arg("cells"), nb::arg("thickness"), "Add a rigid tool; returns its number.")
+           nb::arg("damping"), nb::arg("edges"), nb::arg("thickness"), "Add a rigid tool; returns its number.")
       .def(
           "remove_tool", [](Loop& self, int i) { tool_of(self, i), self.contact->remove(i); }, nb::arg("tool"),
           "Take a tool away; the others keep their numbers.")
@@ -94,6 +94,9 @@ void bind_tools(nb::class_<Loop>& loop) {
           nb::arg("tool"), nb::arg("displacement"), "Put a tool somewhere else.")
       .def("push_tool", &push_tool<Loop>, nb::arg("tool"), nb::arg("direction"), nb::arg("mass"), nb::arg("drag"),
            "Let a force place a tool of this mass [t] along a unit vector; drag [1/s].")
+      .def(
+          "move_tool", [](Loop& self, int i) { tool_of(self, i).pushed = false; }, nb::arg("tool"),
+          "Let velocities move a tool again that a force has placed.")
       .def("drive_tool", &drive_tool<Loop>, nb::arg("tool"), nb::arg("drive"),
            "Velocities (n, 3), or forces (n) of a pushed tool, of the next n cycles.")
       .def("tool_state", &tool_state<Loop>, nb::arg("tool"),
@@ -105,7 +108,14 @@ void bind_tools(nb::class_<Loop>& loop) {
           "start_contact", [](Loop& self) { contact_of(self).start(self.view(0.0), self.internal_force.data()); },
           "Find the forces of tools that are new.")
       .def("deepest", &deepest<Loop>, nb::arg("tool"),
-           "Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + a cell.")
+           "Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + an edge.")
+      .def(
+          "edge_nodes",
+          [](Loop& self, int edge) {
+            const ToolContact& contact = contact_of(self);
+            return std::make_tuple(contact.edge_node(edge, 0), contact.edge_node(edge, 1));
+          },
+          nb::arg("edge"), "Nodes of an edge.")
       .def_prop_ro(
           "lost_point", [](const Loop& self) { return self.contact ? self.contact->lost() : -1; },
           "A point that has gone through a tool; -1: none.")

@@ -70,7 +70,11 @@ void SweptSurface::add_piece(const double* s, const double* next) {
   double after[2];
   profile::normal_at(next, 0, after);
   const double mean[2] = {p.normal[1][0] + after[0], p.normal[1][1] + after[1]}, length = std::hypot(mean[0], mean[1]);
-  corners_.push_back({{s[2], s[3]}, {mean[0] / length, mean[1] / length}, p.turn < 0.0 ? 1.0 : -1.0});
+  const double cosine = p.normal[1][0] * after[0] + p.normal[1][1] * after[1];
+  corners_.push_back({{s[2], s[3]},
+                      {mean[0] / length, mean[1] / length},
+                      p.turn < 0.0 ? 1.0 : -1.0,
+                      std::atan2(std::abs(p.turn), cosine)});
 }
 
 void SweptSurface::check_inside() const {
@@ -81,6 +85,49 @@ void SweptSurface::check_inside() const {
     if (ends_[i][0] < -plan_.corner_radius - slack() && ends_[i][0] > middle + slack())
       throw std::invalid_argument(
           "the profile ends inside the plan by more than its corner radius, short of the middle; go on to the middle");
+}
+
+std::vector<int> SweptSurface::find_sharp(double length, double angle) const {
+  std::vector<int> found;
+  const int n = static_cast<int>(pieces_.size());
+  bool faces_outwards = false;
+  for (int i = 0; i < n; ++i) {
+    const Piece& p = pieces_[i];
+    const double sweep = 2.0 * std::acos(std::clamp(p.cosine, -1.0, 1.0));
+    if (p.turn < 0.0 && std::min(sweep, length / p.radius) > angle) found.push_back(i);
+    faces_outwards = faces_outwards || p.tangent[1] < -1e-9;  // normal: the tangent, turned to the left
+  }
+  for (int i = 0; i < static_cast<int>(corners_.size()); ++i)
+    if (corners_[i].sign > 0.0 && corners_[i].angle > angle) found.push_back(n + i);
+  const bool has_corners = std::isfinite(plan_.half_width[0]) && std::isfinite(plan_.half_width[1]);
+  constexpr double right_angle = 1.5707963267948966;
+  if (has_corners && faces_outwards && right_angle > angle && length > angle * plan_.corner_radius) found.push_back(-1);
+  return found;
+}
+
+double SweptSurface::distance_to(const std::vector<int>& sharp, const double x[3]) const {
+  const double s = locate(x[0], x[1]).s, z = x[2];
+  const int n = static_cast<int>(pieces_.size());
+  double least = std::numeric_limits<double>::infinity();
+  auto take = [&](double at_s, double at_z) { least = std::min(least, std::hypot(s - at_s, z - at_z)); };
+  for (int i : sharp) {
+    if (i < 0) {
+      const double a = std::abs(x[0]) - core_[0], b = std::abs(x[1]) - core_[1];
+      const double off = std::max(std::max(low_[1] - z, z - high_[1]), 0.0);
+      const double aside = a >= 0.0 && b >= 0.0 ? std::abs(std::hypot(a, b) - plan_.corner_radius)
+                                                : std::max(std::hypot(a, b) - plan_.corner_radius, 0.0);
+      least = std::min(least, std::hypot(aside, off));
+    } else if (i >= n) {
+      take(corners_[i - n].at[0], corners_[i - n].at[1]);
+    } else {
+      const Piece& p = pieces_[i];
+      const double ds = s - p.centre[0], dz = z - p.centre[1], r = std::hypot(ds, dz);
+      if (ds * p.bisector[0] + dz * p.bisector[1] >= p.cosine * r) least = std::min(least, std::abs(r - p.radius));
+      take(p.start[0], p.start[1]);
+      take(p.start[0] + p.length * p.tangent[0], p.start[1] + p.length * p.tangent[1]);
+    }
+  }
+  return least;
 }
 
 }  // namespace presswork::contact

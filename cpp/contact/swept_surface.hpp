@@ -52,6 +52,12 @@ class SweptSurface {
 
   double depth() const { return depth_; }
 
+  // Where the metal juts out and turns by more than an angle [rad] within a length [mm]: arcs and corners of the
+  // profile by their hints, corners of the plan as -1.
+  std::vector<int> find_sharp(double length, double angle) const;
+  // At least how far x is from such places [mm].
+  double distance_to(const std::vector<int>& sharp, const double x[3]) const;
+
  private:
   struct Piece {
     double start[2], tangent[2], normal[2], length;  // line
@@ -60,7 +66,7 @@ class SweptSurface {
   };
   // Where two pieces meet at an angle; sign is that of the gap of points that are closest to it.
   struct Corner {
-    double at[2], mean_normal[2], sign;
+    double at[2], mean_normal[2], sign, angle;
   };
   struct PlanPlace {
     double s, outward[2];

@@ -40,6 +40,9 @@ class ToolSurface {
     return std::visit([](const auto& surface) { return surface.depth(); }, surface_);
   }
 
+  const SweptSurface* swept() const { return std::get_if<SweptSurface>(&surface_); }
+  const Triangulation* triangles() const { return std::get_if<Triangulation>(&surface_); }
+
  private:
   std::variant<SweptSurface, Triangulation> surface_;
 };

@@ -30,6 +30,12 @@ class Triangulation {
 
   double depth() const { return depth_; }
 
+  // Distance of x from the nearest triangle [mm], whichever side it is on.
+  double distance(const double x[3], int& hint) const;
+
+  const std::vector<double>& points() const { return points_; }          // (n_points, 3)
+  const std::vector<std::int32_t>& corners() const { return corners_; }  // (n, 3)
+
  private:
   static constexpr int width = 8;
   typedef float Floats __attribute__((vector_size(width * sizeof(float))));

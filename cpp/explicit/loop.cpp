@@ -251,7 +251,7 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
       if (!contact) continue;
       const auto sheet = view(dt);
 #pragma omp for schedule(static)
-      for (int c = 0; c < contact->cell_chunks(); ++c) contact->visit_cells(c, sheet);
+      for (int c = 0; c < contact->edge_chunks(); ++c) contact->visit_edges(c, sheet);
 #pragma omp for schedule(static)
       for (int c = 0; c < contact->node_chunks(); ++c) contact->visit_nodes(c, sheet, internal_force.data());
 #pragma omp master
@@ -275,30 +275,35 @@ contact::SheetUnder ShellLoop<Real>::find_cells() const {
 template <class Real>
 std::unique_ptr<ToolContact> ShellLoop<Real>::make_contact() const {
   std::vector<int> start{0}, cells;
-  double thinnest = thickness(0), longest = 0.0;
+  double thinnest = thickness(0), widest = 0.0, edge = 0.0;
   for (int e = 0; e < n_elements(); ++e) thinnest = std::min(thinnest, thickness(e));
+  const auto apart = [&](int i, int j) {
+    const double *a = nodes.position.data() + std::size_t(nodes.position_stride) * i,
+                 *b = nodes.position.data() + std::size_t(nodes.position_stride) * j;
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  };
   for (const auto& block : blocks) {
     const auto& connectivity = block->connectivity();
+    const int each = block->nodes_each();
     cells.insert(cells.end(), connectivity.begin(), connectivity.end());
-    for (std::size_t i = 0; i < connectivity.size(); i += block->nodes_each()) {
-      start.push_back(start.back() + block->nodes_each());
-      const double *a = nodes.position.data() + std::size_t(nodes.position_stride) * connectivity[i],
-                   *b = nodes.position.data() + std::size_t(nodes.position_stride) * connectivity[i + 2];
-      longest = std::max(longest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+    for (std::size_t i = 0; i < connectivity.size(); i += each) {
+      start.push_back(start.back() + each);
+      widest = std::max(widest, apart(connectivity[i], connectivity[i + 2]));
+      for (int a = 0; a < each; ++a)
+        edge = std::max(edge, apart(connectivity[i + a], connectivity[i + (a + 1) % each]));
     }
   }
-  return std::make_unique<ToolContact>(nodes.n, std::move(start), std::move(cells), thinnest, longest);
+  return std::make_unique<ToolContact>(nodes.n, start, cells, thinnest, widest, edge);
 }
 
 template <class Real>
 void ShellLoop<Real>::set_contact_stiffness(double dt) {
-  std::vector<double> node_mass(nodes.n), cell_mass;
+  std::vector<double> node_mass(nodes.n);
   for (int i = 0; i < nodes.n; ++i) {
     const double inverse = nodes.motion.data()[std::size_t(nodes.motion_stride) * i + 6];
     node_mass[i] = inverse > 0.0 ? 1.0 / inverse : 0.0;
   }
-  for (const auto& block : blocks) cell_mass.insert(cell_mass.end(), block->mass().begin(), block->mass().end());
-  contact->set_stiffness(node_mass, cell_mass, dt);
+  contact->set_stiffness(node_mass, dt);
 }
 
 template <class Real>

@@ -24,50 +24,47 @@ double next_speed(const Tool& tool, double push, double dt) {
 
 }  // namespace
 
-ToolContact::ToolContact(int n_nodes, std::vector<int> cell_start, std::vector<int> cell_node, double thickness,
-                         double cell_width)
+ToolContact::ToolContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node,
+                         double thickness, double cell_width, double edge)
     : n_nodes_(n_nodes),
-      n_cells_(static_cast<int>(cell_start.size()) - 1),
-      cell_start_(std::move(cell_start)),
-      cell_node_(std::move(cell_node)),
       node_start_(std::size_t(n_nodes) + 1, 0),
-      node_cell_(cell_node_.size()),
-      base_(std::size_t(fill(n_nodes_)) + fill(n_cells_), 0.0),
+      node_cell_(cell_node.size()),
+      base_(fill(n_nodes), 0.0),
       half_(base_.size(), 0.0),
-      cell_force_(std::size_t(n_cells_) * 3, 0.0),
-      cells_touch_((std::size_t(n_cells_) + chunk - 1) / chunk, 0),
       memory_(0.005 * thickness),
-      reach_(2.0 * std::max(thickness, cell_width)) {
-  for (int node : cell_node_) ++node_start_[node + 1];
+      reach_(2.0 * std::max(thickness, cell_width)),
+      edges_(n_nodes, cell_start, cell_node, edge, 2.0 * memory_, reach_) {
+  for (int node : cell_node) ++node_start_[node + 1];
   for (int i = 0; i < n_nodes; ++i) node_start_[i + 1] += node_start_[i];
   std::vector<int> next(node_start_.begin(), node_start_.end() - 1);
-  for (int cell = 0; cell < n_cells_; ++cell)
-    for (int a = cell_start_[cell]; a < cell_start_[cell + 1]; ++a) node_cell_[next[cell_node_[a]]++] = cell;
+  for (int cell = 0; cell + 1 < static_cast<int>(cell_start.size()); ++cell)
+    for (int a = cell_start[cell]; a < cell_start[cell + 1]; ++a) node_cell_[next[cell_node[a]]++] = cell;
 }
 
 void ToolContact::add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip) {
   tools.push_back({});
   tools.back().surface = std::move(surface);
   tools.back().grip = grip;
-  any_cells_ = any_cells_ || grip.cells;
-  const int slots = fill(n_nodes_) + (grip.cells ? fill(n_cells_) : 0);
+  const int slots = fill(n_nodes_);
   Touching off;
   std::memset(static_cast<void*>(&off), 0, sizeof off);
   pairs_.push_back({std::vector<Touching>(slots / width, off), std::vector<int>(slots, -1)});
-  for (int slot = 0; slot < slots; ++slot) {
-    const int point = point_of(slot);
-    const bool is_point = slot < fill(n_nodes_) ? point < n_nodes_ && node_start_[point] < node_start_[point + 1]
-                                                : point < n_nodes_ + n_cells_;
-    if (!is_point) pairs_.back().packs[slot / width].wake.set(slot % width, never);
-  }
-  sums_.assign((node_chunks() + cells_touch_.size()) * tools.size(), {});
+  for (int slot = 0; slot < slots; ++slot)
+    if (slot >= n_nodes_ || node_start_[slot] == node_start_[slot + 1])
+      pairs_.back().packs[slot / width].wake.set(slot % width, never);
+  sums_.assign(std::size_t(node_chunks()) * tools.size(), {});
+  edges_.add(tools.back());
 }
 
 void ToolContact::remove(int tool) {
-  for (int point = 0; point < n_points(tool); ++point) {
-    const double pressed = value(tool, point, &Touching::pressed), k = stiffness(tool, point);
-    if (pressed > 0.0) total_.damping += 0.5 * k * pressed * pressed;
+  double normal = 0.0, shear = 0.0;
+  edges_.add_stored(tool, tools[tool].grip, nodes_of_edges(), normal, shear);
+  edges_.forget(tool);
+  for (int node = 0; node < n_nodes_; ++node) {
+    const double pressed = value(tool, node, &Touching::pressed), k = stiffness(tool, node);
+    if (pressed > 0.0) normal += 0.5 * k * pressed * pressed;
   }
+  total_.damping += normal;
   for (Touching& p : pairs_[tool].packs) {
     for (Pack& s : p.shear) s = Pack(0.0);
     p.pressed = p.viscous = Pack(0.0), p.wake = Pack(never);
@@ -80,32 +77,35 @@ void ToolContact::place(int tool, const double displacement[3]) {
     p.left = Pack(0.0);
     p.wake = select(p.wake < Pack(never), Pack(0.0), p.wake);
   }
+  edges_.wake(tool);
 }
 
-double ToolContact::shear_squared(int tool, int point) const {
-  const Touching& p = pairs_[tool].packs[slot_of(point) / width];
+double ToolContact::shear_squared(int tool, int node) const {
+  const Touching& p = pairs_[tool].packs[node / width];
   double sum = 0.0;
-  for (const Pack& s : p.shear) sum += s[slot_of(point) % width] * s[slot_of(point) % width];
+  for (const Pack& s : p.shear) sum += s[node % width] * s[node % width];
   return sum;
 }
 
-void ToolContact::set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt) {
-  auto stored = [&](double& normal, double& shear) {
-    normal = shear = 0.0;
-    for (int t = 0; t < static_cast<int>(tools.size()); ++t)
-      for (int i = 0; i < n_points(t); ++i) {
-        const double pressed = value(t, i, &Touching::pressed), k = stiffness(t, i);
-        if (!(pressed > 0.0)) continue;
-        normal += 0.5 * k * pressed * pressed;
-        shear += 0.5 * shear_squared(t, i) / k;
-      }
-  };
-  double normal[2], shear[2];
-  stored(normal[0], shear[0]);
+// Energy in the springs of contact and of stick.
+void ToolContact::add_stored(double& normal, double& shear) const {
+  for (int t = 0; t < static_cast<int>(tools.size()); ++t) {
+    for (int i = 0; i < n_nodes_; ++i) {
+      const double pressed = value(t, i, &Touching::pressed), k = stiffness(t, i);
+      if (!(pressed > 0.0)) continue;
+      normal += 0.5 * k * pressed * pressed;
+      shear += 0.5 * shear_squared(t, i) / k;
+    }
+    edges_.add_stored(t, tools[t].grip, nodes_of_edges(), normal, shear);
+  }
+}
+
+void ToolContact::set_stiffness(const std::vector<double>& node_mass, double dt) {
+  double normal[2] = {}, shear[2] = {};
+  add_stored(normal[0], shear[0]);
   step_ = dt;
   for (int i = 0; i < n_nodes_; ++i) base_[i] = node_mass[i] / (dt * dt);
-  for (int i = 0; i < n_cells_; ++i) base_[fill(n_nodes_) + i] = cell_mass[i] / (dt * dt);
-  stored(normal[1], shear[1]);
+  add_stored(normal[1], shear[1]);
   total_.squeeze += normal[1] - normal[0] + shear[1] - shear[0];  // no work was done
   total_.friction += shear[1] - shear[0];
 }
@@ -113,13 +113,12 @@ void ToolContact::set_stiffness(const std::vector<double>& node_mass, const std:
 // The points' half thickness changes, and so does what contact holds.
 void ToolContact::set_half(int slot, const Pack& half) {
   for (std::size_t t = 0; t < tools.size(); ++t) {
-    if (!tools[t].grip.thickness || std::size_t(slot / width) >= pairs_[t].packs.size()) continue;
+    if (!tools[t].grip.thickness) continue;
     const Pack then = pairs_[t].packs[slot / width].pressed, zero(0.0);
     if (!any(then > zero)) continue;
     const Pack moved = then + half - load(half_, slot), now = select(moved > zero, moved, zero);
-    const Pack k = Pack(0.5 * stiffness_factor(tools[t].grip)) * load(base_, slot);
-    const int c = slot < fill(n_nodes_) ? slot / chunk : node_chunks() + (slot - fill(n_nodes_)) / chunk;
-    sums_[c * tools.size() + t].add(squeeze, slot, select(then > zero, k * (now * now - then * then), zero));
+    const Pack k = Pack(0.5 * tools[t].grip.penalty) * load(base_, slot);
+    sums_[slot / chunk * tools.size() + t].add(squeeze, slot, select(then > zero, k * (now * now - then * then), zero));
   }
   for (int lane = 0; lane < width; ++lane) half_[slot + lane] = half[lane];
 }
@@ -130,7 +129,7 @@ void ToolContact::ask(const Tool& tool, Pairs& of, int slot, int lane, const Pac
   const double x[3] = {place[0][lane], place[1][lane], place[2][lane]};
   contact::Touch found;
   if (!tool.surface->nearest(x, reach_, of.hint[slot + lane], found)) {
-    if (p.pressed[lane] > 0.0) sums.lost = std::min(sums.lost, point_of(slot + lane));
+    if (p.pressed[lane] > 0.0) sums.lost = std::min(sums.lost, slot + lane);
     for (Pack& n : p.normal) n.set(lane, 0.0);
     p.offset.set(lane, -std::max(found.gap, half_[slot + lane] + memory_));
     p.left.set(lane, 0.0);
@@ -167,11 +166,11 @@ void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const
   p.wake = select(off, Pack(tool.travel) - sleep, p.wake);
   p.left = select(off, p.left + sleep, p.left);  // it may travel as far meanwhile
   // 3. normal force; the damper never pulls
-  const Pack pressed = select(on, depth, zero), k = Pack(stiffness_factor(grip)) * base;
+  const Pack pressed = select(on, depth, zero), k = Pack(grip.penalty) * base;
   const Pack closing = dot(p.normal, dx);
   Pack viscous = zero;
   if (grip.damping > 0.0 && dt > 0.0) {
-    const double factor = 2.0 * grip.damping * stiffness_factor(grip) / std::sqrt(grip.penalty) * step_ / dt;
+    const double factor = 2.0 * grip.damping * std::sqrt(grip.penalty) * step_ / dt;
     viscous = -Pack(factor) * base * closing;
     viscous = select(on, select(viscous < -k * pressed, -k * pressed, viscous), zero);
   }
@@ -222,30 +221,25 @@ void ToolContact::move_tools(int cycle, double dt, double fastest) {
 
 void ToolContact::close_cycle(int first_tool) {
   ++cycle_;
-  const int chunks = node_chunks() + cell_chunks();
   for (std::size_t t = first_tool; t < tools.size(); ++t) {
     double sum[6] = {};
-    for (int c = 0; c < chunks; ++c) {
+    for (int c = 0; c < node_chunks(); ++c) {
       const LaneSums& of = sums_[c * tools.size() + t];
       for (int r = 0; r < 6; ++r)
         for (double lane : of.row[r]) sum[r] += lane;
       total_.lost = std::min(total_.lost, of.lost);
     }
-    total_.friction += sum[friction], total_.damping += sum[damping], total_.squeeze += sum[squeeze];
-    for (int i = 0; i < 3; ++i) tools[t].force[i] = -sum[force + i];
+    const EdgeContact::Sums edges = edges_.sum_up(static_cast<int>(t));
+    total_.friction += sum[friction] + edges.friction, total_.damping += sum[damping] + edges.damping;
+    total_.squeeze += sum[squeeze] + edges.squeeze, total_.lost = std::min(total_.lost, edges.lost);
+    for (int i = 0; i < 3; ++i) tools[t].force[i] = -sum[force + i] - edges.force[i];
   }
 }
 
 ContactEnergies ToolContact::energies(double dt) const {
   ContactEnergies e;
   double stuck = 0.0;
-  for (int t = 0; t < static_cast<int>(tools.size()); ++t)
-    for (int i = 0; i < n_points(t); ++i) {
-      const double pressed = value(t, i, &Touching::pressed), k = stiffness(t, i);
-      if (!(pressed > 0.0)) continue;
-      e.penalty += 0.5 * k * pressed * pressed;
-      stuck += 0.5 * shear_squared(t, i) / k;
-    }
+  add_stored(e.penalty, stuck);
   e.penalty += stuck - total_.squeeze;
   e.friction = total_.friction - stuck;
   e.damping = total_.damping + drag_;
@@ -264,28 +258,22 @@ ContactEnergies ToolContact::energies(double dt) const {
 }
 
 void ToolContact::add_forces(double* to) const {
-  for (int t = 0; t < static_cast<int>(tools.size()); ++t)
-    for (int point = 0; point < n_points(t); ++point) {
-      const double pressed = value(t, point, &Touching::pressed);
+  for (int t = 0; t < static_cast<int>(tools.size()); ++t) {
+    for (int node = 0; node < n_nodes_; ++node) {
+      const double pressed = value(t, node, &Touching::pressed);
       if (!(pressed > 0.0)) continue;
-      const Touching& p = pairs_[t].packs[slot_of(point) / width];
-      const int lane = slot_of(point) % width;
-      const double normal = stiffness(t, point) * pressed + p.viscous[lane];
-      for (int i = 0; i < 3; ++i) {
-        const double f = normal * p.normal[i][lane] + p.shear[i][lane];
-        if (point < n_nodes_) {
-          to[3 * std::size_t(point) + i] += f;
-          continue;
-        }
-        const int first = cell_start_[point - n_nodes_], last = cell_start_[point - n_nodes_ + 1];
-        for (int a = first; a < last; ++a) to[3 * std::size_t(cell_node_[a]) + i] += f / (last - first);
-      }
+      const Touching& p = pairs_[t].packs[node / width];
+      const int lane = node % width;
+      const double normal = stiffness(t, node) * pressed + p.viscous[lane];
+      for (int i = 0; i < 3; ++i) to[3 * std::size_t(node) + i] += normal * p.normal[i][lane] + p.shear[i][lane];
     }
+    edges_.add_forces(t, tools[t].grip, nodes_of_edges(), to);
+  }
 }
 
 // --- dump ----------------------------------------------------------------------------------------------------------
-// Per tool its motion, then of each slot the rows and the hint; half thicknesses; sums. It does not depend on
-// the SIMD width.
+// Per tool its motion, then of each slot the rows and the hint, and its edges; half thicknesses; sums. It does not
+// depend on the SIMD width.
 
 std::vector<double> ToolContact::dump() const {
   std::vector<double> to;
@@ -299,6 +287,7 @@ std::vector<double> ToolContact::dump() const {
       for (int r = 0; r < rows; ++r) to.push_back(row[r][static_cast<int>(slot % width)]);
       to.push_back(of.hint[slot]);
     }
+    edges_.dump(static_cast<int>(t), to);
   }
   to.insert(to.end(), half_.begin(), half_.end());
   for (double x :
@@ -308,7 +297,7 @@ std::vector<double> ToolContact::dump() const {
 }
 
 double ToolContact::step_of(const std::vector<double>& from) const {
-  std::size_t size = 8 + half_.size();
+  std::size_t size = 8 + half_.size() + edges_.dump_size();
   for (const Pairs& of : pairs_) size += 11 + (rows + 1) * of.hint.size();
   if (from.size() != size) throw std::invalid_argument("the dump's tools are not those of this run");
   return from[size - 3];
@@ -327,6 +316,7 @@ void ToolContact::restore(const std::vector<double>& from) {
       for (int r = 0; r < rows; ++r) row[r].set(static_cast<int>(slot % width), *at++);
       of.hint[slot] = static_cast<int>(*at++);
     }
+    edges_.restore(static_cast<int>(t), at);
   }
   for (double& h : half_) h = *at++;
   for (double* x : {&total_.friction, &total_.damping, &total_.squeeze, &external_, &drag_, &step_}) *x = *at++;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact of explicit shells with rigid tools: penalty, Coulomb friction, the sheet's thickness.
 //
-// Points of contact are the nodes and, on demand, the middles of the cells, whose forces go to their nodes in equal
-// parts. A point at distance d of the mid-surface from a tool is pressed in by p = t/2 - d > 0 and feels
+// Points of contact are the nodes and, where a tool is sharp, places inside the edges (edge_contact.hpp). A point at
+// distance d of the mid-surface from a tool is pressed in by p = t/2 - d > 0 and feels
 //
 //   N = k p + c p',  k = penalty m/dt^2,  c = 2 damping sqrt(k m),  never below zero, along the tool's normal,
 //   T = T_n - k ds (tangential, relative to the tool), shortened to mu N: Coulomb with an elastic stick.
 //
-// m is the node's mass; where cells take part their middles have half of the stiffness. As this is made of the mass the
-// step stays stable: w^2 dt^2 <= (0.9 x 2)^2 + 2 penalty < 4 for a node between two tools, if penalty < 0.38.
+// m is the node's mass. As this is made of the mass the step stays stable: w^2 dt^2 <= (0.9 x 2)^2 + 2 penalty < 4 for
+// a node between two tools, if penalty < 0.38.
 //
 // Search. Beside the touch a pair of point and tool keeps the tangent plane there, and asks the surface anew after a
 // slip s of 0.5 % of the thickness (on a radius R the plane is then off by s^2/2R), or of up to 10 % where it says that
@@ -28,6 +28,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "explicit/edge_contact.hpp"
 #include "explicit/tools.hpp"
 #include "tensor/records.hpp"
 
@@ -47,35 +48,36 @@ class ToolContact {
   static constexpr int chunk = 256;          // points whose forces are summed up in one go
   static constexpr int refresh_cycles = 64;  // after which a point learns the thickness anew
 
-  // The nodes of cell i are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. The least thickness and a
-  // cell's typical width [mm] set what is near.
-  ToolContact(int n_nodes, std::vector<int> cell_start, std::vector<int> cell_node, double thickness, double width);
+  // The nodes of cell i, in turn round it, are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. The least
+  // thickness, the largest width of a cell and its longest edge [mm] set what is near.
+  ToolContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node, double thickness,
+              double width, double edge);
 
   void add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip);
   // Take a tool away, with what its springs hold; the others keep their numbers.
   void remove(int tool);
   void place(int tool, const double displacement[3]);
-  // Take stiffness from masses (nodes; cells) [t] and step.
-  void set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt);
+  // Take stiffness from the nodes' masses [t] and step.
+  void set_stiffness(const std::vector<double>& node_mass, double dt);
 
   // Find the forces of tools that have been added since, at the present place: to be called before the first cycle.
   template <class View, class Real>
   void start(const View& sheet, Real* net);
-  // One cycle: tools move (one thread; fastest: the largest speed of a node), then cells, then nodes are visited in
+  // One cycle: tools move (one thread; fastest: the largest speed of a node), then edges, then nodes are visited in
   // chunks, which takes the contact forces off net (n_nodes, 6), internal less external forces; then sums are closed.
   void move_tools(int cycle, double dt, double fastest);
   template <class View>
-  void visit_cells(int c, const View& sheet, int first_tool = 0);
+  void visit_edges(int c, const View& sheet, int first_tool = 0);
   template <class View, class Real>
   void visit_nodes(int c, const View& sheet, Real* net, int first_tool = 0);
   void close_cycle(int first_tool = 0);
   int node_chunks() const { return (n_nodes_ + chunk - 1) / chunk; }
-  int cell_chunks() const { return any_cells_ ? (n_cells_ + chunk - 1) / chunk : 0; }
+  int edge_chunks() const { return edges_.chunks(); }
 
   ContactEnergies energies(double dt) const;
   // Forces of the tools on the nodes (n_nodes, 3) [N], added.
   void add_forces(double* force) const;
-  // Depth of the deepest point in a tool, and which it is: a node, or n_nodes + cell.
+  // Depth of the deepest point in a tool, and which it is: a node, or n_nodes + edge.
   template <class View>
   double deepest(int tool, const View& sheet, int& point) const;
   // A point that was pressed into a tool and then found out of its reach: it has gone through. -1: none.
@@ -85,6 +87,8 @@ class ToolContact {
   // Takes over what dump gave, once the stiffness is that of its step. Throws std::invalid_argument for other tools.
   void restore(const std::vector<double>& from);
   double step_of(const std::vector<double>& dump) const;
+
+  int edge_node(int edge, int end) const { return edges_.node(edge, end); }
 
   std::vector<Tool> tools;
 
@@ -120,17 +124,14 @@ class ToolContact {
     int lost = std::numeric_limits<int>::max();
   };
 
-  // Slots: nodes, filled up to whole groups, then cells.
+  // Slots: nodes, filled up to whole groups.
   static int fill(int n) { return (n + group - 1) / group * group; }
-  int slot_of(int point) const { return point < n_nodes_ ? point : fill(n_nodes_) + point - n_nodes_; }
-  int point_of(int slot) const { return slot < fill(n_nodes_) ? slot : slot - fill(n_nodes_) + n_nodes_; }
-  int n_points(int tool) const { return n_nodes_ + (tools[tool].grip.cells ? n_cells_ : 0); }
-  double stiffness_factor(const Grip& grip) const { return (grip.cells ? 0.5 : 1.0) * grip.penalty; }
-  double stiffness(int tool, int point) const { return stiffness_factor(tools[tool].grip) * base_[slot_of(point)]; }
-  double value(int tool, int point, const Pack Touching::* row) const {
-    return (pairs_[tool].packs[slot_of(point) / width].*row)[slot_of(point) % width];
+  double stiffness(int tool, int node) const { return tools[tool].grip.penalty * base_[node]; }
+  double value(int tool, int node, const Pack Touching::* row) const {
+    return (pairs_[tool].packs[node / width].*row)[node % width];
   }
-  double shear_squared(int tool, int point) const;
+  EdgeContact::Nodes nodes_of_edges() const { return {half_.data(), base_.data(), step_}; }
+  double shear_squared(int tool, int node) const;
   static Pack load(const std::vector<double>& from, int slot) {
     Pack x;
     for (int lane = 0; lane < width; ++lane) x.set(lane, from[slot + lane]);
@@ -140,77 +141,59 @@ class ToolContact {
     for (std::size_t t = first_tool; t < tools.size(); ++t) sums_[c * tools.size() + t] = {};
   }
 
+  void add_stored(double& normal, double& shear) const;
   template <class View>
-  double half_thickness(int point, const View& sheet) const;
-  // Place and velocity of a point.
+  double half_thickness(int node, const View& sheet) const;
+  // Place and velocity of a node.
   template <class View>
-  void locate(int point, const View& sheet, double x[4], double v[4]) const;  // the fourth: nothing
-  // A pack of points from a slot on, against all tools; false where none of them may touch.
+  static void locate(int node, const View& sheet, double x[4], double v[4]);  // the fourth: nothing
+  // A pack of nodes from a slot on, against all tools; false where none of them may touch.
   template <class View>
-  bool visit_pack(int slot, int n_filled, const View& sheet, int first_tool, int c, Pack on_sheet[3]);
+  bool visit_pack(int slot, const View& sheet, int first_tool, int c, Pack on_sheet[3]);
   void set_half(int slot, const Pack& half);
   void touch(int tool, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt, LaneSums& sums,
              Pack on_sheet[3]);
   void ask(const Tool& tool, Pairs& of, int slot, int lane, const Pack place[3], LaneSums& sums) const;
 
-  int n_nodes_, n_cells_;
-  std::vector<int> cell_start_, cell_node_;  // nodes of each cell
+  int n_nodes_;
   std::vector<int> node_start_, node_cell_;  // cells of each node
   std::vector<double> base_, half_;          // of slots: mass/dt^2 [N/mm], half the thickness [mm]
-  std::vector<double> cell_force_;           // (n_cells, 3), on each of the cell's nodes
-  std::vector<std::uint8_t> cells_touch_;    // of chunks of cells
   std::vector<Pairs> pairs_;
   std::vector<LaneSums> sums_;  // (chunks, tools)
   Sums total_;
   double memory_, reach_, step_ = 0.0;
+  EdgeContact edges_;
   double external_ = 0.0, drag_ = 0.0;  // work of what moves the tools; lost in their drag
   int started_ = 0, cycle_ = 0;
-  bool any_cells_ = false;
 };
 
 template <class View>
-double ToolContact::half_thickness(int point, const View& sheet) const {
-  if (point >= n_nodes_) return 0.5 * sheet.thickness(point - n_nodes_);
-  const int first = node_start_[point], last = node_start_[point + 1];
+double ToolContact::half_thickness(int node, const View& sheet) const {
+  const int first = node_start_[node], last = node_start_[node + 1];
   double sum = 0.0;
   for (int s = first; s < last; ++s) sum += sheet.thickness(node_cell_[s]);
   return last > first ? 0.5 * sum / (last - first) : 0.0;
 }
 
 template <class View>
-void ToolContact::locate(int point, const View& sheet, double x[4], double v[4]) const {
-  typedef double Four __attribute__((vector_size(32)));
-  Four place{}, speed{};
-  auto take = [&](int node) __attribute__((always_inline)) {
-    Four a;
-    std::memcpy(&a, sheet.position + 4 * std::size_t(node), sizeof a);
-    place += a;
-    const auto* motion = sheet.motion + 8 * std::size_t(node);
-    speed += Four{double(motion[0]), double(motion[1]), double(motion[2]), double(motion[3])};
-  };
-  if (point < n_nodes_) {
-    take(point);
-  } else {
-    const int cell = point - n_nodes_, first = cell_start_[cell], last = cell_start_[cell + 1];
-    for (int a = first; a < last; ++a) take(cell_node_[a]);
-    place *= 1.0 / (last - first), speed *= 1.0 / (last - first);
-  }
-  std::memcpy(x, &place, sizeof place), std::memcpy(v, &speed, sizeof speed);
+void ToolContact::locate(int node, const View& sheet, double x[4], double v[4]) {
+  std::memcpy(x, sheet.position + 4 * std::size_t(node), 4 * sizeof(double));
+  const auto* motion = sheet.motion + 8 * std::size_t(node);
+  for (int i = 0; i < 4; ++i) v[i] = double(motion[i]);
 }
 
 template <class View>
-bool ToolContact::visit_pack(int slot, int n_filled, const View& sheet, int first_tool, int c, Pack on_sheet[3]) {
-  const int last = std::min(slot + width, n_filled) - 1;
+bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c, Pack on_sheet[3]) {
+  const int last = std::min(slot + width, n_nodes_) - 1;
   if ((cycle_ + slot / group) % refresh_cycles == 0) {
     Pack half(0.0);
-    for (int s = slot; s <= last; ++s) half.set(s - slot, half_thickness(point_of(s), sheet));
+    for (int s = slot; s <= last; ++s) half.set(s - slot, half_thickness(s, sheet));
     set_half(slot, half);
   }
   for (int i = 0; i < 3; ++i) on_sheet[i] = Pack(0.0);
   bool located = false;
   Pack x[4], v[4];
   for (std::size_t t = first_tool; t < tools.size(); ++t) {
-    if (std::size_t(slot / width) >= pairs_[t].packs.size()) continue;
     const Touching* pack = &pairs_[t].packs[slot / width];
     for (int line = 0; line < static_cast<int>(sizeof(Touching) / 64); ++line)  // of the next but one
       __builtin_prefetch(reinterpret_cast<const char*>(pack + 2) + 64 * line, 1);
@@ -220,15 +203,14 @@ bool ToolContact::visit_pack(int slot, int n_filled, const View& sheet, int firs
       alignas(64) double at[2][width][4];
       const double *places[width], *speeds[width];
       for (int lane = 0; lane < width; ++lane) {
-        const int point = point_of(std::min(slot + lane, last));
-        if constexpr (std::is_same_v<decltype(sheet.motion), const double*>)
-          if (point < n_nodes_) {
-            places[lane] = sheet.position + 4 * std::size_t(point);
-            speeds[lane] = sheet.motion + 8 * std::size_t(point);
-            continue;
-          }
-        locate(point, sheet, at[0][lane], at[1][lane]);
-        places[lane] = at[0][lane], speeds[lane] = at[1][lane];
+        const int node = std::min(slot + lane, last);
+        if constexpr (std::is_same_v<decltype(sheet.motion), const double*>) {
+          places[lane] = sheet.position + 4 * std::size_t(node);
+          speeds[lane] = sheet.motion + 8 * std::size_t(node);
+        } else {
+          locate(node, sheet, at[0][lane], at[1][lane]);
+          places[lane] = at[0][lane], speeds[lane] = at[1][lane];
+        }
       }
       load_records<4>(places, x), load_records<4>(speeds, v);
       located = true;
@@ -241,41 +223,23 @@ bool ToolContact::visit_pack(int slot, int n_filled, const View& sheet, int firs
 }
 
 template <class View>
-void ToolContact::visit_cells(int c, const View& sheet, int first_tool) {
-  open_chunk(node_chunks() + c, first_tool);
-  bool touches = false;
-  for (int first = c * chunk; first < std::min(n_cells_, (c + 1) * chunk); first += width) {
-    Pack on_sheet[3];
-    if (!visit_pack(fill(n_nodes_) + first, fill(n_nodes_) + n_cells_, sheet, first_tool, node_chunks() + c,
-                    on_sheet)) {
-      for (int cell = first; cell < std::min(n_cells_, first + width); ++cell)
-        for (int i = 0; i < 3; ++i) cell_force_[3 * std::size_t(cell) + i] = 0.0;
-      continue;
-    }
-    touches = true;
-    for (int cell = first; cell < std::min(n_cells_, first + width); ++cell) {
-      const double share = 1.0 / (cell_start_[cell + 1] - cell_start_[cell]);
-      for (int i = 0; i < 3; ++i) cell_force_[3 * std::size_t(cell) + i] = share * on_sheet[i][cell - first];
-    }
-  }
-  cells_touch_[c] = touches;
+void ToolContact::visit_edges(int c, const View& sheet, int first_tool) {
+  edges_.visit(c, first_tool, tools, nodes_of_edges(), sheet.dt,
+               [&](int node, double x[4], double v[4]) { locate(node, sheet, x, v); });
 }
 
 template <class View, class Real>
 void ToolContact::visit_nodes(int c, const View& sheet, Real* net, int first_tool) {
   open_chunk(c, first_tool);
-  bool cells_touch = false;
-  for (int i = 0; i < cell_chunks(); ++i) cells_touch |= cells_touch_[i] != 0;
+  const bool edges_touch = edges_.any() && edges_.touches(c);
   for (int first = c * chunk; first < std::min(n_nodes_, (c + 1) * chunk); first += width) {
     Pack on_sheet[3];
-    const bool touches = visit_pack(first, n_nodes_, sheet, first_tool, c, on_sheet);
-    if (!touches && !cells_touch) continue;
+    const bool touches = visit_pack(first, sheet, first_tool, c, on_sheet);
+    if (!touches && !edges_touch) continue;
     for (int node = first; node < std::min(n_nodes_, first + width); ++node) {
       double force[3];
       for (int i = 0; i < 3; ++i) force[i] = on_sheet[i][node - first];
-      if (cells_touch)
-        for (int s = node_start_[node]; s < node_start_[node + 1]; ++s)
-          for (int i = 0; i < 3; ++i) force[i] += cell_force_[3 * std::size_t(node_cell_[s]) + i];
+      if (edges_touch) edges_.add_to_node(node, force);
       for (int i = 0; i < 3; ++i) net[6 * std::size_t(node) + i] -= static_cast<Real>(force[i]);
     }
   }
@@ -286,9 +250,9 @@ void ToolContact::start(const View& sheet, Real* net) {
   const int first = started_;
   if (first == static_cast<int>(tools.size())) return;
   if (first == 0)
-    for (int point = 0; point < n_nodes_ + n_cells_; ++point) half_[slot_of(point)] = half_thickness(point, sheet);
+    for (int node = 0; node < n_nodes_; ++node) half_[node] = half_thickness(node, sheet);
   started_ = static_cast<int>(tools.size());
-  for (int c = 0; c < cell_chunks(); ++c) visit_cells(c, sheet, first);
+  for (int c = 0; c < edge_chunks(); ++c) visit_edges(c, sheet, first);
   for (int c = 0; c < node_chunks(); ++c) visit_nodes(c, sheet, net, first);
   close_cycle(first);
 }
@@ -296,17 +260,24 @@ void ToolContact::start(const View& sheet, Real* net) {
 template <class View>
 double ToolContact::deepest(int tool, const View& sheet, int& point) const {
   double worst = 0.0;
-  for (int i = 0; i < n_points(tool); ++i) {
-    if (!(base_[slot_of(i)] > 0.0)) continue;
+  std::vector<double> half(n_nodes_);
+  for (int i = 0; i < n_nodes_; ++i) {
+    half[i] = half_thickness(i, sheet);
+    if (!(base_[i] > 0.0)) continue;
     double x[4], v[4];
     locate(i, sheet, x, v);
     for (int k = 0; k < 3; ++k) x[k] -= tools[tool].displacement[k];
     int hint = -1;
     contact::Touch found;
     if (!tools[tool].surface->nearest(x, reach_, hint, found)) continue;
-    const double depth = (tools[tool].grip.thickness ? half_thickness(i, sheet) : 0.0) - found.gap;
+    const double depth = (tools[tool].grip.thickness ? half[i] : 0.0) - found.gap;
     if (depth > worst) worst = depth, point = i;
   }
+  int edge = -1;
+  worst = edges_.deepest(
+      tool, tools[tool], {half.data(), base_.data(), step_}, worst,
+      [&](int node, double x[4], double v[4]) { locate(node, sheet, x, v); }, edge);
+  if (edge >= 0) point = n_nodes_ + edge;
   return worst;
 }
 

@@ -14,7 +14,7 @@ struct Grip {
   double friction;  // Coulomb's coefficient
   double penalty;   // stiffness over nodal mass/dt^2
   double damping;   // over critical
-  bool cells;       // the cells' middles touch, too
+  bool edges;       // where the tool is sharp the edges' inside touches, too
   bool thickness;   // the sheet touches with its surface, not its mid-surface
 };
 

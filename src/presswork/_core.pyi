@@ -536,7 +536,7 @@ class ShellLoop:
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
 
-    def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, cells: bool, thickness: bool) -> int:
+    def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool) -> int:
         """Add a rigid tool; returns its number."""
 
     def remove_tool(self, tool: int) -> None:
@@ -549,6 +549,9 @@ class ShellLoop:
         """
         Let a force place a tool of this mass [t] along a unit vector; drag [1/s].
         """
+
+    def move_tool(self, tool: int) -> None:
+        """Let velocities move a tool again that a force has placed."""
 
     def drive_tool(self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """
@@ -568,8 +571,11 @@ class ShellLoop:
 
     def deepest(self, tool: int) -> tuple[float, int]:
         """
-        Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + a cell.
+        Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + an edge.
         """
+
+    def edge_nodes(self, edge: int) -> tuple[int, int]:
+        """Nodes of an edge."""
 
     @property
     def lost_point(self) -> int:
@@ -693,7 +699,7 @@ class ShellLoopSingle:
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
 
-    def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, cells: bool, thickness: bool) -> int:
+    def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool) -> int:
         """Add a rigid tool; returns its number."""
 
     def remove_tool(self, tool: int) -> None:
@@ -706,6 +712,9 @@ class ShellLoopSingle:
         """
         Let a force place a tool of this mass [t] along a unit vector; drag [1/s].
         """
+
+    def move_tool(self, tool: int) -> None:
+        """Let velocities move a tool again that a force has placed."""
 
     def drive_tool(self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """
@@ -725,8 +734,11 @@ class ShellLoopSingle:
 
     def deepest(self, tool: int) -> tuple[float, int]:
         """
-        Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + a cell.
+        Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + an edge.
         """
+
+    def edge_nodes(self, edge: int) -> tuple[int, int]:
+        """Nodes of an edge."""
 
     @property
     def lost_point(self) -> int:

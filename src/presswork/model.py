@@ -35,7 +35,7 @@ ShellElement = Literal[
     "shell8", "shell8_selective", "shell8_reduced",
     "shell9", "shell9_selective", "shell9_reduced", "shell9_mitc",
 ]  # fmt: skip
-ExplicitElement = Literal["shell4_one_point", "shell4_mitc_plus"]
+ExplicitElement = Literal["shell4_one_point", "shell4_mitc_plus", "shell3_one_point"]
 ElementName = Literal[SolidElement, ShellElement, ExplicitElement]
 ThicknessRule = Literal["gauss", "lobatto", "simpson"]
 HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table", "swift_voce", "monotone_table"]

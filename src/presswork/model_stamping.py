@@ -98,6 +98,8 @@ class ExplicitSettings:
     """Mass damping [1/s]."""
     precision: Literal["double", "single"] = "double"
     """Of shells and velocities; positions and energies are always double."""
+    contact_points: Literal["nodes", "edges"] = "edges"
+    """What of the blank touches tools: nodes alone, or where a tool is sharp the edges between them, too."""
 
 
 @dataclass(frozen=True)

@@ -15,15 +15,17 @@ THICKNESS = 0.8
 PLATE = np.array([[-40, -40, 0], [40, -40, 0], [40, 40, 0], [-40, 40, 0]], dtype=float)
 
 
-def draw(precision: str = "double", *, n: int = 20, triangles: bool = False, **grip: object) -> ExplicitShells:
+def draw(
+    precision: str = "double", *, n: int = 20, radius: float = 3.0, triangles: bool = False, **grip: object
+) -> ExplicitShells:
     """Small round cup: die, punch that follows a smooth stroke, holder pushed by a force; n x n shells."""
     x, y = np.meshgrid(np.linspace(-18, 18, n + 1), np.linspace(-18, 18, n + 1))
     points = np.stack([x.ravel(), y.ravel(), 0 * x.ravel() + 0.5 * THICKNESS], axis=1)
     first = (np.arange(n)[None, :] + (n + 1) * np.arange(n)[:, None]).ravel()
     cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1)
     sheet = ExplicitShells(points, cells, THICKNESS, SWIFT, 7.85e-9, precision=precision)  # type: ignore[arg-type]
-    die = draw_die((11.0, 11.0), 11.0, 3.0, width=40.0, depth=20.0)
-    punch = draw_punch((10.0, 10.0), 10.0, 3.0, 30.0)
+    die = draw_die((11.0, 11.0), 11.0, radius, width=40.0, depth=20.0)
+    punch = draw_punch((10.0, 10.0), 10.0, radius, 30.0)
     for name, tool in (("die", die), ("punch", punch)):
         surface = _core.ToolSurface.triangles(*tool.triangulate(0.01)) if triangles else tool.surface()
         sheet.add_tool(name, surface, **({"mu": 0.1} | grip))  # type: ignore[arg-type]
@@ -42,12 +44,11 @@ def results(sheet: ExplicitShells) -> list[np.ndarray]:
     return [sheet.position, sheet.velocity, sheet.stress, sheet.thickness, sheet.contact_force, *tools, sums]
 
 
-@pytest.mark.parametrize("cells", [False, True])
-def test_threads_do_not_change_a_bit_of_contact(cells: bool) -> None:
+def test_threads_do_not_change_a_bit_of_contact() -> None:
     before, runs = _core.max_threads(), []
     for threads in (1, 2, 3):
         _core.set_threads(threads)
-        sheet = draw(n=33, cells=cells)
+        sheet = draw(n=33, radius=1.0)
         sheet.advance(300)
         runs.append(results(sheet))
     _core.set_threads(before)
@@ -59,15 +60,25 @@ def test_threads_do_not_change_a_bit_of_contact(cells: bool) -> None:
 
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_contact_goes_on_from_a_dump_with_the_same_bits(precision: str) -> None:
-    whole = draw(precision, cells=True)
+    whole = draw(precision, radius=1.0)
     whole.advance(1000)
     dump = whole.dump()
     whole.advance(700)
-    again = draw(precision, cells=True)
+    again = draw(precision, radius=1.0)
     again.restore(dump)
     again.advance(700)
     for a, b in zip(results(whole), results(again), strict=True):
         np.testing.assert_array_equal(a, b)
+
+
+def test_edges_touch_only_where_a_radius_is_less_than_their_length() -> None:
+    """Edges of 36/33 mm: a radius of 3 mm is gentle for them, one of 1 mm sharp; smooth and in triangles."""
+    for radius, sharp in ((3.0, False), (1.0, True)):
+        for triangles in (False, True):
+            nodes, edges = (draw(n=33, radius=radius, triangles=triangles, edges=on) for on in (False, True))
+            for sheet in (nodes, edges):
+                sheet.advance(600)
+            assert (np.abs(nodes.position - edges.position).max() > 1e-6) == sharp, (radius, triangles)
 
 
 def test_calls_may_be_long_or_short_with_tools() -> None:
@@ -99,10 +110,10 @@ def test_single_precision_draws_the_same_cup() -> None:
 
 
 @pytest.mark.parametrize(
-    "grip", [{"mu": 0.2}, {"penalty": 0.05}, {"damping": 0.3}, {"cells": True}, {"thickness": False}]
+    "grip", [{"mu": 0.2}, {"penalty": 0.05}, {"damping": 0.3}, {"edges": False}, {"thickness": False}]
 )
 def test_every_property_of_a_tool_changes_the_result(grip: dict[str, object]) -> None:
-    plain, other = draw(), draw(**grip)
+    plain, other = draw(radius=1.0), draw(radius=1.0, **grip)  # type: ignore[arg-type]
     for sheet in (plain, other):
         sheet.advance(1000)
     assert 1e-7 < np.abs(plain.position - other.position).max() < 2.0

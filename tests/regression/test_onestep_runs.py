@@ -84,6 +84,7 @@ def test_the_case_it_leaves_gives_the_same(part, tmp_path):
         ([*SHEET, "--mu", "-0.1"], "process.mu"),
         ([*SHEET, "--bhf", "5 mm"], "process.holder_force"),
         ([*SHEET, "--symmetry", "x"], "both sides"),
+        ([*SHEET, "--addendum", "-3"], "part.addendum"),
     ],
 )
 def test_bad_input_is_refused(part, tmp_path, words, said):
@@ -100,6 +101,36 @@ def test_resume_is_refused_and_keeps_what_is_there(part, tmp_path):
     assert again.exit_code == 2
     assert (tmp_path / "out" / "blank.dxf").is_file()
     assert Result(tmp_path / "out").summary["status"] == "completed"
+
+
+def test_options_beside_a_case_file_are_refused(part, tmp_path):
+    assert run(part, *SHEET, "--output", tmp_path / "out", "--no-plot").exit_code == 0
+    case = tmp_path / "out" / "case.toml"
+    done = run(case, "--bhf", "20 kN", "--element-size", "2", "--output", tmp_path / "other")
+    assert done.exit_code == 2
+    assert "--bhf (process.holder_force), --element-size (part.element_size)" in done.output
+    assert not (tmp_path / "other").exists()
+
+
+def test_an_addendum_gives_the_holder_a_flange(tmp_path):
+    """A cup that ends at its shoulder has the blank of the cup with a flange of that width, holder and all."""
+    corner = 30.0 + 12.0 / np.cos(np.pi / 48)  # of the outline, whose edges move out by 12 mm
+    points, quads = revolve(cup_profile(25.0, 5.0, 12.0, corner, 4.1), 48)
+    cells = [("triangle", fan(48)), ("quad", quads)]
+    meshio.Mesh(points, cells).write(tmp_path / "whole.vtk")
+    inside = np.linalg.norm(points[:, :2], axis=1) < 30.0 + 1e-9
+    kept = quads[inside[quads].all(axis=1)]
+    meshio.Mesh(points[inside], [("triangle", fan(48)), ("quad", kept)]).write(tmp_path / "cut.vtk")
+    wanted = ("--bhf", "5 kN", "--no-plot", "--output")
+    assert run(tmp_path / "whole.vtk", *SHEET, *wanted, tmp_path / "whole").exit_code == 0
+    done = run(tmp_path / "cut.vtk", *SHEET, "--addendum", "12 mm", *wanted, tmp_path / "cut")
+    assert done.exit_code == 0, done.output
+    assert "12 mm wide was added" in done.output
+    whole, cut = (Result(tmp_path / name).summary for name in ("whole", "cut"))
+    assert cut["blank"]["area_mm2"] == pytest.approx(whole["blank"]["area_mm2"], rel=1e-6)
+    assert cut["punch_force_kN"] == pytest.approx(whole["punch_force_kN"], rel=1e-6)
+    assert run(tmp_path / "cut.vtk", *SHEET, "--output", tmp_path / "bare", "--no-plot").exit_code == 0
+    assert Result(tmp_path / "bare").summary["blank"]["area_mm2"] < 0.7 * cut["blank"]["area_mm2"]
 
 
 def test_a_file_that_is_not_there(tmp_path):

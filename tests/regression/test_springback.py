@@ -81,6 +81,23 @@ def test_a_bent_strip_keeps_the_curvature_of_the_closed_form(bent) -> None:
     assert curvature_of(bent.points(3)) == pytest.approx(kept, rel=2e-3)
 
 
+def test_a_slice_between_two_planes_springs_back_in_plane_strain(tmp_path: Path) -> None:
+    """Both planes stay. Incompressible: the strip's closed form with 4/3 of its moduli and 2/sqrt(3) of its stress."""
+    case = bend(boundary={"slice": {"set": "top", "hold": "symmetry_y"}})
+    case["blank"] |= {"symmetry": ["x", "y"], "size": [2 * LENGTH, 4]}
+    case["blank"]["element_size"] = 2.0
+    model = build_model(StampingCase.model_validate(case))
+    turn = PrescribedDisplacement("right", 4, CURVATURE * LENGTH)
+    model = replace(model, stages=(replace(model.stages[0], prescribed=(turn,)),))
+    outcome = run_model(model, tmp_path / "out", threads=1)
+    assert outcome.status == "completed", outcome.reason
+    young, limit, tangent = 4 / 3 * YOUNG, 2 / np.sqrt(3) * YIELD, 4 / 3 * TANGENT
+    half, core = THICKNESS / 2, limit / (young * CURVATURE)
+    outside = limit * (1 - tangent / young) * (half**2 - core**2) + 2 / 3 * tangent * CURVATURE * (half**3 - core**3)
+    kept = CURVATURE - (2 / 3 * young * CURVATURE * core**3 + outside) / (young * THICKNESS**3 / 12)
+    assert curvature_of(outcome.result.points(3)) == pytest.approx(kept, rel=3e-3)
+
+
 def test_what_is_recorded_of_springback(bent) -> None:
     """The last step holds the released part, with the way since the step before; the middle of the blank stays."""
     sprung = bent.field("springback", 3)

@@ -55,6 +55,42 @@ def test_a_strip_in_tension_follows_its_flow_curve(pulled) -> None:
     assert pulled.field("reaction_force")[right, 0].sum() == pytest.approx(force, rel=5e-3)
 
 
+@pytest.mark.parametrize(("angle", "r"), [(0.0, 1.0), (45.0, 2.5), (90.0, 1.0)])
+@pytest.mark.parametrize("cells", ["quadrilaterals", "triangles"])
+@pytest.mark.parametrize("procedure", ["explicit", "implicit"])
+def test_every_kind_of_blank_narrows_by_the_r_value_of_its_rolling_direction(
+    procedure, cells, angle, r, tmp_path: Path
+) -> None:
+    """Hill 1948 with r00 = r90, so that a strip at 45 degrees does not shear; plastic strains by Hooke's law."""
+    case = pull(procedure=procedure)
+    case["blank"] |= {"cells": cells, "rolling_direction": angle, "element_size": 4}
+    case["materials"]["steel"]["yield_function"] = {"law": "hill1948", "r00": 1.0, "r45": 2.5, "r90": 1.0}
+    case["stages"][0]["displacement"] += [{"set": "right", "component": "z", "value": 0}]
+    case["implicit"] = {"initial_increment": 0.1, "max_increment": 0.1}
+    result = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "out", threads=1).result
+    assert {b.vtk_type for b in result.mesh.blocks} == {5 if cells == "triangles" else 9}
+    elastic = -0.3 * result.field("effective_stress_middle") / 206e3
+    width, thickness = (result.field(name) - elastic for name in ("minor_strain_middle", "thickness_strain"))
+    if r < 1.5:
+        np.testing.assert_allclose(width, thickness, rtol=0.01)
+    else:
+        width = result.field("strain_middle")[:, 1] - elastic
+        np.testing.assert_allclose(width / thickness, r, rtol=0.01)
+
+
+@pytest.mark.parametrize("cells", ["quadrilaterals", "triangles"])
+def test_a_strip_blank_between_two_planes_is_a_slice_of_a_wide_one(cells, tmp_path: Path) -> None:
+    """Plane strain of von Mises: no width strain; 2/sqrt(3) of the uniaxial stress, at p = 2/sqrt(3) of the strain."""
+    case = pull(boundary={"slice": {"set": "top", "hold": "symmetry_y"}})
+    case["blank"] |= {"size": [20, 4], "cells": cells}
+    case["stages"][0]["velocity"] = "0.25 m/s"
+    result = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "out", threads=1).result
+    np.testing.assert_allclose(result.field("strain_middle")[:, 1], 0.0, atol=1e-12)
+    stress, strain = result.field("stress_middle_xx"), np.log(11 / 10)
+    p = 2 / np.sqrt(3) * (strain - (1 - 0.25) * stress / 206e3)  # elastic: sigma_yy is half of sigma_xx
+    np.testing.assert_allclose(stress, 2 / np.sqrt(3) * 565.32 * (0.007117 + p) ** 0.2589, rtol=3e-3)
+
+
 def test_motion_ends_where_the_case_says_and_the_energies_balance(pulled) -> None:
     right = pulled.mesh.points[:, 0] > 9.99
     np.testing.assert_allclose(pulled.field("displacement")[right, 0], 1.0, rtol=1e-12)

@@ -196,3 +196,47 @@ def test_a_tool_file_that_is_not_there_is_named(tmp_path) -> None:
     data["tools"]["punch"] = {"kind": "punch", "shape": "file", "path": "punsch.stl"}
     with pytest.raises(CaseError, match=r"tools.punch.path = .punsch.stl.*no such file"):
         build_model(StampingCase.model_validate(data))
+
+
+def close_draw_and_lift() -> StampingCase:
+    """The holder is moved down to the blank, pushed, lifted, and at last stands still; likewise the punch."""
+    case = cup("x", "y").model_dump(mode="json", exclude_none=True)
+    case["tools"]["holder"]["position"] = [0, 0, 1.5]
+    case["stages"] = [
+        {"name": "close", "velocity": 4000, "tools": {"holder": {"stroke": 0.95}}},
+        {"name": "draw", "velocity": 5000, "tools": {"punch": {"stroke": 3}, "holder": {"force": 4000}}},
+        {"name": "open", "velocity": 5000, "tools": {"holder": {"stroke": -2}}},
+        {"name": "eject", "velocity": 5000, "tools": {"punch": {"stroke": -4}}},
+    ]
+    case["output"] = {"rows": 10, "steps": 1, "checkpoint_every": 4}
+    return StampingCase.model_validate(case)
+
+
+def test_a_holder_is_moved_pushed_lifted_and_stands_still(tmp_path: Path) -> None:
+    model = build_model(close_draw_and_lift())
+    result = run_model(model, tmp_path / "whole", threads=1).result
+    h = result.history
+    close, pushed, opened, eject = (h["stage"] == name for name in ("close", "draw", "open", "eject"))
+    assert h["holder.stroke"][close][-1] == pytest.approx(0.95, rel=1e-9)
+    assert h["holder.force"][pushed][-1] == pytest.approx(4000, rel=0.1)
+    lifted = h["holder.stroke"][opened]
+    assert lifted[-1] - h["holder.stroke"][pushed][-1] == pytest.approx(-2, abs=1e-9)
+    np.testing.assert_allclose(h["holder.stroke"][eject], lifted[-1], atol=1e-12)
+    assert np.abs(h["holder.force"][eject]).max() < 1e-9
+    assert h["punch.stroke"][-1] == pytest.approx(-1, rel=1e-9)
+    assert abs(h["energy_error_percent"][-1]) < 1
+    rows = iter(range(100))
+
+    def stop(progress) -> None:
+        if next(rows) == 26:  # in the stage that lifts what was pushed
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
+    assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
+    assert (tmp_path / "part" / "history.csv").read_bytes() == (result.folder / "history.csv").read_bytes()
+
+
+def test_the_implicit_procedure_refuses_a_tool_that_is_moved_and_pushed() -> None:
+    case = close_draw_and_lift().model_copy(update={"procedure": "implicit"})
+    with pytest.raises(CaseError, match="cannot move a tool in one stage and push it in another"):
+        build_model(case)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from typer.testing import CliRunner
 
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.cli import app
+from presswork.results import OutputError
 from presswork.study import find_blank_shape, surround_opening
 
 PUNCH, DIE, PUNCH_EDGE, DIE_EDGE, THICKNESS, STROKE = 25.0, 26.25, 5.0, 6.0, 0.8, 12.0
@@ -103,6 +105,26 @@ def test_what_it_leaves(found) -> None:
     assert np.abs(last).max() == pytest.approx(np.abs(found.best.fit.blank).max(), abs=1e-3)
 
 
+def test_a_search_that_was_stopped_goes_on(found, tmp_path) -> None:
+    """Its first draw is kept, and the second, without a checkpoint, is drawn anew to the same bits."""
+    folder = tmp_path / "out"
+    shutil.copytree(found.folder, folder)
+    for path in folder.glob("draw_0[1-9]/checkpoint*"):
+        path.unlink()
+    (folder / "table.csv").unlink()
+    with pytest.raises(OutputError, match=r"already holds a search.*--resume"):
+        find_blank_shape(write(tmp_path), found.target, folder, tolerance=1.0)
+    first = (folder / "draw_00" / "summary.json").stat().st_mtime_ns
+    again = find_blank_shape(write(tmp_path), found.target, folder, tolerance=1.0, threads=1, resume=True)
+    assert (folder / "draw_00" / "summary.json").stat().st_mtime_ns == first
+    assert [draw.fit.worst for draw in again.draws] == [draw.fit.worst for draw in found.draws[:2]]
+    with pytest.raises(OutputError, match="draw_00 belongs to another case"):
+        find_blank_shape(write(tmp_path), found.target, folder, tolerance=1.0, resume=True,
+                         settings=["blank.thickness=0.9"])  # fmt: skip
+    with pytest.raises(OutputError, match=r"no search in .* to resume"):
+        find_blank_shape(write(tmp_path), found.target, tmp_path / "none", tolerance=1.0, resume=True)
+
+
 def test_the_target_round_an_opening(tmp_path) -> None:
     around = surround_opening(write(tmp_path), 9.75)
     assert np.linalg.norm(around, axis=1) == pytest.approx(np.full(len(around), FLANGE))
@@ -117,7 +139,9 @@ def test_the_target_round_an_opening(tmp_path) -> None:
 
 
 def search(case: Path, *words: object):
-    return CliRunner().invoke(app, ["blank", str(case), "--output", str(case.parent / "out"), *map(str, words)])
+    return CliRunner().invoke(
+        app, ["blank", str(case), "--output", str(case.parent / "out"), "--threads", "1", *map(str, words)]
+    )
 
 
 def test_a_search_that_does_not_arrive_says_how_far_it_is(tmp_path) -> None:
@@ -142,6 +166,8 @@ def test_a_search_that_does_not_arrive_says_how_far_it_is(tmp_path) -> None:
         (["--flange-width", 5, "--tolerance", 0], "--tolerance"),
         (["--flange-width", 5, "--damping", 1.5], "--damping"),
         (["--flange-width", 5, "--set", "blank.thickness=-1"], "blank.thickness"),
+        (["--flange-width", 5, "--set", "trim.t={shape='circle', diameter=80}"], "leave the trim lines out"),
+        (["--flange-width", 5, "--overwrite", "--resume"], "exclude each other"),
         (["--flange-width", 5, "--set", "stages.0.tools.punch.force=5"], "stroke"),
     ],
 )

@@ -15,7 +15,9 @@ from one_step_problems import (
     steel,
 )
 
+from presswork.mesh.part_file import refine_edges
 from presswork.onestep import solve_one_step
+from presswork.procedure.one_step_part import OneStepError
 
 
 def grid(nx: int, ny: int) -> tuple[np.ndarray, np.ndarray]:
@@ -162,3 +164,47 @@ def test_triangles_alone_give_the_same_blank(cup):
     mixed = solve_one_step(make_model(points, triangles, quads))
     plain = solve_one_step(make_model(points, np.concatenate([triangles, halves]), NO_QUADS))
     assert plain.blank == pytest.approx(mixed.blank, abs=0.05)
+
+
+def cad_facets(around: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cup of 25 mm as CAD programs write it: a triangle's corners on the faces' edges and fillets alone.
+
+    The bottom is a fan from one point of its rim, wall and flange are one strip each: slivers of 1 to 30.
+    """
+    arc = np.linspace(-np.pi / 2, 0.0, 7)
+    foot = np.stack([20.0 + 5.0 * np.cos(arc), 5.0 + 5.0 * np.sin(arc)], axis=1)
+    shoulder = np.stack([30.0 - 5.0 * np.cos(arc + np.pi / 2), 13.0 + 5.0 * np.sin(arc + np.pi / 2)], axis=1)
+    profile = np.concatenate([foot, shoulder, [[40.0, 18.0]]])
+    angle = 2.0 * np.pi * np.arange(around) / around
+    rings = profile[:, :1, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)[None]
+    points = np.dstack([rings, np.broadcast_to(profile[:, 1:], rings.shape[:2])]).reshape(-1, 3)
+    ring = np.arange(len(points)).reshape(-1, around)
+    after = np.roll(ring, -1, axis=1)
+    quads = np.stack([ring[:-1], ring[1:], after[1:], after[:-1]], axis=-1).reshape(-1, 4)
+    corner = np.arange(1, around - 1)
+    bottom = np.stack([np.zeros_like(corner), corner, corner + 1], axis=1)
+    return points, np.concatenate([bottom, quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)]).astype(np.int32)
+
+
+def test_slivers_of_cad_facets_give_the_cup_its_blank():
+    points, triangles = refine_edges(*cad_facets(72), 5.0)
+    corners = points[triangles]
+    sides = (np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2) ** 2).sum(axis=1)
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    assert (4.0 * np.sqrt(3.0) * area / sides).min() < 0.1  # halving leaves slivers
+    model = make_model(points, triangles, NO_QUADS)
+    result = solve_one_step(model)
+    rim = result.blank[model.rims[0]]
+    radius = np.linalg.norm(rim - rim.mean(axis=0), axis=1)
+    wanted = solve_of_revolution(cup_profile(25.0, 5.0, 18.0, 40.0, 0.25), flow_stress)[-1]
+    assert radius == pytest.approx(np.full(len(radius), wanted), rel=4e-3)
+
+
+def test_a_part_too_deep_for_its_sheet_is_refused_where_it_tears():
+    """A square cup of 50 mm, 60 mm deep."""
+    points, quads = revolve(cup_profile(25.0, 5.0, 60.0, 45.0, 4.0), 48)
+    angle = np.arctan2(points[:, 1], points[:, 0])
+    square = (np.abs(np.cos(angle)) ** 8 + np.abs(np.sin(angle)) ** 8) ** -0.125
+    points[:, :2] *= square[:, None]
+    with pytest.raises(OneStepError, match=r"\d+ % thinner near \(.* too deep there"):
+        solve_one_step(make_model(points, fan(48), quads, layers=3))

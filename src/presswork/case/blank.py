@@ -35,6 +35,9 @@ class _MeshedBlank(_Blank):
     """A blank that is meshed by the program."""
 
     element_size: Length = Field(gt=0, description="largest side of an element, about [mm]")
+    cells: Literal["quadrilaterals", "triangles"] = Field(
+        default="quadrilaterals", description="triangles: each quadrilateral is cut by both diagonals"
+    )
 
 
 class RectangularBlank(_MeshedBlank):
@@ -66,23 +69,23 @@ class CircularBlank(_MeshedBlank):
 
 
 class OutlinedBlank(_MeshedBlank):
-    """A blank within an outline from a file: a DXF drawing, or points as CSV."""
+    """What lies inside an outline from a file; of a part with symmetry planes the file has the whole outline."""
 
-    shape: Literal["outline"] = Field(description="within a closed outline from a file, meshed with quadrilaterals")
+    shape: Literal["outline"] = Field(description="what lies inside an outline from a file")
     path: str = Field(
-        description="DXF, or CSV with columns x_mm and y_mm (a column loop: its first is taken), relative to the case "
-        "file; of a part with symmetry planes the whole outline"
+        description="a DXF drawing, or a text file with the corners of a polygon (with columns loop, x_mm, y_mm: its "
+        "first loop); relative to the case file"
     )
     unit: str | None = Field(
-        default=None,
-        description="length unit of the file's coordinates; without it mm, or what a drawing says of itself",
+        default=None, description="length unit of its coordinates; without it a drawing's own, or mm"
     )
+    layer: str | None = Field(default=None, description="of a drawing: the layer that it is on; without it: all layers")
 
 
 class BlankFile(_Blank):
-    """A mesh of quadrilaterals from a file; with symmetry planes it is the part at x, y >= 0."""
+    """A mesh of quadrilaterals or triangles from a file; with symmetry planes it is the part at x, y >= 0."""
 
-    shape: Literal["file"] = Field(description="a mesh of quadrilaterals from a file")
+    shape: Literal["file"] = Field(description="a mesh of quadrilaterals or triangles from a file")
     path: str = Field(description="the mesh file, relative to the case file")
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork.case.describe_material import describe_forming_limit, describe_material
 from presswork.mesh.swept_tool import SweptTool
+from presswork.model import FloatArray
 from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 
 SECONDS = 0.25e-6
@@ -22,9 +23,7 @@ WAVE = 0.85
 def describe_stamping(problem: StampingModel) -> Iterator[str]:
     """Describe blank, materials, tools, stages and the time that computing takes, a line per fact."""
     mesh = problem.mesh
-    block = mesh.blocks[0]
-    section, material = block.section, problem.materials[block.material]
-    assert section is not None
+    section, material = problem.sheet
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     planes = [f"{axis} = 0" for axis, is_cut in zip("xy", problem.symmetry, strict=True) if is_cut]
     part = f"cut by the symmetry planes {' and '.join(planes)}; forces are those of the whole" if planes else "whole"
@@ -33,8 +32,9 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     yield f"sheet: {section.thickness:g} mm of {material.name}, {section.points} {section.rule.capitalize()} points"
     angle = np.degrees(np.arctan2(problem.rolling_direction[1], problem.rolling_direction[0]))
     yield f"rolling direction: {angle:g} degrees from x"
-    shortest = _shortest_side(problem)
-    yield f"mesh: {len(block.connectivity)} {block.element}, {len(mesh.points)} nodes, shortest side {shortest:.3g} mm"
+    shortest = float(_measure_sides(problem).min())
+    cells = ", ".join(f"{len(b.connectivity)} {b.element}" for b in mesh.blocks)
+    yield f"mesh: {cells}, {len(mesh.points)} nodes, shortest side {shortest:.3g} mm"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     for each in problem.materials:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
@@ -53,6 +53,10 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     for number, stage in enumerate(problem.stages, 1):
         yield f'stage {number} "{stage.name}", {stage.duration:.4g} s, {stage.ramp:.3g} s to start and to stop:'
         yield from (f"  {line}" for line in _describe_stage(stage))
+    for line in problem.trim:
+        low, high = line.polygon.min(axis=0), line.polygon.max(axis=0)
+        reach = f"x {low[0]:.4g} to {high[0]:.4g} mm, y {low[1]:.4g} to {high[1]:.4g} mm"
+        yield f"then trim {line.name}: what lies {line.keep} of a line over {reach} stays"
     if problem.springback is not None:
         yield f"then springback: tools and boundaries away, implicit, in {problem.springback.increments} increments"
     if problem.procedure == "implicit":
@@ -72,14 +76,13 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     step = problem.explicit.target_step or problem.explicit.safety * WAVE * shortest / speed
     cycles = sum(stage.duration for stage in problem.stages) / step
     how = "by mass scaling" if problem.explicit.target_step else "without mass scaling"
-    seconds = cycles * len(block.connectivity) * SECONDS
+    seconds = cycles * len(problem.cells) * SECONDS
     yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, about {seconds:.2g} s on one core (an estimate)"
 
 
 def _hint_at_coarse_mesh(problem: StampingModel) -> Iterator[str]:
     """Say where a sheet is bent round a radius by too few elements."""
-    corners = problem.mesh.points[problem.mesh.blocks[0].connectivity]
-    size = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
+    size = float(np.median(_measure_sides(problem)))
     for tool in problem.tools:
         if isinstance(tool.shape, SweptTool) and tool.kind != "holder":
             radius = _edge_radius(tool.shape)
@@ -98,9 +101,10 @@ def _edge_radius(shape: SweptTool) -> float:
     return float(np.hypot(*(arcs[0, :2] - arcs[0, 4:6]))) if len(arcs) else 0.0
 
 
-def _shortest_side(problem: StampingModel) -> float:
-    corners = problem.mesh.points[problem.mesh.blocks[0].connectivity]
-    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min())
+def _measure_sides(problem: StampingModel) -> FloatArray:
+    """Return the lengths of the cells' sides (n,) [mm]."""
+    corners = [problem.mesh.points[block.connectivity] for block in problem.mesh.blocks]
+    return np.concatenate([np.linalg.norm(c - np.roll(c, 1, axis=1), axis=2).ravel() for c in corners])
 
 
 def _describe_tool(tool: StampingTool) -> str:

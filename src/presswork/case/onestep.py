@@ -46,6 +46,9 @@ class PartFile(Part):
     symmetry: tuple[Literal["x", "y"], ...] = Field(
         default=(), description='planes through the origin that mirror the part: "x" is the plane x = 0'
     )
+    addendum: Length = Field(
+        default=0.0, ge=0, description="width of a level flange that is added to the part's outline [mm]"
+    )
 
 
 class FlatBlank(Part):
@@ -138,16 +141,26 @@ def _read(case: OneStepCase) -> tuple[PartMesh, tuple[str, ...]]:
         problem = Problem("part.unit", f"expected a unit of length, but {error}", "e.g. mm, m, inch", case.part.unit)
         raise CaseError([problem], case.source) from error
     path = (case.source.parent if case.source else Path()) / case.part.path
-    way = case.part.draw_direction
+    planes = ("x" in case.part.symmetry, "y" in case.part.symmetry)
+
+    def read(element_size: float | None) -> tuple[PartMesh, tuple[str, ...]]:
+        return read_part(
+            path,
+            scale=scale,
+            draw_direction=case.part.draw_direction,
+            element_size=element_size,
+            addendum=case.part.addendum,
+            symmetry=planes,
+        )
+
     try:
-        part, notes = read_part(path, scale=scale, draw_direction=way, element_size=case.part.element_size)
+        part, notes = read(case.part.element_size)
         if case.part.element_size is None and len(part.triangles) and not len(part.quadrilaterals):
-            size = _default_size(part)
-            part, notes = read_part(path, scale=scale, draw_direction=way, element_size=size)
+            part, notes = read(_default_size(part))
     except MeshError as error:
-        key = "part.unit" if "unit" in error.remedy else "part.path"
-        value = case.part.unit if "unit" in error.remedy else case.part.path
-        raise CaseError([Problem(key, error.fault, error.remedy, value)], case.source) from error
+        key = "unit" if "unit" in error.remedy else "addendum" if "addendum" in error.fault else "path"
+        problem = Problem(f"part.{key}", error.fault, error.remedy, getattr(case.part, key))
+        raise CaseError([problem], case.source) from error
     return part, notes
 
 

@@ -194,6 +194,21 @@ def sample_points(segments: FloatArray, per_arc: int = 64) -> FloatArray:
     return np.concatenate(samples)
 
 
+def sample_arc(segment: FloatArray, tolerance: float) -> FloatArray:
+    """Return points (n, 2) along a line or an arc, from its start to its end, whose chords follow it within a
+    tolerance [mm].
+    """
+    if segment[TURN] == 0.0:
+        return np.array([segment[X0], segment[X1]])
+    radius = float(np.linalg.norm(segment[X0] - segment[CENTRE]))
+    first, sweep = _arc_angles(segment)
+    n = math.ceil(sweep / (2.0 * math.acos(max(0.0, 1.0 - tolerance / radius))))
+    angles = first + segment[TURN] * sweep * np.linspace(0.0, 1.0, n + 1)
+    points = segment[CENTRE] + radius * np.column_stack((np.cos(angles), np.sin(angles)))
+    points[0], points[-1] = segment[X0], segment[X1]
+    return points
+
+
 def _arc_angles(segment: FloatArray) -> tuple[float, float]:
     """Return the angle of an arc's start and the angle swept from there in its turn, in (0, 2 pi]."""
     start, end = segment[X0] - segment[CENTRE], segment[X1] - segment[CENTRE]

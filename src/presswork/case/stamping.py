@@ -13,6 +13,7 @@ from presswork.case.bead import Bead
 from presswork.case.blank import Blank
 from presswork.case.case_file import CaseFile
 from presswork.case.part import Part
+from presswork.case.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.shell import ShellBoundary, ShellDisplacement
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.stamping_tools import Tool
@@ -144,12 +145,44 @@ class Explicit(Part):
     precision: Literal["double", "single"] = Field(
         default=_EXPLICIT.precision, description="single: about half the time and memory, seven digits"
     )
+    contact_points: Literal["nodes", "edges"] = Field(
+        default=_EXPLICIT.contact_points,
+        description="what of the blank touches tools: nodes alone, or edges between them, too, where a tool's "
+        "radius is less than the longest edge",
+    )
 
 
 class Springback(Part):
     """The formed part let go, after the last stage: tools and boundaries away, symmetry planes kept."""
 
     increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
+
+
+class _Trim(Part):
+    """A line that the formed part is cut along after the last stage, seen along z."""
+
+    keep: Literal["inside", "outside"] = Field(
+        default="inside", description="which side of the line stays: inside; or outside, which cuts a hole"
+    )
+
+
+class RectangularTrim(_Trim, RectangularLine):
+    """A rectangle with sides along x and y."""
+
+
+class CircularTrim(_Trim, CircularLine):
+    """A circle."""
+
+
+class PolygonTrim(_Trim, PolygonLine):
+    """A polygon, whose corners may be rounded."""
+
+
+class TrimFile(_Trim, LineFile):
+    """A line from a file."""
+
+
+Trim = Annotated[RectangularTrim | CircularTrim | PolygonTrim | TrimFile, Field(discriminator="shape")]
 
 
 class Implicit(Part):
@@ -217,8 +250,12 @@ class StampingCase(CaseFile):
     boundary: dict[str, ShellBoundary] = Field(default={}, description="what holds the blank beside the tools, by name")
     stages: tuple[StampingStage, ...] = Field(min_length=1, description="the process, stage by stage")
     explicit: Explicit = Field(default=Explicit(), description="how the explicit procedure steps through time")
+    trim: dict[str, Trim] = Field(
+        default={}, description="lines that the part is cut along after the last stage, by name, one after the other"
+    )
     springback: Springback | None = Field(
-        default=None, description="an empty table lets the part go after the last stage, by the implicit procedure"
+        default=None,
+        description="an empty table lets the part go after the last stage and the trimming, by the implicit procedure",
     )
     implicit: Implicit = Field(default=Implicit(), description="how the implicit procedure goes and iterates")
     output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")

@@ -61,15 +61,11 @@ def _opens_or_closes(stage: StampingStage, case: StampingCase) -> bool:
         kind: [
             action.stroke if (action := stage.tools.get(name)) and action.stroke is not None else 0.0
             for name, tool in case.tools.items()
-            if tool.kind == kind and not _is_pushed(name, case)
+            if tool.kind == kind
         ]
         for kind in ("holder", "die")
     }
     return any(h + d != 0.0 for h, d in itertools.product(stroke["holder"], stroke["die"]))
-
-
-def _is_pushed(name: str, case: StampingCase) -> bool:
-    return any(name in s.tools and s.tools[name].force is not None for s in case.stages)
 
 
 def build_beads(

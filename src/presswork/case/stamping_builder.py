@@ -12,10 +12,9 @@ import numpy as np
 
 from presswork import model
 from presswork.case.blank import BlankFile, CircularBlank, OutlinedBlank
-from presswork.case.blank_outline import read_blank_outline
-from presswork.case.chain import ProfileFileError
 from presswork.case.errors import CaseError, Problem
 from presswork.case.forming_limit.build import build_sheets
+from presswork.case.plan_line import LineFile, draw_line
 from presswork.case.references import check_set_names
 from presswork.case.shell import FREEDOMS, HOLDS
 from presswork.case.stamping import RAMP, VELOCITY, StampingCase, StampingStage
@@ -27,21 +26,25 @@ from presswork.case.stamping_checks import (
     check_target_step,
     check_tools,
     check_ways,
+    explain_too_many,
 )
 from presswork.case.stamping_clashes import check_clashes
 from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
-from presswork.mesh.outlined_blank import mesh_outlined_blank, signed_area
+from presswork.mesh.cut import check_meets
+from presswork.mesh.outlined_blank import mesh_outlined_blank
+from presswork.mesh.polygon import polygon_area
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
-from presswork.model_stamping import ExplicitSettings, Springback, StampingModel, StampingOutput, ToolAction
+from presswork.model_stamping import ExplicitSettings, Springback, StampingModel, StampingOutput, ToolAction, TrimLine
 from presswork.model_stamping import StampingStage as StageModel
 
 logger = logging.getLogger(__name__)
 
-IMPLICIT_ELEMENT: model.ElementName = "shell4_mitc"
+IMPLICIT_ELEMENTS: dict[int, model.ElementName] = {3: "shell3_mitc_plus", 4: "shell4_mitc"}
+"""By number of nodes."""
 SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
 
@@ -63,6 +66,8 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
     beads, problems = build_beads(case, mesh, tools)
     _stop_at(problems, case)
     _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
+    trim, problems = _build_trim(case, mesh)
+    _stop_at(problems, case)
     angle = radians(case.blank.rolling_direction)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
     supports = [
@@ -87,6 +92,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         implicit=case.implicit.build(),
         output=StampingOutput(**case.output.model_dump()),
         beads=beads,
+        trim=trim,
         springback=Springback(**case.springback.model_dump()) if case.springback else None,
         case_text=case.text,
     )
@@ -106,31 +112,50 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
     if isinstance(blank, BlankFile):
         return _read_mesh(case, blank, section, material, symmetry)
     if isinstance(blank, OutlinedBlank):
-        mesh = _mesh_outlined(case, blank, symmetry)
+        mesh = _mesh_outline(case, blank, symmetry)
     elif isinstance(blank, CircularBlank):
-        mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry)
+        mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry, triangles=blank.cells == "triangles")
     else:
-        mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry)
-    return dress_blank(mesh, _element(case), section, material)
+        mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry, triangles=blank.cells == "triangles")
+    return dress_blank(mesh, _elements(case), section, material)
 
 
-def _element(case: StampingCase) -> model.ElementName:
-    return case.explicit.element if case.procedure == "explicit" else IMPLICIT_ELEMENT
+def _elements(case: StampingCase) -> dict[int, model.ElementName]:
+    """Return the elements that the case takes, by their number of nodes."""
+    return {3: "shell3_one_point", 4: case.explicit.element} if case.procedure == "explicit" else IMPLICIT_ELEMENTS
 
 
-def _mesh_outlined(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]) -> model.Mesh:
-    """Read the outline of a blank and mesh what is within."""
-    path = (case.source.parent if case.source is not None else Path()) / blank.path
-    key, value = "blank.path", blank.path
+def _mesh_outline(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]) -> model.Mesh:
+    """Read the outline of a blank, and mesh what lies in it."""
+    folder = case.source.parent if case.source is not None else Path()
+    file = LineFile(shape="file", path=blank.path, unit=blank.unit, layer=blank.layer)
+    line = draw_line(file, "blank", folder)
+    if isinstance(line, Problem):
+        raise CaseError([line], case.source)
+    n_cells = abs(polygon_area(line)) / blank.element_size**2 / 2 ** sum(symmetry)
+    if n_cells > MOST_CELLS:
+        raise CaseError([explain_too_many(n_cells, blank.element_size)], case.source)
     try:
-        outline = read_blank_outline(path, unit_factor(blank.unit, LENGTH) if blank.unit else None)
-        n_cells = abs(signed_area(outline)) / blank.element_size**2
-        if n_cells > MOST_CELLS:
-            key = "blank.element_size"
-            raise MeshError(f"about {n_cells:.2g} elements, more than memory will hold", "make it larger")
-        return mesh_outlined_blank(outline, blank.element_size, symmetry)
-    except (MeshError, ProfileFileError) as error:
-        raise CaseError([Problem(key, error.fault, error.remedy, value)], case.source) from error
+        return mesh_outlined_blank(line, blank.element_size, symmetry, triangles=blank.cells == "triangles")
+    except MeshError as error:
+        raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
+
+
+def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[TrimLine, ...], list[Problem]]:
+    """Draw or read the trim lines, and hold them against the blank, beyond which no part reaches."""
+    folder = case.source.parent if case.source is not None else Path()
+    lines, problems = [], []
+    for name, trim in case.trim.items():
+        polygon = draw_line(trim, f"trim.{name}", folder)
+        if isinstance(polygon, Problem):
+            problems.append(polygon)
+            continue
+        try:
+            check_meets(mesh.points, polygon, trim.keep)
+        except MeshError as error:
+            problems.append(Problem(f"trim.{name}", error.fault.replace("the sheet", "the blank"), error.remedy))
+        lines.append(TrimLine(name, polygon, trim.keep))
+    return tuple(lines), problems
 
 
 def _read_mesh(
@@ -140,12 +165,14 @@ def _read_mesh(
     path = (case.source.parent if case.source is not None else Path()) / blank.path
     try:
         kinds = set(read_raw(path).cells)
-        if kinds - {"quad4"}:
+        if kinds not in ({"quad4"}, {"tri3"}):
             raise MeshError(
-                f"the cells are not quadrilaterals alone: {', '.join(sorted(kinds))}", "mesh with 4-node cells"
+                f"the cells are neither quadrilaterals alone nor triangles alone: {', '.join(sorted(kinds))}",
+                "mesh with 4-node cells, or with 3-node cells",
             )
+        element = IMPLICIT_ELEMENTS[4 if kinds == {"quad4"} else 3]
         scale = unit_factor(blank.unit, LENGTH)
-        mesh, notes = read_shell_mesh(path, element="shell4_mitc", section=section, scale=scale, material=material)
+        mesh, notes = read_shell_mesh(path, element=element, section=section, scale=scale, material=material)
     except MeshError as error:
         raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
     for note in notes:
@@ -163,7 +190,7 @@ def _read_mesh(
             raise CaseError([Problem("blank.symmetry", fault, "cut the mesh there", blank.symmetry)], case.source)
         outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
     node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
-    return dress_blank(replace(mesh, node_sets=node_sets), _element(case), section, material)
+    return dress_blank(replace(mesh, node_sets=node_sets), _elements(case), section, material)
 
 
 def build_stage(stage: StampingStage) -> StageModel:

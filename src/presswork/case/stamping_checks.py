@@ -10,7 +10,7 @@ import numpy as np
 from presswork.case.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
 from presswork.case.errors import Problem, suggest
 from presswork.case.library import list_keys
-from presswork.case.stamping import VELOCITY, StampingCase, StampingStage
+from presswork.case.stamping import VELOCITY, StampingCase, StampingStage, TrimFile
 from presswork.case.stamping_shapes import clearance
 from presswork.case.stamping_tools import DrawnTool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
@@ -35,22 +35,19 @@ def check_names(case: StampingCase) -> list[Problem]:
         cuts = 2 ** len(set(case.blank.symmetry))
         n_cells = 4 * float(np.prod(np.array(case.blank.half_size()) / case.blank.element_size)) / cuts
         if n_cells > MOST_CELLS:
-            fault, remedy = f"about {n_cells:.2g} elements, more than memory will hold", "make it larger"
-            problems.append(Problem("blank.element_size", fault, remedy, case.blank.element_size))
-        if case.blank.element_size > min(case.blank.half_size()):
-            fault = f"larger than half of the blank, {min(case.blank.half_size()):g} mm"
+            problems.append(explain_too_many(n_cells, case.blank.element_size))
+        if case.blank.element_size > max(case.blank.half_size()):
+            fault = f"larger than half of the blank, {max(case.blank.half_size()):g} mm"
             problems.append(Problem("blank.element_size", fault, "make it smaller", case.blank.element_size))
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
     if isinstance(case.blank, BlankFile | OutlinedBlank) and case.blank.unit is not None:
         units["blank.unit"] = case.blank.unit
+    units |= {f"trim.{n}.unit": t.unit for n, t in case.trim.items() if isinstance(t, TrimFile) and t.unit is not None}
     for key, unit in units.items():
         try:
             unit_factor(unit, LENGTH)
         except ValueError as error:
             problems.append(Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit))
-    if case.springback is not None and case.procedure == "implicit":
-        fault, remedy = "springback follows explicit forming alone", 'leave it out, or take procedure = "explicit"'
-        problems.append(Problem("springback", fault, remedy))
     names = [stage.name for stage in case.stages]
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"
@@ -63,6 +60,12 @@ def check_names(case: StampingCase) -> list[Problem]:
         ]
         problems += _check_timing(key, stage)
     return problems
+
+
+def explain_too_many(n_cells: float, element_size: float) -> Problem:
+    """Return the problem of a blank of too many elements."""
+    fault = f"about {n_cells:.2g} elements, more than memory will hold"
+    return Problem("blank.element_size", fault, "make it larger", element_size)
 
 
 def _check_timing(key: str, stage: StampingStage) -> list[Problem]:
@@ -119,9 +122,10 @@ def check_tools(case: StampingCase) -> list[Problem]:
     moved = {name for stage in case.stages for name, action in stage.tools.items() if action.stroke is not None}
     for index, stage in enumerate(case.stages):
         for name, action in stage.tools.items():
-            if action.force is not None and name in moved:
-                fault = "the tool is moved by a stroke in one stage and pushed by a force in another"
-                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, "give it one or the other"))
+            if action.force is not None and name in moved and case.procedure == "implicit":
+                fault = "the implicit procedure cannot move a tool in one stage and push it in another"
+                remedy = 'give it strokes or forces alone, or take procedure = "explicit"'
+                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, remedy))
             opposite = "die" if case.tools[name].kind != "die" else "holder"
             if action.force is not None and not any(t.kind == opposite for t in case.tools.values()):
                 fault = f"the {case.tools[name].kind} is pushed, but no {opposite} lies on the other side of the blank"

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes of blanks: quadrilaterals over a rectangle or a circle about the origin, whole or cut by symmetry planes.
+"""Meshes of blanks: cells over a rectangle or a circle about the origin, or in a line; whole or cut by symmetry planes.
+
+Quadrilaterals, or triangles: each quadrilateral is cut by both diagonals, so that no direction is preferred.
 
 Sets: all; edge, the outline without what lies in symmetry planes; symmetry_x and symmetry_y, the nodes in the planes
 x = 0 and y = 0 where the blank is cut by them; left, right, bottom, top, the outermost nodes along x and y.
@@ -7,7 +9,7 @@ x = 0 and y = 0 where the blank is cut by them; left, right, bottom, top, the ou
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import ceil
 
 import numpy as np
@@ -15,24 +17,33 @@ import numpy as np
 from presswork.mesh.topology import find_boundary_edges, select_edges
 from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh, Section
 
+_ELEMENTS: dict[int, ElementName] = {3: "shell3_one_point", 4: "shell4_one_point"}
 _ON_AXIS, _ON_DIAGONAL = 0.65, 0.75
 """Where the square core of a circle ends, over its radius."""
 
 
-def mesh_rectangular_blank(size: tuple[float, float], element_size: float, symmetry: Sequence[bool]) -> Mesh:
+def mesh_rectangular_blank(
+    size: tuple[float, float], element_size: float, symmetry: Sequence[bool], *, triangles: bool = False
+) -> Mesh:
     """Mesh a rectangle of size [mm] about the origin; symmetry: whether the planes x = 0 and y = 0 cut it."""
-    lines = []
-    for length, is_cut in zip(size, symmetry, strict=True):
-        begin = 0.0 if is_cut else -0.5 * length
-        n = max(1, ceil((0.5 * length - begin) / element_size - 1e-9))
-        lines.append(np.linspace(begin, 0.5 * length, n + 1))
+    half = 0.5 * np.array(size)
+    points, cells = _draw_grid(np.where(symmetry, 0.0, -half), half, element_size)
+    return name_sets(points, [cells], symmetry, triangles)
+
+
+def _draw_grid(low: FloatArray, high: FloatArray, size: FloatArray | float) -> tuple[FloatArray, IntArray]:
+    """Return points (n, 2) and quadrilaterals of a rectangle; size: largest of a cell along x and y [mm]."""
+    counts = np.maximum(1, np.ceil((high - low) / size - 1e-9)).astype(int)
+    lines = [np.linspace(begin, end, n + 1) for begin, end, n in zip(low, high, counts, strict=True)]
     x, y = (grid.ravel() for grid in np.meshgrid(*lines))
     n = len(lines[0])
     first = (np.arange(n - 1)[None, :] + n * np.arange(len(lines[1]) - 1)[:, None]).ravel()
-    return name_sets(np.column_stack([x, y]), np.stack([first, first + 1, first + n + 1, first + n], axis=1), symmetry)
+    return np.column_stack([x, y]), np.stack([first, first + 1, first + n + 1, first + n], axis=1)
 
 
-def mesh_circular_blank(diameter: float, element_size: float, symmetry: Sequence[bool]) -> Mesh:
+def mesh_circular_blank(
+    diameter: float, element_size: float, symmetry: Sequence[bool], *, triangles: bool = False
+) -> Mesh:
     """Mesh a circle [mm] about the origin: a square core with bulging sides, and a ring of quadrilaterals round it.
 
     No corner is sharper than 45 degrees, and the cells' sides are within 0.6 and 1.4 of element_size.
@@ -41,7 +52,7 @@ def mesh_circular_blank(diameter: float, element_size: float, symmetry: Sequence
     for axis, is_cut in enumerate(symmetry):
         if not is_cut:
             points, cells = _add_mirror_image(points, cells, axis)
-    return name_sets(points, cells, symmetry)
+    return name_sets(points, [cells], symmetry, triangles)
 
 
 def _quarter_circle(radius: float, element_size: float) -> tuple[FloatArray, IntArray]:
@@ -76,10 +87,19 @@ def _add_mirror_image(points: FloatArray, cells: IntArray, axis: int) -> tuple[F
     return np.concatenate([points, image]), np.concatenate([cells, number[cells][:, ::-1]])
 
 
-def name_sets(points: FloatArray, cells: IntArray, symmetry: Sequence[bool]) -> Mesh:
-    """Return the mesh in space; its element and section are filled in by dress_blank."""
-    block = CellBlock("shell4_one_point", cells.astype(np.int32), 0)
-    boundary = find_boundary_edges([block.connectivity])
+def name_sets(points: FloatArray, kinds: Sequence[IntArray], symmetry: Sequence[bool], triangles: bool) -> Mesh:
+    """Return the mesh in space; its elements and section are filled in by dress_blank.
+
+    kinds: quadrilaterals, triangles.
+    """
+    if triangles and kinds[0].shape[1] == 4:
+        quads = kinds[0]
+        centre = np.tile(len(points) + np.arange(len(quads)), (4, 1)).T
+        points = np.concatenate([points, points[quads].mean(axis=1)])
+        parts = np.stack([quads, np.roll(quads, -1, axis=1), centre], axis=2).reshape(-1, 3)
+        kinds = [np.concatenate([parts, *kinds[1:]])]
+    blocks = tuple(CellBlock(_ELEMENTS[cells.shape[1]], cells.astype(np.int32), 0) for cells in kinds)
+    boundary = find_boundary_edges([block.connectivity for block in blocks])
     tolerance = 1e-9 * float(np.abs(points).max())
     low, high = points.min(axis=0), points.max(axis=0)
     node_sets = {
@@ -98,10 +118,12 @@ def name_sets(points: FloatArray, cells: IntArray, symmetry: Sequence[bool]) -> 
     outline = np.array([edge for edge in boundary.tolist() if tuple(edge) not in cut], dtype=np.int32).reshape(-1, 2)
     numbered["edge"] = np.unique(outline).astype(np.int32)
     space = np.column_stack([points, np.zeros(len(points))])
-    return Mesh(space, (block,), numbered, {"edge": outline, "boundary": boundary}, boundary)
+    return Mesh(space, blocks, numbered, {"edge": outline, "boundary": boundary}, boundary)
 
 
-def dress_blank(mesh: Mesh, element: ElementName, section: Section, material: int) -> Mesh:
-    """Return the mesh with its cells' element, section and material."""
-    blocks = tuple(CellBlock(element, block.connectivity, material, section) for block in mesh.blocks)
+def dress_blank(mesh: Mesh, elements: Mapping[int, ElementName], section: Section, material: int) -> Mesh:
+    """Return the mesh with its cells' element, by their number of nodes, section and material."""
+    blocks = tuple(
+        CellBlock(elements[block.connectivity.shape[1]], block.connectivity, material, section) for block in mesh.blocks
+    )
     return Mesh(mesh.points, blocks, mesh.node_sets, mesh.edge_sets, mesh.boundary_edges, mesh.normals)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cut a mesh of quadrilaterals and triangles along a closed line in its plan (x, y).
 
-1. A node is moved onto every sharp corner of the line, within the cell that the corner lies in.
+1. A node is moved onto every corner of the line, sharp or rounded within an element, in the cell that it lies in.
 2. Nodes that the line passes nearby, closer than NEAR of an edge, are moved onto it along that edge. Nodes of the
    sheet's own outline move along it, and its corners stay.
 3. Edges that the line still crosses get a node there; what is kept of their cells is split into quadrilaterals and
-   triangles, the best shaped ones (split.py).
+   triangles, the best shaped ones (polygon_cell.py).
 
 So the new outline has its nodes on the line and chords between them: off a line of radius R by h^2/8R, h the size of
 the cells; a corner is missed where no node can be moved to it. Everything at a node of the new mesh is a mean of what
@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array, lil_array, vstack
 
-from presswork.mesh.cell_split import Loop, split_polygon
 from presswork.mesh.checks import MeshError
 from presswork.mesh.polygon import (
     contains,
@@ -32,6 +31,7 @@ from presswork.mesh.polygon import (
     measure_distance,
     sample_sides,
 )
+from presswork.mesh.polygon_cell import Loop, find_normal, find_weights, split_polygon
 from presswork.mesh.topology import edge_keys, find_boundary_edges, find_parts, list_cell_edges, select_edges
 from presswork.model import BoolArray, FloatArray, IntArray
 
@@ -39,6 +39,8 @@ NEAR = 0.3
 """Part of an edge within which a node is moved onto the line."""
 SHARP = float(np.radians(20.0))
 """A line or an outline that turns by more has a corner."""
+TIGHT = float(np.radians(45.0))
+"""A line that turns by more within an element has a corner there too."""
 FAR = 0.1
 """Part of an edge: how deep it may run on the wrong side of the line, which is curved."""
 LEAST = 0.2
@@ -114,12 +116,17 @@ class _Cutter:
     """The steps of a cut."""
 
     def __init__(self, points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray, keep: Keep) -> None:
+        from scipy.spatial import cKDTree  # here, for it takes a third of a second to import
+
         self.points, self.blocks, self.line, self.keep = points.copy(), blocks, line, keep
         self.sides = list_sides(line)
         self.weights = lil_array(eye_array(len(points)))
         edges = np.concatenate([list_cell_edges(cells) for cells in blocks])
         self.edges = edges[np.unique(edge_keys(edges), return_index=True)[1]]
-        self.on = _ON * float(np.ptp(points[:, :2], axis=0).max())
+        extent = float(np.ptp(points[:, :2], axis=0).max())
+        self.on, self.spacing = _ON * extent, 1e-2 * extent
+        self.element_size = float(np.median(np.linalg.norm(np.ptp(points[edges], axis=1)[:, :2], axis=1)))
+        self.samples = cKDTree(sample_sides(self.sides, self.spacing))
         check_meets(points, line, keep)
         self.side = self._find_sides(points[:, :2])
         self.boundary = find_boundary_edges(blocks)
@@ -132,20 +139,21 @@ class _Cutter:
         """Return 1 for points (n, 2) that are kept, -1 for those cut off, 0 on the line (n,)."""
         inside = contains(self.sides, plan) == (self.keep == "inside")
         side = np.where(inside, 1, -1).astype(np.int32)
-        side[measure_distance(self.sides, plan) <= self.on] = 0
+        near = np.flatnonzero(self.samples.query(plan)[0] <= self.spacing)
+        side[near[measure_distance(self.sides, plan[near]) <= self.on]] = 0
         return side
 
     # --- 1 -----------------------------------------------------------------------------------------------------------
 
     def place_corners(self) -> None:
-        """Move a node onto every sharp corner of the line."""
+        """Move a node onto every corner of the line."""
         around: dict[int, list[tuple[int, int]]] = defaultdict(list)
         for b, cells in enumerate(self.blocks):
             for node, cell in zip(
                 cells.ravel().tolist(), np.repeat(np.arange(len(cells)), cells.shape[1]).tolist(), strict=True
             ):
                 around[node].append((b, cell))
-        for corner in find_corners(self.line, SHARP):
+        for corner in find_corners(self.line, SHARP, TIGHT, self.element_size):
             found = self._find_cell(corner)
             if found is None:
                 continue
@@ -166,7 +174,7 @@ class _Cutter:
             corners = self.points[cells, :2]
             near = (corners.min(axis=1) <= place).all(axis=1) & (corners.max(axis=1) >= place).all(axis=1)
             for cell in np.flatnonzero(near):
-                weights = _find_weights(corners[cell], place)
+                weights = find_weights(corners[cell], place)
                 if weights is not None:
                     return cells[cell], weights
         return None
@@ -174,7 +182,7 @@ class _Cutter:
     def _can_move(self, node: int, cells: list[tuple[int, int]], nodes: IntArray, weights: FloatArray) -> bool:
         """Say whether every cell round a node keeps a shape when it moves."""
         before = self.points[node].copy()
-        normals = [_normal(self.points[self.blocks[b][cell]]) for b, cell in cells]
+        normals = [find_normal(self.points[self.blocks[b][cell]]) for b, cell in cells]
         self.points[node] = weights @ self.points[nodes]
         good = all(
             split_polygon(self.points[self.blocks[b][cell]], normal)[1] > LEAST
@@ -208,7 +216,8 @@ class _Cutter:
         for node, row in chosen.items():
             t = float(parts[row])
             self.points[node] = (1 - t) * before[node] + t * before[other[row]]
-        goes = np.isin(np.arange(len(before)), list(chosen)) & ~self._leaves_its_side()
+        goes = np.isin(np.arange(len(before)), list(chosen))
+        goes &= ~self._leaves_its_side(goes)
         self.points[~goes] = before[~goes]
         self.moved |= goes
         self.side[goes] = 0
@@ -217,9 +226,10 @@ class _Cutter:
             t = float(parts[row])
             self.weights[[node]] = (1 - t) * weights[[node]] + t * weights[[int(other[row])]]
 
-    def _leaves_its_side(self) -> BoolArray:
-        """Mark nodes from which, where they are now, an edge to a node on one side runs far on the other (n,)."""
+    def _leaves_its_side(self, moved: BoolArray) -> BoolArray:
+        """Mark moved nodes from which an edge to a node on one side now runs far on the other (n,)."""
         ends = np.concatenate([self.edges, self.edges[:, ::-1]])
+        ends = ends[moved[ends[:, 0]]]
         side = self.side[ends[:, 1]]
         middle = self.points[ends, :2].mean(axis=1)
         length = np.linalg.norm(self.points[ends[:, 1], :2] - self.points[ends[:, 0], :2], axis=1)
@@ -268,7 +278,7 @@ class _Cutter:
             pieces.add_whole(b, cells, np.flatnonzero(whole), natural)
             for cell in np.flatnonzero(~whole & (side >= 0).any(axis=1)).tolist():
                 loop, places = _insert(cells[cell], natural, at)
-                normal = _normal(self.points[cells[cell]])
+                normal = find_normal(self.points[cells[cell]])
                 for own in self._separate(list(range(len(loop))), np.array(loop)):
                     parts, quality = split_polygon(self.points[loop][own], normal)
                     if quality > _NO_AREA:
@@ -379,35 +389,3 @@ def _insert(
             loop.append(found[0])
             places.append((1 - found[1]) * natural[i] + found[1] * natural[j])
     return loop, np.array(places)
-
-
-def _normal(corners: FloatArray) -> FloatArray:
-    """Return the unit normal of a cell (k, 3)."""
-    centred = corners - corners.mean(axis=0)
-    normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
-    return np.asarray(normal / max(float(np.linalg.norm(normal)), 1e-300))
-
-
-def _find_weights(corners: FloatArray, place: FloatArray) -> FloatArray | None:
-    """Return the weights of a cell's corners (k, 2) at a place in it (2,); None outside."""
-    if len(corners) == 3:
-        a, b = corners[1] - corners[0], corners[2] - corners[0]
-        r, s = np.linalg.lstsq(np.column_stack([a, b]), place - corners[0], rcond=None)[0]
-        weights = np.array([1 - r - s, r, s])
-    else:
-        natural = np.zeros(2)
-        for _ in range(20):  # Newton's method on the bilinear map
-            x, y = natural
-            shape = 0.25 * np.array([(1 - x) * (1 - y), (1 + x) * (1 - y), (1 + x) * (1 + y), (1 - x) * (1 + y)])
-            slopes = 0.25 * np.array([[y - 1, 1 - y, 1 + y, -1 - y], [x - 1, -1 - x, 1 + x, 1 - x]])
-            jacobian = (slopes @ corners).T
-            if abs(float(np.linalg.det(jacobian))) < 1e-12 * float(np.ptp(corners, axis=0).max()) ** 2:
-                return None
-            natural = np.clip(natural + np.linalg.solve(jacobian, place - shape @ corners), -2.0, 2.0)
-        x, y = natural
-        weights = 0.25 * np.array([(1 - x) * (1 - y), (1 + x) * (1 - y), (1 + x) * (1 + y), (1 - x) * (1 + y)])
-    return (
-        weights
-        if weights.min() >= -1e-9 and np.abs(weights @ corners - place).max() < 1e-9 * (1 + np.abs(corners).max())
-        else None
-    )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from presswork.mesh.blanks import name_sets
 from presswork.mesh.checks import MeshError, corner_jacobians
+from presswork.mesh.polygon import contains, list_sides, polygon_area
 from presswork.mesh.topology import chain_edges, drop_unused_points, find_boundary_edges
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh
 
@@ -23,18 +24,23 @@ _CORNER = 35.0
 """Degrees by which an outline turns at a point that a node has to lie on."""
 _ROUNDS = 30
 """Of smoothing; the effect reaches about their square root in cells."""
-_FLATTEST = 0.1
-"""Least sine of a cell's corners."""
+_FLATTEST, _GOOD = 0.1, 0.4
+"""Least sine of a cell's corners that is taken, and that from which on no smaller cells are tried."""
+_SMALLER = (1.0, 0.95, 0.9, 0.85)
+"""Cells over element_size that are tried."""
 Keys = NDArray[np.intp]
 
 
-def mesh_outlined_blank(outline: FloatArray, element_size: float, symmetry: Sequence[bool]) -> Mesh:
+def mesh_outlined_blank(
+    outline: FloatArray, element_size: float, symmetry: Sequence[bool], *, triangles: bool = False
+) -> Mesh:
     """Mesh a blank within a closed outline (n, 2) [mm], the first point not repeated.
 
-    symmetry: whether the planes x = 0 and y = 0 cut it; then the part at x, y >= 0 is meshed. Raises MeshError for an
-    outline that crosses itself or a plane more than twice, and for one too narrow for the element_size.
+    symmetry: whether the planes x = 0 and y = 0 cut it; then the part at x, y >= 0 is meshed. Corners of the outline
+    below about 45 degrees leave cells as sharp, tongues and slots narrower than three elements may not be met: smaller
+    cells are tried then. Raises MeshError for an outline that crosses a plane more than twice, and for one too narrow.
     """
-    area = signed_area(outline)
+    area = polygon_area(outline)
     if len(outline) < 3 or abs(area) < element_size**2:
         raise MeshError(
             f"an outline of {len(outline)} points around {abs(area):.3g} mm2", "smaller elements, or a closed outline"
@@ -43,6 +49,28 @@ def mesh_outlined_blank(outline: FloatArray, element_size: float, symmetry: Sequ
     for axis, is_cut in enumerate(symmetry):
         outline = _cut_at_plane(outline, axis) if is_cut else outline
     line = _Line(outline, symmetry)
+    best, failure = None, _too_narrow(element_size)
+    for part in _SMALLER:
+        try:
+            points, cells = _fill(line, part * element_size, symmetry)
+        except MeshError as error:
+            failure = error
+            continue
+        sine, place = _find_flattest(points, cells)
+        if best is None or sine > best[0]:
+            best = sine, place, points, cells
+        if sine > _GOOD:
+            break
+    if best is None:
+        raise failure
+    sine, (x, y), points, cells = best
+    if sine < _FLATTEST:
+        raise MeshError(f"the outline cannot be meshed near ({x:.4g}, {y:.4g})", "smooth it, or use smaller elements")
+    return name_sets(points, [cells], symmetry, triangles)
+
+
+def _fill(line: _Line, element_size: float, symmetry: Sequence[bool]) -> tuple[FloatArray, IntArray]:
+    """Return points (n, 2) and cells within an outline."""
     points, cells = _keep_squares(line, element_size, symmetry)
     boundary = find_boundary_edges([cells])
     at_plane = [is_cut & (np.abs(points[:, axis]) < 1e-9 * element_size) for axis, is_cut in enumerate(symmetry)]
@@ -51,22 +79,14 @@ def mesh_outlined_blank(outline: FloatArray, element_size: float, symmetry: Sequ
     if (chain[1:, 0] != chain[:-1, 1]).any():
         raise _too_narrow(element_size)
     nodes = chain[:, 0] if line.is_closed else np.append(chain[:, 0], chain[-1, 1])
-    places = line.spread(points[nodes])
+    places = line.spread(points[nodes], 0.75 * element_size)
     partners = len(points) + np.arange(len(nodes))
     after, partner_after = (np.roll(n, -1) if line.is_closed else n[1:] for n in (nodes, partners))
     n_rim = len(after)
     rim = np.stack([nodes[:n_rim], partners[:n_rim], partner_after, after], axis=1)
     cells = np.concatenate([cells, rim]).astype(np.int32)
     points = np.concatenate([points, places])
-    points = _smooth(points, cells, partners, symmetry)
-    _check(points, cells)
-    return name_sets(points, cells, symmetry)
-
-
-def signed_area(outline: FloatArray) -> float:
-    """Return the area within a closed polygon (n, 2), above zero if it runs counter-clockwise [mm2]."""
-    x, y = outline.T
-    return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+    return _smooth(points, cells, partners, symmetry), cells
 
 
 def _cut_at_plane(outline: FloatArray, axis: int) -> FloatArray:
@@ -120,7 +140,11 @@ class _Line:
             self.points = polygon[turned[: int((~in_plane).sum()) + 1]]
         sides = np.diff(self.points, axis=0)
         self.way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(sides, axis=1))])
-        self.corners = self.way[:-1][self._turns(sides) > _CORNER]
+        is_corner = self._turns(sides) > _CORNER
+        self.corners = self.way[:-1][is_corner]
+        unit = sides / np.linalg.norm(sides, axis=1, keepdims=True)
+        along = (unit + np.roll(unit, 1, axis=0))[is_corner]
+        self.inwards = np.stack([-along[:, 1], along[:, 0]], axis=1)
 
     def _turns(self, sides: FloatArray) -> FloatArray:
         """Return by how much the line turns at the beginning of each side [degree]; at open ends by nothing."""
@@ -146,8 +170,12 @@ class _Line:
         """Return the places at a way along the line (n, 2)."""
         return np.stack([np.interp(way, self.way, self.points[:, axis]) for axis in (0, 1)], axis=1)
 
-    def spread(self, points: FloatArray) -> FloatArray:
-        """Return a place on the line for each of a chain of points, in their order and evenly; corners are met."""
+    def spread(self, points: FloatArray, near: float) -> FloatArray:
+        """Return a place on the line for each of a chain of points, in their order and evenly.
+
+        A corner gets the point that lies most along its bisector, of those not farther along the line than the nearest
+        by `near` [mm]: before a hollow corner several are equally near.
+        """
         length = float(self.way[-1])
         _, way = self.nearest(points)
         n = len(way)
@@ -160,11 +188,14 @@ class _Line:
         held = np.zeros(n, dtype=bool)
         if not self.is_closed:
             held[[0, -1]] = True
-        for corner in self.corners.tolist():
+        for corner, inwards, place in zip(self.corners.tolist(), self.inwards, self.at(self.corners), strict=True):
             apart = (way - corner + 0.5 * length) % length - 0.5 * length if self.is_closed else way - corner
-            nearest = int(np.argmin(np.where(held, np.inf, np.abs(apart))))
-            way[nearest] -= apart[nearest]
-            held[nearest] = True
+            off = np.where(held, np.inf, np.abs(apart))
+            away = points - place
+            cosine = (away @ inwards) / np.linalg.norm(away, axis=1)
+            chosen = int(np.argmax(np.where(off <= off.min() + near, cosine, -np.inf)))
+            way[chosen] -= apart[chosen]
+            held[chosen] = True
         for _ in range(_ROUNDS):
             before, after = np.roll(way, 1), np.roll(way, -1)
             before[0] -= turns
@@ -185,7 +216,9 @@ def _keep_squares(line: _Line, size: float, symmetry: Sequence[bool]) -> tuple[F
     x, y = np.meshgrid(*grid, indexing="ij")
     points = np.column_stack([x.ravel(), y.ravel()])
     distance, _ = line.nearest(points)
-    good = ((distance >= _INSIDE * size) & _is_inside(points, polygon, 1e-9 * size)).reshape(x.shape)
+    # a little inwards, for nodes in symmetry planes lie on the polygon
+    shifted = points + 1e-9 * size * (polygon.mean(axis=0) - points) / np.ptp(polygon, axis=0).max()
+    good = ((distance >= _INSIDE * size) & contains(list_sides(polygon), shifted)).reshape(x.shape)
     kept = _drop_thin(good[:-1, :-1] & good[1:, :-1] & good[1:, 1:] & good[:-1, 1:], symmetry)
     if not kept.any():
         raise _too_narrow(size)
@@ -225,19 +258,6 @@ def _drop_thin(kept: BoolArray, symmetry: Sequence[bool]) -> BoolArray:
         kept = kept & ~thin
 
 
-def _is_inside(points: FloatArray, polygon: FloatArray, tolerance: float) -> BoolArray:
-    """Say which points lie within a polygon, its stretches in symmetry planes included."""
-    shifted = points + tolerance * (polygon.mean(axis=0) - points) / np.ptp(polygon, axis=0).max()
-    inside = np.zeros(len(points), dtype=bool)
-    x, y = shifted.T
-    for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        if a[1] == b[1]:
-            continue
-        crosses = (a[1] > y) != (b[1] > y)
-        inside ^= crosses & (x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
-    return inside
-
-
 def _smooth(points: FloatArray, cells: IntArray, held: Keys, symmetry: Sequence[bool]) -> FloatArray:
     """Move nodes to the middle of those that share a side with them; held ones stay, those on planes stay there."""
     sides = np.unique(np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1), axis=0)
@@ -255,15 +275,13 @@ def _smooth(points: FloatArray, cells: IntArray, held: Keys, symmetry: Sequence[
     return points
 
 
-def _check(points: FloatArray, cells: IntArray) -> None:
-    """Raise MeshError where a cell's corner is nearly flat or turned over."""
+def _find_flattest(points: FloatArray, cells: IntArray) -> tuple[float, FloatArray]:
+    """Return the least sine of the cells' corners, below zero where a cell is turned over, and that cell's middle."""
     corners = points[cells]
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    sines = corner_jacobians(points, cells) / (sides * np.roll(sides, 1, axis=1))
-    worst = int(np.argmin(sines.min(axis=1)))
-    if sines[worst].min() < _FLATTEST:
-        x, y = corners[worst].mean(axis=0)
-        raise MeshError(f"the outline cannot be meshed near ({x:.4g}, {y:.4g})", "smooth it, or use smaller elements")
+    sines = (corner_jacobians(points, cells) / (sides * np.roll(sides, 1, axis=1))).min(axis=1)
+    worst = int(np.argmin(sines))
+    return float(sines[worst]), corners[worst].mean(axis=0)
 
 
 def _too_narrow(element_size: float) -> MeshError:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.mesh.addendum import widen
 from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
@@ -47,12 +48,19 @@ class PartMesh:
 
 
 def read_part(
-    path: Path, *, scale: float = 1.0, draw_direction: str = "-z", element_size: float | None = None
+    path: Path,
+    *,
+    scale: float = 1.0,
+    draw_direction: str = "-z",
+    element_size: float | None = None,
+    addendum: float = 0.0,
+    symmetry: tuple[bool, bool] = (False, False),
 ) -> tuple[PartMesh, tuple[str, ...]]:
     """Read a part; return it and notes on what was changed.
 
     scale: factor of the file's coordinates to mm. draw_direction: the punch's way in the file's axes, as "-z".
-    element_size: edges of triangles that are longer are cut in halves [mm]; quadrilaterals stay.
+    element_size: edges of triangles that are longer are cut in halves [mm]; quadrilaterals stay. addendum: width of a
+    level flange that is added round the part [mm], but for symmetry planes x = 0 | y = 0.
     Points that coincide are merged, cells without area dropped, cells wound against most of the part turned over.
     Raises MeshError for what is no single open sheet, and for undercuts.
     """
@@ -68,6 +76,9 @@ def read_part(
     cells = _face_up(points, cells)
     _check_undercut(points, cells)
     points, cells = _drop_unused(points, cells)
+    if addendum:
+        points, cells = _widen(points, cells, addendum, symmetry)
+        notes.append(f"a level flange {addendum:.4g} mm wide was added to the part's outline")
     if element_size is not None:
         before = len(cells[0])
         points, triangles = refine_edges(points, cells[0], element_size) if before else (points, cells[0])
@@ -76,11 +87,7 @@ def read_part(
         if len(triangles) > before:
             notes.append(f"edges over {element_size:.4g} mm were halved: {before} triangles became {len(triangles)}")
         cells = (triangles, cells[1])
-    rims = find_rims(points, _as_triangles(cells))
-    if not rims:
-        raise MeshError("the part is a closed body", "give its mid-surface, or one face of it")
-    rims.sort(key=lambda rim: -_length(points[rim]))
-    return PartMesh(points, *cells, tuple(rims)), tuple(notes)
+    return PartMesh(points, *cells, _sorted_rims(points, cells)), tuple(notes)
 
 
 Cells = tuple[IntArray, IntArray]
@@ -226,6 +233,22 @@ def _drop_unused(points: FloatArray, cells: Cells) -> tuple[FloatArray, Cells]:
     split = 3 * len(cells[0])
     renumbered: IntArray = numbers.astype(np.int32)
     return points[used], (renumbered[:split].reshape(-1, 3), renumbered[split:].reshape(-1, 4))
+
+
+def _sorted_rims(points: FloatArray, cells: Cells) -> tuple[IntArray, ...]:
+    """Return the loops of open edges, the longest first. Raises MeshError if there is none."""
+    rims = find_rims(points, _as_triangles(cells))
+    if not rims:
+        raise MeshError("the part is a closed body", "give its mid-surface, or one face of it")
+    return tuple(sorted(rims, key=lambda rim: -_length(points[rim])))
+
+
+def _widen(points: FloatArray, cells: Cells, width: float, symmetry: tuple[bool, bool]) -> tuple[FloatArray, Cells]:
+    """Add a flange, of triangles to a part of triangles alone."""
+    points, flange = widen(points, _sorted_rims(points, cells)[0], width, symmetry)
+    if len(cells[1]):
+        return points, (cells[0], np.concatenate([cells[1], flange]))
+    return points, (_as_triangles((cells[0], flange)), cells[1])
 
 
 def refine_edges(points: FloatArray, triangles: IntArray, size: float) -> tuple[FloatArray, IntArray]:

@@ -7,6 +7,9 @@ import numpy as np
 
 from presswork.model import BoolArray, FloatArray
 
+_AT_A_TIME = 200_000
+"""Pairs of points and sides held in memory."""
+
 
 def list_sides(polygon: FloatArray) -> FloatArray:
     """Return the sides (m, 2, 2): start and end."""
@@ -26,11 +29,14 @@ def contains(sides: FloatArray, points: FloatArray) -> BoolArray:
 
 def measure_distance(sides: FloatArray, points: FloatArray) -> FloatArray:
     """Return the distance of points (n, 2) to the nearest of sides (m, 2, 2) (n,) [mm]."""
+    start, along = sides[:, 0], sides[:, 1] - sides[:, 0]
+    square = np.maximum((along**2).sum(axis=1), 1e-300)
     nearest = np.full(len(points), np.inf)
-    for start, end in sides:
-        along = end - start
-        part = np.clip((points - start) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
-        nearest = np.minimum(nearest, ((points - start - part[:, None] * along) ** 2).sum(axis=1))
+    rows = max(1, _AT_A_TIME // len(sides))
+    for first in range(0, len(points), rows):
+        away = points[first : first + rows, None] - start
+        part = np.clip((away * along).sum(axis=2) / square, 0.0, 1.0)
+        nearest[first : first + rows] = ((away - part[..., None] * along) ** 2).sum(axis=2).min(axis=1)
     return np.asarray(np.sqrt(nearest))
 
 
@@ -69,9 +75,23 @@ def polygon_area(polygon: FloatArray) -> float:
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
-def find_corners(polygon: FloatArray, least_turn: float) -> FloatArray:
-    """Return the corners (n, 2) of a polygon (m, 2) at which it turns by more than an angle [rad]."""
+def find_corners(polygon: FloatArray, sharp: float, tight: float, window: float) -> FloatArray:
+    """Return the corners (n, 2) of a polygon (m, 2).
+
+    They are the points where it turns by more than `sharp` [rad], and the middles of bends that turn by more than
+    `tight` within a length `window` [mm], none of which lies in another one's window.
+    """
     into = polygon - np.roll(polygon, 1, axis=0)
     out = np.roll(polygon, -1, axis=0) - polygon
-    cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
-    return np.asarray(polygon[np.abs(np.arctan2(cross, (into * out).sum(axis=1))) > least_turn])
+    turn = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1))
+    length = np.linalg.norm(out, axis=1)
+    at, whole = np.cumsum(length) - length, float(length.sum())
+    ahead = (at - at[:, None] + 0.5 * whole) % whole - 0.5 * whole
+    within = np.abs(ahead) <= 0.5 * window
+    bend = np.abs(within @ turn)
+    lopsided = np.abs((within * ahead) @ turn) / window  # zero in the middle of a bend
+    corners = np.flatnonzero(np.abs(turn) > sharp).tolist()
+    for i in np.argsort(lopsided - bend).tolist():
+        if bend[i] > tight and not within[i, corners].any():
+            corners.append(i)
+    return np.asarray(polygon[sorted(corners)])

@@ -21,6 +21,19 @@ from presswork.procedure.one_step_part import OneStepError
 from presswork.results import OutputError, Result
 
 _BAD_INPUT, _GAVE_UP = 2, 3
+_IN_CASE = {
+    "material": "blank.material",
+    "thickness": "blank.thickness",
+    "rolling": "blank.rolling_direction",
+    "bhf": "process.holder_force",
+    "mu": "process.mu",
+    "draw_direction": "part.draw_direction",
+    "unit": "part.unit",
+    "symmetry": "part.symmetry",
+    "element_size": "part.element_size",
+    "addendum": "part.addendum",
+}
+"""Options that a case file has keys for."""
 _console = Console(stderr=True, highlight=False, soft_wrap=True)
 
 
@@ -34,6 +47,7 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
 
     @app.command()
     def onestep(
+        context: typer.Context,
         part: Annotated[Path, typer.Argument(help="The part's mid-surface (STL or mesh), or a case (TOML).")],
         material: Annotated[
             str | None, typer.Option(help="A material of the library (`presswork materials`) or a material file.")
@@ -55,16 +69,23 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
             Path | None,
             typer.Option(help="Write a stamping (TOML) that starts from the blank and waits for its tools."),
         ] = None,
+        addendum: Annotated[str, typer.Option(help="Width of a level flange to add to the part's outline [mm].")] = "0",
         output: Annotated[Path | None, typer.Option(help="Output folder; default: the part's name beside it.")] = None,
         overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
         threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core.")] = 0,
         plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
     ) -> None:
         """Find the flat blank of a finished part: outline, thinning, formability, punch force."""
+        if part.suffix == ".toml":
+            _refuse_options(context)
         model = _load(
             part, material, thickness,
-            {"holder_force": bhf, "mu": mu},
-            {"draw_direction": draw_direction, "unit": unit, "symmetry": symmetry or [], "element_size": element_size},
+            {"holder_force": _plain(bhf), "mu": mu},
+            {
+                "draw_direction": draw_direction, "unit": unit, "symmetry": symmetry or [],
+                "addendum": _plain(addendum),
+                "element_size": None if element_size is None else _plain(element_size),
+            },
             rolling,
         )  # fmt: skip
         folder = output or part.with_suffix("")
@@ -78,6 +99,17 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
             _refuse(str(error))
         if plot:
             draw(result)
+
+
+def _refuse_options(context: typer.Context) -> None:
+    """Stop where options of the part and its process are given beside a case file, which holds them."""
+    given = [
+        f"--{name.replace('_', '-')} ({_IN_CASE[name]})"
+        for name in _IN_CASE
+        if getattr(context.get_parameter_source(name), "name", "") == "COMMANDLINE"
+    ]
+    if given:
+        _refuse(f"a case file says all of the part and its process: set these in it: {', '.join(given)}")
 
 
 def compute(
@@ -144,11 +176,9 @@ def _load(
             "analysis": "onestep",
             "part": {"path": str(part.resolve()), **{k: v for k, v in file.items() if v is not None}},
             "blank": {"material": name, "thickness": _plain(thickness), "rolling_direction": _plain(rolling)},
-            "process": {**process, "holder_force": _plain(process["holder_force"])},
+            "process": process,
             "materials": {name: {"library": str(Path(material).resolve()) if material.endswith(".toml") else material}},
         }
-        if isinstance(data["part"].get("element_size"), str):
-            data["part"]["element_size"] = _plain(data["part"]["element_size"])
         return build_onestep_model(OneStepCase.from_data(data))
     except CaseError as error:
         _refuse(str(error))

@@ -49,6 +49,11 @@ class RigidTool:
         self._refuse_second_motion("follow")
         self._way = (self._unit(direction), motion)
 
+    def stop(self) -> None:
+        """Let it stand still where it is, whatever has moved or pushed it; then it may be moved or pushed anew."""
+        self._velocity, self._way, self._force, self.mass = np.zeros(3), None, None, None
+        self._loop.move_tool(self.number)
+
     def push(
         self,
         direction: npt.ArrayLike,
@@ -135,7 +140,6 @@ class ToolsOfRun:
 
     _loop: Loop
     _nodes: npt.NDArray[np.intp]
-    _elements: npt.NDArray[np.intp]
     _reference: tuple[float, float] | None
     cycle: int
     time: float
@@ -154,18 +158,19 @@ class ToolsOfRun:
         mu: float = 0.0,
         penalty: float = 0.1,
         damping: float = 0.1,
-        cells: bool = False,
+        edges: bool = True,
         thickness: bool = True,
     ) -> RigidTool:
         """Let the sheet touch a rigid tool from now on.
 
         mu: Coulomb's coefficient. penalty: contact stiffness over nodal mass/dt^2. damping: of contact, over critical.
-        cells: the shells' middles touch, too, and not the nodes alone. thickness: the sheet touches with its surface,
-        half the present thickness off the mid-surface, and not with that. Raises ExplicitError.
+        edges: where the tool turns by more than 29 degrees within half the sheet's longest edge, edges touch between
+        their nodes, too. thickness: the sheet touches with its surface, half the present thickness off the mid-surface,
+        and not with that. Raises ExplicitError.
         """
         check_grip(name, list(self.tools), mu, penalty, damping)
         number = self._loop.add_tool(
-            surface, friction=mu, penalty=penalty, damping=damping, cells=cells, thickness=thickness
+            surface, friction=mu, penalty=penalty, damping=damping, edges=edges, thickness=thickness
         )
         tool = RigidTool(self._loop, number, name, penalty)
         self.tools[name] = tool
@@ -220,7 +225,10 @@ class ToolsOfRun:
 
     def _name_point(self, point: int) -> str:
         n = len(self._nodes)
-        return f"node {self._nodes[point]}" if point < n else f"the middle of shell {self._elements[point - n]}"
+        if point < n:
+            return f"node {self._nodes[point]}"
+        a, b = sorted(int(self._nodes[i]) for i in self._loop.edge_nodes(point - n))
+        return f"the edge between nodes {a} and {b}"
 
 
 def check_grip(name: str, taken: list[str], mu: float, penalty: float, damping: float) -> None:

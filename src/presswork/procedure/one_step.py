@@ -27,6 +27,8 @@ MOVE_TOLERANCE = 1e-7
 """Largest correction over the size of the part."""
 MAX_ITERATIONS = 60
 _SHORTEST_STEP = 2.0**-12
+_TORN = -1.0
+"""Thickness strain that no sheet bears: 63 % thinner. Equilibria beyond are necks of one row of triangles."""
 _SLIP_SCALE = 0.25
 """Slip over thickness at which friction is near its full size, so that its direction has a derivative."""
 
@@ -240,6 +242,27 @@ class OneStep:
     def go_on(self, solution: OneStepSolution, *, on_iteration: Callable[[int, float], None] | None = None) -> None:
         """Bring a solution into equilibrium, as after other friction was set. Raises OneStepError."""
         self._iterate(solution, self.problem.law, 1.0, on_iteration, with_friction=True)
+        if self._thickness_strains(solution.blank).min() < _TORN:
+            raise OneStepError(f"the sheet would tear: {self._say_thinnest(solution.blank)}")
+
+    def _thickness_strains(self, blank: FloatArray) -> FloatArray:
+        """Return those of the triangles (n,)."""
+        part = self.problem.part
+        first, second = (blank[part.triangles[:, k]] - blank[part.triangles[:, 0]] for k in (1, 2))
+        flat = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+        edges = part.edges
+        formed = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]
+        return np.asarray(np.log(np.maximum(flat, 1e-300) / formed))
+
+    def _say_thinnest(self, blank: FloatArray) -> str:
+        """Say how thin the sheet is where it is thinnest, and where that is."""
+        part, strain = self.problem.part, self._thickness_strains(blank)
+        thinnest = int(np.argmin(strain))
+        place = ", ".join(f"{x:.4g}" for x in part.points[part.triangles[thinnest]].mean(axis=0))
+        return (
+            f"it is {-100.0 * np.expm1(strain[thinnest]):.0f} % thinner near ({place}) mm; the part is too deep there "
+            "for this sheet in one draw, or its mesh too coarse at that radius"
+        )
 
     def _place(self, start: FloatArray) -> FloatArray:
         """Lay the first guess over the part as a rigid body, and what is held onto its symmetry plane."""
@@ -277,8 +300,8 @@ class OneStep:
                 break
         else:
             raise OneStepError(
-                f"the blank was not found in {MAX_ITERATIONS} iterations (unbalanced force {error:.1e} of the flow "
-                "force): the part may be too deep for this sheet, or its mesh too coarse at its radii"
+                f"no equilibrium was found in {MAX_ITERATIONS} iterations (unbalanced force {error:.1e} of the flow "
+                f"force); in the last, {self._say_thinnest(blank)}"
             )
 
     def _correct(self, data: FloatArray, balance: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -325,7 +348,7 @@ class OneStep:
             if step < _SHORTEST_STEP:
                 if is_usable:
                     return new, new_held
-                raise OneStepError("a triangle turns over in the blank however small the step")
+                raise OneStepError(f"no equilibrium was found: as it is sought, {self._say_thinnest(blank)}")
             step *= 0.5
 
 

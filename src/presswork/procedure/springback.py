@@ -32,10 +32,14 @@ from presswork.results.formability import formability_fields
 TRIM, NAME = "trim", "springback"
 ELEMENTS: dict[int, ShellElement] = {3: "shell3_mitc_plus", 4: "shell4_mitc_plus"}
 """By number of nodes."""
+SYMMETRY = tuple(tuple(i in held for i in range(6)) for held in ((0, 4, 5), (1, 3, 5)))
+"""What planes normal to x and y hold: a displacement and two rotations."""
 APART = 0.2
 """Least distance of the nodes that hold the sheet, over the blank's length and width."""
 STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
 """Columns of the history that lose the elastic energy which springback sets free."""
+WORTH_A_WARNING = 0.2
+"""Of an element by which the trimmed outline misses its line."""
 SHARE = 0.03
 """Of the whole process that springback counts as in the progress display."""
 
@@ -84,7 +88,7 @@ def hold_rigidly(points: FloatArray, symmetry: tuple[bool, bool]) -> dict[int, t
 def make_springback_model(model: StampingModel, mesh: Mesh) -> Model:
     """Return the Model of the released sheet; mesh: undeformed."""
     springback = model.springback or Springback()
-    planes = [s for s in model.supports if s.node_set in ("symmetry_x", "symmetry_y")]
+    planes = [s for s in model.supports if s.fix in SYMMETRY]
     blocks = tuple(replace(block, element=ELEMENTS[block.connectivity.shape[1]]) for block in mesh.blocks)
     node_sets = dict(mesh.node_sets)
     supports = list(planes)
@@ -300,7 +304,11 @@ class ReleasedStamping:
             return summary
         if self._released.trimmed is not None:
             cells = sum(len(block.connectivity) for block in self.mesh.blocks)
-            summary[TRIM] = {"cells": cells, "off_line_mm": self._released.trimmed.off_line}
+            miss = self._released.trimmed.off_line
+            summary[TRIM] = {"cells": cells, "off_line_mm": miss}
+            if miss > WORTH_A_WARNING * self._released.trimmed.element_size:
+                text = f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there"
+                summary["warnings"] = [*summary["warnings"], text]
         if self.model.springback is None:
             return summary
         way = np.linalg.norm(self._moved(), axis=1)

@@ -25,12 +25,11 @@ class StampingTools:
 
     def __init__(self, model: StampingModel, shells: ExplicitShells) -> None:
         self._model = model
-        self._tools = [shells.add_tool(t.name, t.shape.surface(), mu=t.mu) for t in model.tools]
+        edges = model.explicit.contact_points == "edges"
+        self._tools = [shells.add_tool(t.name, t.shape.surface(), mu=t.mu, edges=edges) for t in model.tools]
         for tool, at_work in zip(model.tools, self._tools, strict=True):
             at_work.position = tool.position
-            if is_pushed(model, tool):
-                times, forces = tabulate_force(model, tool.name)
-                at_work.push(tool.way, (times, forces / model.whole))
+        self._pushing_mass = float(shells.mass[:, 0].sum())  # a resumed run takes the same
         self._shells = shells
         for bead in model.beads:
             shells.add_bead(bead.line, tabulate_share(model, bead))
@@ -39,10 +38,13 @@ class StampingTools:
         self._samples = 0
 
     def begin_stage(self, number: int) -> None:
-        """Let the tools that move do so as the stage says; their speed is a stroke in the stage's time."""
+        """Let the tools move, push or stand still as the stage says; the speed of strokes is a stroke in its time."""
         stages = self._model.stages
         for tool, at_work in zip(self._model.tools, self._tools, strict=True):
-            if is_pushed(self._model, tool):
+            at_work.stop()
+            if is_pushed_in(self._model, tool, number):
+                times, forces = tabulate_force(self._model, tool.name)
+                at_work.push(tool.way, (times, forces / self._model.whole), mass=self._pushing_mass)
                 continue
             action = stages[number].actions.get(tool.name, ToolAction()) if number < len(stages) else ToolAction()
             at_work.velocity = action.stroke * np.asarray(tool.way)
@@ -131,6 +133,12 @@ def is_pushed(model: StampingModel, tool: StampingTool) -> bool:
     return any(tool.name in s.actions and s.actions[tool.name].force is not None for s in model.stages)
 
 
+def is_pushed_in(model: StampingModel, tool: StampingTool, number: int) -> bool:
+    """Say whether a force places the tool in a stage: the last stage up to this one that names it pushes it."""
+    named = [s.actions[tool.name] for s in model.stages[: number + 1] if tool.name in s.actions]
+    return bool(named) and named[-1].force is not None
+
+
 def tabulate_force(model: StampingModel, name: str) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and forces [N] of a pushed tool on the sheet over the whole process.
 
@@ -140,8 +148,10 @@ def tabulate_force(model: StampingModel, name: str) -> tuple[FloatArray, FloatAr
 
     def force_in(stage: StampingStage, at: FloatArray) -> FloatArray | None:
         action = stage.actions.get(name)
-        if action is None or action.force is None:
+        if action is None:
             return None
+        if action.force is None:  # it is moved
+            return np.zeros(len(at))
         return np.interp(stroke_of(stage).position(at), *action.force.T)
 
     times, forces = _tabulate(model, force_in)

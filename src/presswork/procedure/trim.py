@@ -31,6 +31,8 @@ class TrimmedSheet:
     state: SheetState
     off_line: float
     """The farthest that a trim line is from the outline [mm]."""
+    element_size: float
+    """Mean length of the new outline's edges [mm]."""
 
 
 class TrimError(Exception):
@@ -45,16 +47,18 @@ def trim_sheet(
     mesh: undeformed, with the blocks of the state; elements: of the cells of three and four nodes after the cut, at
     whose points the state is given. Raises TrimError.
     """
-    off_line = 0.0
+    off_line, sizes = 0.0, []
     for line in lines:
         try:
             cut = cut_mesh(state.position, tuple(b.connectivity for b in state.blocks), line.polygon, line.keep)
         except MeshError as error:
             raise TrimError(f"trim.{line.name}: {error}") from error
         off_line = max(off_line, cut.off_line)
+        edges = (cut.weights @ state.position)[cut.cut_edges]
+        sizes.append(float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).mean()))
         state = _cut_state(state, cut, elements)
         mesh = _cut_mesh(mesh, cut, elements)
-    return TrimmedSheet(mesh, state, off_line)
+    return TrimmedSheet(mesh, state, off_line, float(np.mean(sizes)))
 
 
 def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[int, ShellElement]) -> Mesh:

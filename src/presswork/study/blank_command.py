@@ -39,6 +39,7 @@ def blank(
     ] = None,
     output: Annotated[Path | None, typer.Option(help="Folder; default: the case's name with _blank.")] = None,
     threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core.")] = 0,
+    resume: Annotated[bool, typer.Option("--resume", help="Keep the draws that are there and continue.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the search in the folder.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
 ) -> None:
@@ -65,7 +66,7 @@ def blank(
 
             found = find_blank_shape(
                 case, wanted, folder, tolerance=tolerance, most=draws, damping=damping, settings=set_ or [],
-                threads=threads, overwrite=overwrite, on_progress=show, on_draw=tell,
+                threads=threads, resume=resume, overwrite=overwrite, on_progress=show, on_draw=tell,
             )  # fmt: skip
     except (CaseError, OutputError) as error:
         _console.print(f"error: {error}", style="red", markup=False)

@@ -12,28 +12,27 @@ import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 from typing import Any, Literal
 
 import numpy as np
 import tomli_w
 
 from presswork.case import CaseError, StampingCase, build_model
-from presswork.case.blank_outline import read_blank_outline
 from presswork.case.case_file import write_as_run
-from presswork.case.chain import ProfileFileError
 from presswork.case.errors import Problem
+from presswork.case.plan_line import LineFile, draw_line
 from presswork.case.reader import apply_overrides, read_toml
 from presswork.case.stamping_tools import RectangularTool, RoundTool
 from presswork.model import FloatArray
-from presswork.model_stamping import StampingModel
+from presswork.model_stamping import AnyModel, StampingModel
 from presswork.post import FlangeFit, fit_flange
-from presswork.results import OutputError, open_output_folder, write_outline
-from presswork.run import Progress, StartError, run_model
-from presswork.study.table import write_table
+from presswork.results import OutputError, load_checkpoint, open_output_folder, write_outline
+from presswork.results.folder import CHECKPOINT
+from presswork.run import Outcome, Progress, StartError, fingerprint, run_model
+from presswork.study.table import read_summary, write_table
 
 TABLE, CASE, POINTS, DRAWING = "table.csv", "blank.toml", "blank.csv", "blank.dxf"
-_KEPT = ("thickness", "material", "points", "rule", "rolling_direction", "symmetry", "element_size")
+_KEPT = ("thickness", "material", "points", "rule", "rolling_direction", "symmetry", "element_size", "cells")
 """Of the case's blank, whatever its shape."""
 _CHORD = 2.0
 """Degrees between points on the round corners of a target."""
@@ -81,6 +80,7 @@ def find_blank_shape(
     damping: float = 1.0,
     settings: Sequence[str] = (),
     threads: int = 0,
+    resume: bool = False,
     overwrite: bool = False,
     on_progress: Callable[[int, Progress], None] | None = None,
     on_draw: Callable[[Draw], None] | None = None,
@@ -89,12 +89,13 @@ def find_blank_shape(
 
     target: closed outline (n, 2) [mm] of the whole flange; tolerance: largest distance of an edge node from it [mm].
     The case's own blank is drawn first. most: draws; damping: part of each correction that is made, 0 to 1. settings:
-    `key=value` texts that change the case. Everything is written to the folder. Raises CaseError for a case or target
-    that cannot be used, OutputError for a folder that cannot.
+    `key=value` texts that change the case. Everything is written to the folder. With `resume` draws that are there are
+    kept, and one that was stopped goes on. Raises CaseError for a case or target that cannot be used, OutputError for a
+    folder that cannot.
     """
     search = _Search(Path(case_file), settings, target, tolerance, damping)
-    search.open_folder(Path(folder), overwrite)
-    status, reason = search.run(most, threads, on_progress, on_draw)
+    search.open_folder(Path(folder), resume, overwrite)
+    status, reason = search.run(most, threads, resume, on_progress, on_draw)
     if search.draws:
         search.leave_best()
     return BlankShape(status, reason, search.folder, target, tuple(search.draws))
@@ -102,10 +103,10 @@ def find_blank_shape(
 
 def read_target(path: Path) -> FloatArray:
     """Return the target's outline in a DXF or CSV file (n, 2) [mm]. Raises CaseError."""
-    try:
-        return read_blank_outline(path)
-    except ProfileFileError as error:
-        raise CaseError([Problem("--target", error.fault, error.remedy)], path) from error
+    line = draw_line(LineFile(shape="file", path=str(path)), "--target", Path())
+    if isinstance(line, Problem):
+        raise CaseError([Problem("--target", line.expected, line.remedy)], path)
+    return line
 
 
 def surround_opening(case_file: Path | str, width: float, settings: Sequence[str] = ()) -> FloatArray:
@@ -148,24 +149,38 @@ class _Search:
         data, _ = read_toml(case_file)
         apply_overrides(data, settings, case_file)
         self.case = StampingCase.from_toml(case_file, settings)  # says all that is wrong, by the case's own name
+        if self.case.trim:
+            fault = "the drawn flange is compared with the target, and a trim line would cut it"
+            raise CaseError([Problem("trim", fault, "leave the trim lines out")], case_file)
         model = build_model(self.case)
         assert isinstance(model, StampingModel)
         self.data: dict[str, Any] = tomllib.loads(write_as_run(data, case_file.parent))
         self.element_size = getattr(self.case.blank, "element_size", None) or _mean_size(model)
         self.draws: list[Draw] = []
 
-    def open_folder(self, folder: Path, overwrite: bool) -> None:
+    def open_folder(self, folder: Path, resume: bool, overwrite: bool) -> None:
         """Create the folder, or see that it may be used."""
-        if (folder / TABLE).exists() and not overwrite:
-            raise OutputError(f"{folder} already holds a search; choose another folder, or run with --overwrite")
+        if resume and overwrite:
+            raise OutputError(
+                "--overwrite and --resume exclude each other: the first deletes what the second continues"
+            )
+        present = sorted(folder.glob("draw_*"))
+        if resume and not present:
+            raise OutputError(f"there is no search in {folder} to resume; run without --resume to start anew")
+        if present and not (resume or overwrite):
+            raise OutputError(
+                f"{folder} already holds a search ({len(present)} draws); choose another folder, or run with "
+                "--overwrite to replace it or --resume to continue"
+            )
         self.folder = open_output_folder(folder)
-        for path in folder.glob("draw_*") if overwrite else ():
+        for path in present if overwrite else ():
             shutil.rmtree(path)
 
     def run(
         self,
         most: int,
         threads: int,
+        resume: bool,
         on_progress: Callable[[int, Progress], None] | None,
         on_draw: Callable[[Draw], None] | None,
     ) -> tuple[Status, str]:
@@ -174,17 +189,17 @@ class _Search:
 
         outline: FloatArray | None = None
         for number in range(most):
-            started, folder = perf_counter(), self.folder / f"draw_{number:02d}"
+            folder = self.folder / f"draw_{number:02d}"
             try:
                 model = build_model(self.write_case(number, outline))
                 show = None if on_progress is None else lambda now, n=number: on_progress(n, now)
-                outcome = run_model(model, folder, threads=threads, on_increment=show)
+                outcome = _draw(model, folder, threads, resume, show)
             except (CaseError, StartError) as error:
                 return "gave_up", f"draw {number} cannot be started: {error}"
             if outcome.status != "completed":
                 return outcome.status, f"draw {number}: {outcome.reason}"
             fit = fit_flange(outcome.result, self.target)
-            self.draws.append(Draw(number, folder, fit, perf_counter() - started))
+            self.draws.append(Draw(number, folder, fit, read_summary(folder)["wall_seconds"]["total"]))
             write_table(self.folder / TABLE, [self.row(draw) for draw in self.draws])
             draw_outlines(self.draws, self.target, self.folder)
             if on_draw is not None:
@@ -249,6 +264,20 @@ class _Search:
             write_outline([best.fit.blank], self.folder / DRAWING)
         except OutputError:
             (self.folder / DRAWING).unlink(missing_ok=True)  # without ezdxf: the points say the same
+
+
+def _draw(
+    model: AnyModel, folder: Path, threads: int, resume: bool, show: Callable[[Progress], None] | None
+) -> Outcome:
+    """Draw a blank; with `resume` what is in the folder is kept, or goes on. Raises OutputError if it is of another."""
+    if not (resume and (folder / CHECKPOINT).is_file()):
+        return run_model(model, folder, overwrite=resume, threads=threads, on_increment=show)
+    _, meta = load_checkpoint(folder / CHECKPOINT)
+    if meta["model"] != fingerprint(model):
+        raise OutputError(f"{folder} belongs to another case or target: resume with all as it was, or use --overwrite")
+    if read_summary(folder).get("status") == "completed":
+        return Outcome("completed", folder)
+    return run_model(model, folder, resume=True, threads=threads, on_increment=show)
 
 
 def _mean_size(model: StampingModel) -> float:

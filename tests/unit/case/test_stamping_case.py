@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe, read_case
+from presswork.mesh.polygon import polygon_area
 from presswork.model_stamping import StampingModel
 
 CUP: dict[str, Any] = {
@@ -219,8 +220,16 @@ def test_a_blank_from_a_file_is_cut_where_its_mesh_ends(tmp_path: Path) -> None:
     assert [s.node_set for s in model.supports] == ["symmetry_x", "symmetry_y"]
     assert len(model.mesh.node_sets["symmetry_x"]) == 4
     assert len(model.mesh.node_sets["edge"]) == 7
-    (tmp_path / "blank.inp").write_text("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3\n1, 1, 2, 3\n")
-    with pytest.raises(CaseError, match=r"blank.path.*not quadrilaterals alone: tri3"):
+    text = (tmp_path / "blank.inp").read_text()
+    triangles = [(i, i + 1, i + 5) for i in (1, 2, 3, 5, 6, 7, 9, 10, 11)]
+    triangles += [(i, i + 5, i + 4) for i in (1, 2, 3, 5, 6, 7, 9, 10, 11)]
+    rows = "\n".join(f"{k + 1}, {a}, {b}, {c}" for k, (a, b, c) in enumerate(triangles))
+    (tmp_path / "blank.inp").write_text(f"{text.partition('*ELEMENT')[0]}*ELEMENT, TYPE=S3\n{rows}\n")
+    for procedure, element in (("explicit", "shell3_one_point"), ("implicit", "shell3_mitc_plus")):
+        (block,) = build(blank=blank, procedure=procedure).mesh.blocks
+        assert (block.element, block.connectivity.shape) == (element, (18, 3))
+    (tmp_path / "blank.inp").write_text(f"{text}*ELEMENT, TYPE=S3\n101, 1, 2, 6\n")
+    with pytest.raises(CaseError, match=r"blank.path.*neither quadrilaterals alone nor triangles alone: quad4, tri3"):
         build(blank=blank)
     write_blank(tmp_path / "blank.inp", low=-3)
     with pytest.raises(CaseError, match=r"blank.symmetry.*symmetry plane x = 0: it reaches from -3 mm"):
@@ -237,5 +246,95 @@ def test_the_implicit_procedure_takes_the_same_case_on_the_same_mesh() -> None:
     np.testing.assert_array_equal(implicit.mesh.blocks[0].connectivity, explicit.mesh.blocks[0].connectivity)
     assert implicit.mesh.blocks[0].element == "shell4_mitc"
     assert "cut back and grown" in describe(implicit)
-    with pytest.raises(CaseError, match="springback follows explicit forming alone"):
-        build_model(StampingCase.model_validate({**CUP, "procedure": "implicit", "springback": {}}))
+
+
+LINE = {"shape": "polygon", "points": [[-30, -30], [30, -30], [30, 30], [-30, 30]]}
+
+
+def test_a_trim_line_becomes_a_polygon(tmp_path: Path) -> None:
+    """Area of each line against its formula, whatever it is drawn by."""
+    (tmp_path / "line.csv").write_text("x, y\n-30, -30\n30, -30\n30, 30\n-30, 30\n")
+    shapes = {
+        "a": (LINE, 3600.0),
+        "b": (LINE | {"corner_radius": 10}, 3600.0 - (4 - np.pi) * 100),
+        "c": ({"shape": "rectangle", "size": [50, 30], "corner_radius": 5, "centre": [3, 4]}, 1500 - (4 - np.pi) * 25),
+        "d": ({"shape": "circle", "diameter": 40, "centre": [1, 0]}, np.pi * 400),
+        "e": ({"shape": "file", "path": str(tmp_path / "line.csv")}, 3600.0),
+    }
+    for line in build(trim={name: shape for name, (shape, _) in shapes.items()}).trim:
+        assert polygon_area(line.polygon) == pytest.approx(shapes[line.name][1], rel=1e-4)
+        assert line.keep == "inside"
+    words = describe(build(trim={"hole": {"shape": "circle", "diameter": 40, "keep": "outside"}}, springback={}))
+    assert "then trim hole: what lies outside of a line over x -20 to 20 mm, y -20 to 20 mm stays" in words
+
+
+def test_a_trim_line_is_read_from_a_drawing(tmp_path: Path) -> None:
+    ezdxf = pytest.importorskip("ezdxf")
+    drawing = ezdxf.new(units=5)  # cm
+    space = drawing.modelspace()
+    space.add_line((-3, -2), (3, -2), {"layer": "trim"})
+    space.add_arc((3, 0), 2, -90, 90, dxfattribs={"layer": "trim"})
+    space.add_line((3, 2), (-3, 2), {"layer": "trim"})
+    space.add_circle((0, 0), 1, {"layer": "hole"})
+    path = tmp_path / "line.dxf"
+    drawing.saveas(path)
+    line = {"shape": "file", "path": str(path), "layer": "trim"}
+    with pytest.raises(CaseError, match=r"trim.t.path.*the line is open, from \(-30, -20\) to \(-30, 20\)"):
+        build(trim={"t": line})
+    space.add_line((-3, 2), (-3, -2), {"layer": "trim"})
+    drawing.saveas(path)
+    trim = build(trim={"t": line, "hole": line | {"layer": "hole", "keep": "outside"}}).trim
+    assert polygon_area(trim[0].polygon) == pytest.approx(60 * 40 + 0.5 * np.pi * 400, rel=1e-4)
+    assert abs(polygon_area(trim[1].polygon)) == pytest.approx(np.pi * 100, rel=1e-4)
+
+
+@pytest.mark.parametrize(("line", "fragments"), [
+    ({"shape": "circle", "diameter": 0}, ["trim.t.diameter", "> 0"]),
+    ({"shape": "circle", "diameter": 102}, ["trim.t", "cuts nothing off", "runs round all of the blank", "0 to 50"]),
+    ({"shape": "circle", "diameter": 102, "keep": "outside"}, ["trim.t", "nothing is left outside of the line"]),
+    ({"shape": "circle", "diameter": 20, "centre": [80, 0]}, ["nothing is left inside", "beside the blank"]),
+    ({"shape": "circle", "diameter": 20, "centre": [80, 0], "keep": "outside"}, ["nothing off", "beside the blank"]),
+    ({"shape": "circle", "diameter": 2, "centre": [3, 3], "keep": "outside"}, ["nothing off", "within one element"]),
+    ({"shape": "rectangle", "size": [20, 0]}, ["trim.t.size", "two values > 0"]),
+    ({"shape": "rectangle", "size": [20, 30], "corner_radius": 11}, ["corner_radius", "at most 10 fits"]),
+    ({"shape": "polygon", "points": [[0, 0], [1, 1]]}, ["trim.t.points", "3"]),
+    ({"shape": "polygon", "points": [[0, 0], [30, 30], [30, 0], [0, 30]]}, ["trim.t", "crosses", "(15, 15)"]),
+    ({"shape": "polygon", "points": [[0, 0], [0, 0], [30, 0], [0, 30]]}, ["trim.t.points.1", "coincides"]),
+    (LINE | {"corner_radius": 31}, ["trim.t.points", "at most 30 mm fits"]),
+    ({"shape": "file", "path": "nothing.dxf"}, ["trim.t.path = \"nothing.dxf\"", "no such file"]),
+    ({"shape": "file", "path": "nothing.dxf", "unit": "kg"}, ["trim.t.unit", "unit of length"]),
+    (LINE | {"keep": "left"}, ["trim.t.keep", "inside"]),
+])  # fmt: skip
+def test_bad_trim_lines_are_named_before_computing(line, fragments) -> None:
+    with pytest.raises(CaseError) as caught:
+        build(trim={"t": line})
+    for fragment in fragments:
+        assert fragment in str(caught.value)
+
+
+def test_a_blank_is_meshed_inside_an_outline(tmp_path: Path) -> None:
+    """An octagon: its area, quarter of it, and triangles alone."""
+    corners = [(35, -15), (35, 15), (15, 35), (-15, 35), (-35, 15), (-35, -15), (-15, -35), (15, -35)]
+    path = tmp_path / "blank.csv"
+    path.write_text("\n".join(f"{x}, {y}" for x, y in corners))
+    blank = {k: v for k, v in CUP["blank"].items() if k != "diameter"}
+    blank |= {"shape": "outline", "path": str(path), "element_size": 3}
+    for cells, kinds in (("quadrilaterals", [4]), ("triangles", [3])):
+        model = build(blank=blank | {"cells": cells})
+        assert [b.connectivity.shape[1] for b in model.mesh.blocks] == kinds
+        assert model.cells.shape[1] == 4
+        corners_of_cells = model.mesh.points[model.cells][..., :2]
+        x, y = np.moveaxis(corners_of_cells, -1, 0)
+        area = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum()
+        assert area == pytest.approx((70 * 70 - 2 * 20 * 20) / 4, rel=1e-9)
+        assert [s.node_set for s in model.supports] == ["symmetry_x", "symmetry_y"]
+        assert (np.abs(model.mesh.points[model.mesh.node_sets["symmetry_x"], 0]) < 1e-9).all()
+    path.write_text("0, 0\n-10, 0\n-10, -10")
+    with pytest.raises(CaseError, match=r"blank.path.*does not reach the symmetry plane"):
+        build(blank=blank)
+    path.write_text("0, 0\n10, 10\n10, 0\n0, 10")
+    with pytest.raises(CaseError, match=r"blank.path.*crosses"):
+        build(blank=blank)
+    path.write_text("0, 0\n10, 0\n0, 10")
+    with pytest.raises(CaseError, match=r"blank.element_size = 0.001.*more than memory"):
+        build(blank=blank | {"element_size": 0.001})

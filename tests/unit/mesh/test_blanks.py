@@ -53,3 +53,22 @@ def test_a_rectangle_has_its_sets() -> None:
     assert set(mesh.node_sets["symmetry_x"]) == set(mesh.node_sets["left"])
     assert len(mesh.edge_sets["edge"]) == 6 + 6 + 8
     assert mesh.points[mesh.node_sets["edge"], 0].max() == 15.0
+
+
+@pytest.mark.parametrize("symmetry", [[False, False], [True, True]])
+@pytest.mark.parametrize("mesh_blank", [lambda **k: mesh_rectangular_blank((30.0, 20.0), **k),
+                                        lambda **k: mesh_circular_blank(30.0, **k)])  # fmt: skip
+def test_triangles_cover_what_quadrilaterals_cover(mesh_blank, symmetry) -> None:
+    """Four for each, wound alike; sets hold the same nodes, but for the centres in `all`."""
+    quads, triangles = (mesh_blank(element_size=3.0, symmetry=symmetry, triangles=t) for t in (False, True))
+    assert triangles.blocks[0].element == "shell3_one_point"
+    corners = triangles.points[triangles.blocks[0].connectivity]
+    area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+    assert len(area) == 4 * len(quads.blocks[0].connectivity)
+    assert area.min() > 0
+    x, y = np.moveaxis(quads.points[quads.blocks[0].connectivity][..., :2], -1, 0)
+    whole = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum()
+    assert area.sum() == pytest.approx(whole)
+    for name, nodes in quads.node_sets.items():
+        if name != "all":
+            np.testing.assert_array_equal(triangles.node_sets[name], nodes)

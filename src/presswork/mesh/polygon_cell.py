@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Split a polygon of three to six corners into quadrilaterals and triangles of good shape."""
+"""A cell as a polygon: its pieces of good shape, its normal, where a place lies in it."""
 
 from __future__ import annotations
 
@@ -49,3 +49,35 @@ def _least_sine(corners: FloatArray, normal: FloatArray) -> float:
     after, before = np.roll(corners, -1, axis=0) - corners, np.roll(corners, 1, axis=0) - corners
     lengths = np.linalg.norm(after, axis=1) * np.linalg.norm(before, axis=1)
     return float((np.cross(after, before) @ normal / np.maximum(lengths, 1e-300)).min())
+
+
+def find_normal(corners: FloatArray) -> FloatArray:
+    """Return the unit normal of a cell (k, 3)."""
+    centred = corners - corners.mean(axis=0)
+    normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
+    return np.asarray(normal / max(float(np.linalg.norm(normal)), 1e-300))
+
+
+def find_weights(corners: FloatArray, place: FloatArray) -> FloatArray | None:
+    """Return the weights of a cell's corners (k, 2) at a place in it (2,); None outside."""
+    if len(corners) == 3:
+        a, b = corners[1] - corners[0], corners[2] - corners[0]
+        r, s = np.linalg.lstsq(np.column_stack([a, b]), place - corners[0], rcond=None)[0]
+        weights = np.array([1 - r - s, r, s])
+    else:
+        natural = np.zeros(2)
+        for _ in range(20):  # Newton's method on the bilinear map
+            x, y = natural
+            shape = 0.25 * np.array([(1 - x) * (1 - y), (1 + x) * (1 - y), (1 + x) * (1 + y), (1 - x) * (1 + y)])
+            slopes = 0.25 * np.array([[y - 1, 1 - y, 1 + y, -1 - y], [x - 1, -1 - x, 1 + x, 1 - x]])
+            jacobian = (slopes @ corners).T
+            if abs(float(np.linalg.det(jacobian))) < 1e-12 * float(np.ptp(corners, axis=0).max()) ** 2:
+                return None
+            natural = np.clip(natural + np.linalg.solve(jacobian, place - shape @ corners), -2.0, 2.0)
+        x, y = natural
+        weights = 0.25 * np.array([(1 - x) * (1 - y), (1 + x) * (1 - y), (1 + x) * (1 + y), (1 - x) * (1 + y)])
+    return (
+        weights
+        if weights.min() >= -1e-9 and np.abs(weights @ corners - place).max() < 1e-9 * (1 + np.abs(corners).max())
+        else None
+    )
