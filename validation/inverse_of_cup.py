@@ -4,8 +4,8 @@
     python validation/inverse_of_cup.py OUT [element_size] [key=value ...]
 
 draws the packaged example to 15, 20 and 25 mm, hands its mid-surface to the one-step solver, and prints how far the
-blank that it finds lies from the true square of 100 mm, and its thickness strain beside that of the incremental cup.
-A minute with 2 mm.
+blank that it finds lies from the true square of 100 mm, and its thickness strain beside that of the incremental cup;
+then both with a holder ten times softer and stiffer, and with twice its force. A minute with 2 mm.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from presswork.mesh.triangles import find_rims
 from presswork.model import Hardening, Material
 from presswork.model_onestep import OneStepModel
 from presswork.onestep import OneStepResult, solve_one_step
+from presswork.procedure import one_step_loads
 from presswork.run import run_model
 
 DEPTHS = (15.0, 20.0, 25.0)
@@ -138,8 +139,28 @@ def print_inverse(inverse: Inverse, depth: float) -> None:
         )
 
 
+def print_influences(cup: Result) -> None:
+    """Print what the holder's stiffness and its force make of the blank and of the bottom."""
+    start = cup.mesh.points[:, :2]
+    on_edge = np.isclose(start.max(axis=1), start.max())
+    middle, corner = start[on_edge].min(axis=1).argmin(), start[on_edge].min(axis=1).argmax()
+    own = one_step_loads._GIVE
+    for stiffness, holder in ((0.1, 1.0), (1.0, 1.0), (10.0, 1.0), (1.0, 2.0)):
+        one_step_loads._GIVE = own * stiffness
+        for depth in DEPTHS:
+            inverse = find_blank(cup, depth, holder_force=holder * HOLDER_FORCE)
+            off, (true, found), bottom = inverse.off_outline, inverse.strains, inverse.zones()["bottom"]
+            print(
+                f"holder {stiffness:g} times as stiff, {holder:g} times its force, {depth:g} mm: "
+                f"middle {off[middle]:+.2f}, corner {off[corner]:+.2f} mm; punch {inverse.found.punch_force / 1e3:.1f} kN; "
+                f"bottom {found[bottom].mean():.3f}, of the increments {true[bottom].mean():.3f}"
+            )
+    one_step_loads._GIVE = own
+
+
 if __name__ == "__main__":
     size = float(sys.argv[2]) if len(sys.argv) > 2 else 2.0
     drawn = draw_cup(Path(sys.argv[1]), size, *sys.argv[3:])
     for deep in DEPTHS:
         print_inverse(find_blank(drawn, deep), deep)
+    print_influences(drawn)
