@@ -179,7 +179,7 @@ def run_row(element: str, freedoms: int, threads: int, reduction: float) -> dict
         "cells": cells,
         "nodes": nodes,
         "points": procedure.state.eqps[0].shape[1],
-        "nonzeros": len(procedure.equilibrium._data),
+        "nonzeros": len(procedure.equilibrium.system.data),
         "mesh_points": len(model.mesh.points),
         "status": status,
         "increments": increments,

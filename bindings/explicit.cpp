@@ -223,9 +223,12 @@ NewDoubles trial_force(ShellLoop<Real>& self, Doubles increment) {
   require(increment.ndim() == 2 && increment.shape(0) == n && increment.shape(1) == 6,
           "increment must have shape (n_nodes, 6)");
   const auto [position, velocity, states, forces, external, damping] = dump(self);
+  self.hanging.measure(self.nodes, 0, self.hanging.n());
   set_columns(self.nodes.motion.data(), self.nodes.n, 8, 6, increment, "");
   for (std::size_t i = 0; i < n; ++i)
-    for (int j = 0; j < 3; ++j) self.nodes.position.data()[4 * i + j] += increment.data()[6 * i + j];
+    for (int j = 0; j < 3; ++j)
+      if (!self.hanging.has(static_cast<int>(i))) self.nodes.position.data()[4 * i + j] += increment.data()[6 * i + j];
+  self.hanging.move(self.nodes, 1.0, 0, self.hanging.n());
   self.advance_elements(1.0);
   auto array = get_columns(self.internal_force.data(), self.nodes.n, 6, 0, 6);
   restore(self, Doubles(position), Doubles(velocity), {states.begin(), states.end()}, Doubles(forces), external,
@@ -261,6 +264,41 @@ void set_element_masses(ShellLoop<Real>& self, Doubles mass) {
   self.set_masses();
 }
 
+// Positions, state, contact; then the forces there, of elements and tools.
+template <class Real>
+void inherit(ShellLoop<Real>& self, const ShellLoop<Real>& from, Doubles position, Ints node_parents, Ints parent,
+             Doubles share, double dt) {
+  const std::size_t n = self.nodes.n, elements = self.n_elements();
+  require(node_parents.size() == 4 * n && parent.size() == elements && share.size() == elements,
+          "node_parents must have shape (n_nodes, 4), parent and share (n)");
+  require(!self.contact || (from.contact && self.contact->tools.size() == from.contact->tools.size()),
+          "the tools must be those of the other loop");
+  set_columns(self.nodes.position.data(), self.nodes.n, 4, 3, position, "position must have shape (n_nodes, 3)");
+  self.inherit(from, node_parents.data(), parent.data(), share.data());
+  double* none;
+  const NewDoubles rest = new_array({n, 6}, &none);
+  const NewDoubles force = trial_force(self, Doubles(rest));
+  set_columns(self.internal_force.data(), self.nodes.n, 6, 6, Doubles(force), "");
+  require(bool(self.beads) == bool(from.beads), "the beads must be those of the other loop");
+  if (self.beads) self.beads->inherit(*from.beads, dt, self.nodes, self.internal_force.data());
+  std::vector<double> of_tools(3 * n, 0.0);
+  if (self.contact) self.contact->add_forces(of_tools.data());
+  for (std::size_t i = 0; i < n; ++i)
+    for (int k = 0; k < 3; ++k) self.internal_force[6 * i + k] -= static_cast<Real>(of_tools[3 * i + k]);
+  self.give_hanging_forces();
+}
+
+template <class Real>
+void set_hanging(ShellLoop<Real>& self, Ints hanging) {
+  require(hanging.ndim() == 2 && hanging.shape(1) == 7, "hanging must have shape (n, 7)");
+  std::vector<HangingNode> nodes;
+  for (std::size_t i = 0; i < hanging.shape(0); ++i) {
+    const auto* row = hanging.data() + 7 * i;
+    nodes.push_back({row[0], {row[1], row[2]}, {row[3], row[4], row[5], row[6]}});
+  }
+  self.set_hanging(std::move(nodes));
+}
+
 template <class Real>
 NewDoubles bound_frequencies(const ShellLoop<Real>& self) {
   double* squared;
@@ -284,6 +322,13 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
            nb::arg("tabulate") = true, nb::arg("treatment") = Treatment::plain, nb::arg("viscous") = false,
            nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
            "Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.")
+      .def("set_hanging", &set_hanging<Real>, nb::arg("hanging"),
+           "Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the "
+           "whole side and two of those that have half of it.")
+      .def("inherit", &inherit<Real>, nb::arg("other"), nb::arg("position"), nb::arg("node_parents"), nb::arg("parent"),
+           nb::arg("share"), nb::arg("dt"),
+           "Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share "
+           "(n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.")
       .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
            nb::arg("damping") = 0.0,
            "Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; "

@@ -105,7 +105,11 @@ void bind_tools(nb::class_<Loop>& loop) {
           "set_contact_stiffness", [](Loop& self, double dt) { self.set_contact_stiffness(dt); }, nb::arg("dt"),
           "Take the stiffness of contact from the masses and a step [s].")
       .def(
-          "start_contact", [](Loop& self) { contact_of(self).start(self.view(0.0), self.internal_force.data()); },
+          "start_contact",
+          [](Loop& self) {
+            contact_of(self).start(self.view(0.0), self.internal_force.data());
+            self.give_hanging_forces();
+          },
           "Find the forces of tools that are new.")
       .def("deepest", &deepest<Loop>, nb::arg("tool"),
            "Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + an edge.")

@@ -61,19 +61,22 @@ NewDoubles find_distance_bound(const ToolSurface& self, Doubles points, double r
   return bounds;
 }
 
-NewDoubles find_normal_slope(const ToolSurface& self, Doubles points, double reach) {
+auto find_slopes(const ToolSurface& self, Doubles points, double reach) {
   const std::size_t n = count_points(points);
-  double* to;
-  auto slopes = new_array({n, 3, 3}, &to);
+  double *of_gap, *of_normal;
+  auto gap_slopes = new_array({n, 3}, &of_gap);
+  auto normal_slopes = new_array({n, 3, 3}, &of_normal);
   for (std::size_t i = 0; i < n; ++i) {
     Touch touch;
     int hint = -1;
-    double slope[3][3];
-    if (!self.nearest(points.data() + 3 * i, reach, hint, touch, slope)) continue;
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) to[9 * i + 3 * r + c] = slope[r][c];
+    contact::Slopes slopes;
+    if (!self.nearest(points.data() + 3 * i, reach, hint, touch, slopes)) continue;
+    for (int r = 0; r < 3; ++r) {
+      of_gap[3 * i + r] = slopes.gap[r];
+      for (int c = 0; c < 3; ++c) of_normal[9 * i + 3 * r + c] = slopes.normal[r][c];
+    }
   }
-  return slopes;
+  return std::make_tuple(gap_slopes, normal_slopes);
 }
 
 }  // namespace
@@ -83,13 +86,15 @@ void bind_tool_surface(nb::module_& m) {
   nb::class_<ToolSurface>(m, "ToolSurface", "Surface of a rigid tool in its own frame; see tool_surface.hpp.")
       .def_static(
           "triangles",
-          [](Doubles points, Ints triangles, double depth) {
+          [](Doubles points, Ints triangles, double depth, bool smooth) {
             require(triangles.ndim() == 2 && triangles.shape(1) == 3, "triangles must have shape (n, 3)");
-            return ToolSurface(contact::Triangulation(static_cast<int>(count_points(points)), points.data(),
-                                                      static_cast<int>(triangles.shape(0)), triangles.data(), depth));
+            contact::Triangulation flat(static_cast<int>(count_points(points)), points.data(),
+                                        static_cast<int>(triangles.shape(0)), triangles.data(), depth);
+            return smooth ? ToolSurface(contact::SmoothTriangulation(std::move(flat))) : ToolSurface(std::move(flat));
           },
-          nb::arg("points"), nb::arg("triangles"), nb::kw_only(), nb::arg("depth") = far,
+          nb::arg("points"), nb::arg("triangles"), nb::kw_only(), nb::arg("depth") = far, nb::arg("smooth") = false,
           "Surface of triangles (n, 3) over points (n_points, 3) [mm], counter-clockwise as seen from free space. "
+          "smooth: rounded off, with normals that do not jump; see smooth_triangulation.hpp. "
           "Penetrations deeper than depth [mm] are not found. Raises ValueError where a triangle has no area, an edge "
           "has more than two triangles, or neighbours are wound against each other.")
       .def_static(
@@ -109,8 +114,9 @@ void bind_tool_surface(nb::module_& m) {
            "call.")
       .def("distance_bound", &find_distance_bound, nb::arg("points"), nb::arg("reach") = far,
            "The gap, or where nothing is closer than reach how far each point is from the surface at least (n,) [mm].")
-      .def("normal_slope", &find_normal_slope, nb::arg("points"), nb::arg("reach") = far,
-           "Derivative of the normal to the point (n, 3, 3) [1/mm]; zero on triangles and where nothing is near.")
+      .def("slopes", &find_slopes, nb::arg("points"), nb::arg("reach") = far,
+           "Derivatives of the gap (n, 3) and of the normal (n, 3, 3: component, direction) [1/mm] to points (n, 3); "
+           "zero where nothing is near, and of the normal on triangles that are not smooth.")
       .def_prop_ro("depth", &ToolSurface::depth, "Penetrations deeper than this [mm] are not found.");
 }
 

@@ -21,7 +21,7 @@ double cross2(const double a[2], const double b[2]) { return a[0] * b[1] - a[1] 
 
 }  // namespace
 
-SheetUnder::SheetUnder(std::vector<int> start, std::vector<int> corner)
+SheetUnder::SheetUnder(std::vector<int> start, std::vector<int> corner, const std::vector<Hanging>& hanging)
     : start_(std::move(start)), corner_(std::move(corner)), neighbour_(corner_.size(), -1) {
   std::map<std::pair<int, int>, std::pair<int, int>> seen;  // edge: the cell that has it, its place in neighbour_
   for (int cell = 0; cell < n_cells(); ++cell)
@@ -33,6 +33,13 @@ SheetUnder::SheetUnder(std::vector<int> start, std::vector<int> corner)
       neighbour_[at] = found->second.first;
       neighbour_[found->second.second] = cell;
     }
+  for (const Hanging& h : hanging) {
+    const auto whole = seen.at(std::minmax(h.end[0], h.end[1]));
+    for (int end : h.end) {
+      const auto half = seen.at(std::minmax(h.node, end));
+      neighbour_[half.second] = whole.first, neighbour_[whole.second] = half.first;
+    }
+  }
 }
 
 void SheetUnder::take_corners(int cell, const double* position, int stride, double x[4][3]) const {

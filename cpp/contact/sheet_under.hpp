@@ -22,8 +22,12 @@ struct Beneath {
 
 class SheetUnder {
  public:
-  // The corners of cell i are corner[start[i]] to corner[start[i + 1] - 1], in turn round it.
-  SheetUnder(std::vector<int> start, std::vector<int> corner);
+  struct Hanging {
+    int node, end[2];
+  };
+  // The corners of cell i are corner[start[i]] to corner[start[i + 1] - 1], in turn round it. hanging: nodes in the
+  // middle of sides that one cell has whole and two others in halves.
+  SheetUnder(std::vector<int> start, std::vector<int> corner, const std::vector<Hanging>& hanging = {});
 
   // position: records of `stride` numbers, x, y, z first. from.cell: where to begin, or -1 to look at every cell.
   void find(const double place[2], const double* position, int stride, Beneath& from) const;

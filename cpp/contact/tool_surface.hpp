@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "contact/smooth_triangulation.hpp"
 #include "contact/swept_surface.hpp"
 #include "contact/touch.hpp"
 #include "contact/triangulation.hpp"
@@ -16,6 +17,7 @@ class ToolSurface {
  public:
   ToolSurface(SweptSurface surface) : surface_(std::move(surface)) {}
   ToolSurface(Triangulation surface) : surface_(std::move(surface)) {}
+  ToolSurface(SmoothTriangulation surface) : surface_(std::move(surface)) {}
 
   // Nearest place of the surface to x [mm] if it is closer than `reach`, a penetration up to depth() included. `hint`
   // is where it was found last (-1: unknown) and is updated; it speeds the search up and changes nothing else. Without
@@ -26,12 +28,16 @@ class ToolSurface {
     return std::visit([&](const auto& surface) { return surface.nearest(x, reach, hint, touch); }, surface_);
   }
 
-  // Also the derivative of the normal to x, symmetric [1/mm]: zero on triangles, which are flat.
-  bool nearest(const double x[3], double reach, int& hint, Touch& touch, double (&slope)[3][3]) const {
-    if (const auto* swept = std::get_if<SweptSurface>(&surface_)) return swept->nearest(x, reach, hint, touch, slope);
-    for (auto& row : slope)
+  // Also how gap and normal change with x; the normal of triangles that are not rounded off does not.
+  bool nearest(const double x[3], double reach, int& hint, Touch& touch, Slopes& slopes) const {
+    if (const auto* smooth = std::get_if<SmoothTriangulation>(&surface_))
+      return smooth->nearest(x, reach, hint, touch, slopes);
+    for (auto& row : slopes.normal)
       for (double& value : row) value = 0.0;
-    return nearest(x, reach, hint, touch);
+    const auto* swept = std::get_if<SweptSurface>(&surface_);
+    const bool found = swept ? swept->nearest(x, reach, hint, touch, slopes.normal) : nearest(x, reach, hint, touch);
+    for (int i = 0; i < 3; ++i) slopes.gap[i] = touch.normal[i];
+    return found;
   }
 
   // A point deeper in the metal than this [mm] is not taken for penetrating: it lies below a face that is open, or
@@ -41,10 +47,13 @@ class ToolSurface {
   }
 
   const SweptSurface* swept() const { return std::get_if<SweptSurface>(&surface_); }
-  const Triangulation* triangles() const { return std::get_if<Triangulation>(&surface_); }
+  const Triangulation* triangles() const {
+    if (const auto* smooth = std::get_if<SmoothTriangulation>(&surface_)) return &smooth->flat();
+    return std::get_if<Triangulation>(&surface_);
+  }
 
  private:
-  std::variant<SweptSurface, Triangulation> surface_;
+  std::variant<SweptSurface, Triangulation, SmoothTriangulation> surface_;
 };
 
 }  // namespace presswork::contact

@@ -13,4 +13,10 @@ struct Touch {
   double flat;
 };
 
+// How gap and normal change with the point [1, 1/mm].
+struct Slopes {
+  double gap[3];
+  double normal[3][3];  // row: component of the normal
+};
+
 }  // namespace presswork::contact

@@ -36,6 +36,11 @@ class Triangulation {
   const std::vector<double>& points() const { return points_; }          // (n_points, 3)
   const std::vector<std::int32_t>& corners() const { return corners_; }  // (n, 3)
 
+  int size() const { return static_cast<int>(triangles_.size()); }
+  int corner(int triangle, int k) const { return corners_[3 * triangle + k]; }
+  const double* point(int triangle, int k) const { return &points_[3 * corner(triangle, k)]; }
+  const double* normal(int triangle) const { return triangles_[triangle].normal; }
+
  private:
   static constexpr int width = 8;
   typedef float Floats __attribute__((vector_size(width * sizeof(float))));

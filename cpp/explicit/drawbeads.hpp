@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,10 @@ class Drawbeads {
   template <class Real>
   void visit(int cycle, double dt, const Nodes<Real>& nodes, const std::vector<Tool>* tools, Real* net);
 
+  // Begin with the forces of like beads on a sheet some shells of which are split here; they are taken off net.
+  template <class Real>
+  void inherit(const Drawbeads& from, double dt, const Nodes<Real>& nodes, Real* net);
+
   double stored() const;                            // in the springs [N mm]
   double lost() const { return work_ - stored(); }  // in slip [N mm]
   // Sum of the points' restraining forces of one bead [N].
@@ -69,6 +74,8 @@ class Drawbeads {
   };
   template <class Real>
   void look_beneath(Point& p, double dt, const Nodes<Real>& nodes) const;
+  template <class Real>
+  static void push(const Point& p, Real* net);
 
   contact::SheetUnder sheet_;
   std::vector<Point> points_;
@@ -93,6 +100,26 @@ void Drawbeads::look_beneath(Point& p, double dt, const Nodes<Real>& nodes) cons
   // |g1 x g2| is a quarter of a quadrilateral's area, and twice a triangle's
   const double area = p.beneath.corners == 4 ? 4.0 * size : 0.5 * size;
   p.stiffness = penalty * lightest / (dt * dt) * p.length / std::sqrt(area);
+}
+
+template <class Real>
+void Drawbeads::inherit(const Drawbeads& from, double dt, const Nodes<Real>& nodes, Real* net) {
+  if (points_.size() != from.points_.size()) throw std::invalid_argument("the beads are not those of the other sheet");
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    Point& p = points_[i];
+    look_beneath(p, dt, nodes);
+    p.force = p.beneath.inside ? from.points_[i].force : 0.0;
+    if (p.beneath.inside) push(p, net);
+  }
+  cycle_ = from.cycle_;
+  work_ = from.lost() + stored();  // what the springs hold changes with their stiffness: no work
+}
+
+template <class Real>
+void Drawbeads::push(const Point& p, Real* net) {
+  for (int a = 0; a < p.beneath.corners; ++a)
+    for (int j = 0; j < 3; ++j)
+      net[6 * std::size_t(p.beneath.node[a]) + j] -= static_cast<Real>(p.beneath.weight[a] * p.force * p.direction[j]);
 }
 
 template <class Real>
@@ -121,9 +148,7 @@ void Drawbeads::visit(int cycle, double dt, const Nodes<Real>& nodes, const std:
       const double now = std::clamp(p.force - p.stiffness * slip, -limit, limit);
       work_ -= 0.5 * (p.force + now) * slip;
       p.force = now;
-      for (int a = 0; a < p.beneath.corners; ++a)
-        for (int j = 0; j < 3; ++j)
-          net[6 * std::size_t(p.beneath.node[a]) + j] -= static_cast<Real>(p.beneath.weight[a] * now * p.direction[j]);
+      push(p, net);
     }
   }
 }

@@ -5,6 +5,7 @@
 // element derives from ElementBlock, fills in the arrays below, and says how a range of packs is advanced.
 #pragma once
 
+#include <stdexcept>
 #include <vector>
 
 #include "explicit/nodes.hpp"
@@ -19,6 +20,8 @@ struct StateRows {
   // stress, then the law's history
   int layers, in_plane, across, law;
   int count() const { return layers + in_plane * across * law; }
+  // First rows of what the undeformed shape gives (4), of hourglass forces (6); -1 of shells that cannot be split.
+  int reference = -1, hourglass = -1;
 };
 
 // State is kept as [pack][row][lane]. The last pack is filled up with copies of the last element that take part in no
@@ -54,6 +57,21 @@ class ElementBlock {
     state_.data()[index(element, row)] = static_cast<Real>(x);
     if (element == n_ - 1)
       for (int copy = n_; copy < n_packs() * lanes; ++copy) state_.data()[index(copy, row)] = static_cast<Real>(x);
+  }
+
+  // Take over the state of an element of a like block, or, of a share of it below one, that of the child that it has
+  // been split into: work by the share, no hourglass forces, the undeformed shape its own.
+  void inherit(int element, const ElementBlock& from, int parent, double share) {
+    if (share < 1.0 && rows_.reference < 0) throw std::invalid_argument("shells of this kind cannot be split");
+    for (int r = 0; r < rows_.count(); ++r) {
+      double x = from.value(parent, r);
+      if (share < 1.0) {
+        if (r >= rows_.reference && r < rows_.reference + 4) continue;
+        if (r >= rows_.hourglass && r < rows_.hourglass + 6) x = 0.0;
+        if (r == rows_.work || r == rows_.hourglass_work) x *= share;
+      }
+      set_value(element, r, x);
+    }
   }
 
  protected:

@@ -124,11 +124,55 @@ void ShellLoop<Real>::set_masses() {
       sum[2 * node + 1] += share * block->inertia_ratio()[i / each];
     }
   }
+  own_mass_.resize(nodes.n);
+  for (int i = 0; i < nodes.n; ++i) own_mass_[i] = sum[2 * std::size_t(i)];
+  hanging.give_masses(sum);
   for (int i = 0; i < nodes.n; ++i)
     for (int j = 0; j < 2; ++j) {
       const double m = sum[2 * std::size_t(i) + j];
       nodes.motion.data()[std::size_t(nodes.motion_stride) * i + 6 + j] = static_cast<Real>(m > 0.0 ? 1.0 / m : 0.0);
     }
+}
+
+template <class Real>
+void ShellLoop<Real>::set_hanging(std::vector<HangingNode> of) {
+  hanging.set(nodes.n, std::move(of));
+  set_masses();
+}
+
+template <class Real>
+void ShellLoop<Real>::give_hanging_forces() {
+  hanging.take_forces(nodes, internal_force.data(), 0, hanging.n());
+  hanging.give_forces(internal_force.data(), 0, hanging.n_ends());
+}
+
+template <class Real>
+void ShellLoop<Real>::inherit(const ShellLoop& from, const int* node_parents, const int* parent, const double* share) {
+  // 1. nodes
+  for (int i = 0; i < nodes.n; ++i)
+    for (int k = 0; k < freedoms; ++k) {
+      double sum = 0.0;
+      for (int a = 0; a < 4; ++a)
+        sum += from.nodes.motion.data()[std::size_t(nodes.motion_stride) * node_parents[4 * std::size_t(i) + a] + k];
+      nodes.motion.data()[std::size_t(nodes.motion_stride) * i + k] = static_cast<Real>(0.25 * sum);
+    }
+  for (int k = 0; k < 2; ++k) work[k] = from.work[k];
+  // 2. elements
+  std::vector<std::pair<const ElementBlock<Real>*, int>> elements;
+  for (const auto& block : from.blocks)
+    for (int e = 0; e < block->n(); ++e) elements.emplace_back(block.get(), e);
+  for (const auto& block : blocks)
+    for (int e = 0; e < block->n(); ++e, ++parent, ++share) {
+      const auto [own, number] = elements[*parent];
+      block->inherit(e, *own, number, *share);
+      block->mass()[e] = *share * own->mass()[number];
+    }
+  set_masses();
+  // 3. contact
+  if (contact && from.contact) {
+    set_contact_stiffness(from.contact->step());
+    contact->inherit(*from.contact, node_parents);
+  }
 }
 
 // scratch: forces of the tile's elements (packs, lanes, nodes, 6).
@@ -161,6 +205,7 @@ void ShellLoop<Real>::advance_elements(double dt) {
   AlignedArray<Real> scratch(scratch_size_);
   for (const auto& tile : tiles_) advance_tile(tile, dt, scratch.data());
   close_rims(0, static_cast<int>(rim_node_.size()));
+  give_hanging_forces();
 }
 
 template <class Real>
@@ -186,6 +231,7 @@ template <class Real>
 typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, const Step& step) {
   double external[freedoms] = {}, damped[freedoms] = {}, fastest = 0.0;
   for (int node = first; node < last; ++node) {
+    if (hanging.has(node)) continue;
     double after[freedoms], outer[freedoms];
     next_velocity(node, step, after, outer);
     Real* motion = nodes.motion.data() + std::size_t(nodes.motion_stride) * node;
@@ -215,8 +261,10 @@ template <class Real>
 typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, double damping, const double* force_scale,
                                                            const double* velocity_scale) {
   const int n_chunks = (nodes.n + chunk - 1) / chunk, n_tiles = static_cast<int>(tiles_.size());
-  const int n_rims = static_cast<int>(rim_node_.size());
-  std::vector<Sums> sums(n_chunks);
+  const int n_rims = static_cast<int>(rim_node_.size()), n_hanging = hanging.n(), n_ends = hanging.n_ends();
+  const int hanging_chunks = (n_hanging + chunk - 1) / chunk;
+  std::vector<Sums> sums(n_chunks + hanging_chunks);
+  hanging.measure(nodes, 0, n_hanging);
   int failed = INT_MAX, failed_in = -1;
 #pragma omp parallel if (n_elements() >= serial_elements)
   {
@@ -225,6 +273,11 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
       const Step step{dt, damping, force_scale[cycle], velocity_scale[cycle]};
 #pragma omp for schedule(static)
       for (int c = 0; c < n_chunks; ++c) sums[c] = move_nodes(c * chunk, std::min(nodes.n, (c + 1) * chunk), step);
+      if (n_hanging > 0) {
+#pragma omp for schedule(static)
+        for (int c = 0; c < hanging_chunks; ++c)
+          sums[n_chunks + c].fastest = hanging.move(nodes, dt, c * chunk, std::min(n_hanging, (c + 1) * chunk));
+      }
 #pragma omp master
       {
         double fastest = 0.0;
@@ -248,14 +301,21 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
 #pragma omp single
         beads->visit(cycle, dt, nodes, contact ? &contact->tools : nullptr, internal_force.data());
       }
-      if (!contact) continue;
-      const auto sheet = view(dt);
+      if (contact) {
+        const auto sheet = view(dt);
 #pragma omp for schedule(static)
-      for (int c = 0; c < contact->edge_chunks(); ++c) contact->visit_edges(c, sheet);
+        for (int c = 0; c < contact->edge_chunks(); ++c) contact->visit_edges(c, sheet);
 #pragma omp for schedule(static)
-      for (int c = 0; c < contact->node_chunks(); ++c) contact->visit_nodes(c, sheet, internal_force.data());
+        for (int c = 0; c < contact->node_chunks(); ++c) contact->visit_nodes(c, sheet, internal_force.data());
 #pragma omp master
-      contact->close_cycle();
+        contact->close_cycle();
+      }
+      if (n_hanging == 0) continue;
+#pragma omp for schedule(static)
+      for (int c = 0; c < hanging_chunks; ++c)
+        hanging.take_forces(nodes, internal_force.data(), c * chunk, std::min(n_hanging, (c + 1) * chunk));
+#pragma omp for schedule(static)
+      for (int i = 0; i < n_ends; ++i) hanging.give_forces(internal_force.data(), i, i + 1);
     }
   }
   return failed == INT_MAX ? Failure{} : Failure{failed, failed_in};
@@ -269,7 +329,9 @@ contact::SheetUnder ShellLoop<Real>::find_cells() const {
     corner.insert(corner.end(), nodes_of.begin(), nodes_of.end());
     for (int i = 0; i < block->n(); ++i) start.push_back(start.back() + block->nodes_each());
   }
-  return {std::move(start), std::move(corner)};
+  std::vector<contact::SheetUnder::Hanging> between;
+  for (const HangingNode& h : hanging.all()) between.push_back({h.node, {h.end[0], h.end[1]}});
+  return {std::move(start), std::move(corner), between};
 }
 
 template <class Real>
@@ -298,12 +360,7 @@ std::unique_ptr<ToolContact> ShellLoop<Real>::make_contact() const {
 
 template <class Real>
 void ShellLoop<Real>::set_contact_stiffness(double dt) {
-  std::vector<double> node_mass(nodes.n);
-  for (int i = 0; i < nodes.n; ++i) {
-    const double inverse = nodes.motion.data()[std::size_t(nodes.motion_stride) * i + 6];
-    node_mass[i] = inverse > 0.0 ? 1.0 / inverse : 0.0;
-  }
-  contact->set_stiffness(node_mass, dt);
+  contact->set_stiffness(own_mass_, dt);
 }
 
 template <class Real>

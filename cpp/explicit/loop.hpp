@@ -5,6 +5,7 @@
 //          elements f_int from x, v (each pack writes forces of its own)
 //          beads    and
 //          tools    their forces are taken off f_int
+// Hanging nodes move after the others, with the ends of their sides, and give their forces to them at the end.
 // Elements are taken in tiles, the forces of which stay in the cache: nodes inside a tile are summed up there and then,
 // and those on its rim leave a partial sum, which a second pass adds to those of the other tiles; all in a fixed order.
 // At the end of a call x and the forces belong to time t, v to t - dt/2.
@@ -19,6 +20,7 @@
 
 #include "explicit/drawbeads.hpp"
 #include "explicit/element_block.hpp"
+#include "explicit/hanging.hpp"
 #include "explicit/tool_contact.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -48,6 +50,16 @@ class ShellLoop {
   std::vector<Real> force;          // (n, 6): nodal forces [N] and moments [N mm] from outside
   std::vector<std::uint8_t> fixed;  // (n, 6): velocity is prescribed
   std::vector<Real> prescribed;     // (n, 6): velocities of the fixed freedoms
+
+  HangingNodes<Real> hanging;
+  void set_hanging(std::vector<HangingNode> nodes);
+  // Let the ends of hanging nodes' sides have their forces; outside of advance.
+  void give_hanging_forces();
+
+  // Begin, at positions that have been set, with the state of another loop some shells of which are split here: each of
+  // its elements has a share (n) of the parent (n); velocities, contact and friction of a node are means of its
+  // parents' (n_nodes, 4).
+  void inherit(const ShellLoop& from, const int* node_parents, const int* parent, const double* share);
 
   // Masses of nodes from those of the elements; after a change of either.
   void set_masses();
@@ -111,6 +123,7 @@ class ShellLoop {
   std::size_t scratch_size_ = 0;  // of the largest tile
   // Nodes of the tiles, one tile after the other: where the sum goes, a row of internal_force or, below zero, of
   // partial_ (as -1 - row); and the entries to add up, offsets in the tile's forces.
+  std::vector<double> own_mass_;  // of nodes, before hanging ones give theirs away
   std::vector<int> target_, entry_start_, entry_;
   std::vector<Real> partial_;                            // (rows, 6)
   std::vector<int> rim_node_, rim_start_, rim_partial_;  // nodes on rims and their rows of partial_

@@ -18,7 +18,9 @@ struct OnePoint {
             .layers = shell4::head_rows,
             .in_plane = 1,
             .across = static_cast<int>(section.rule.height.size()),
-            .law = std::visit([](const auto& law) { return law.rows(); }, section.law)};
+            .law = std::visit([](const auto& law) { return law.rows(); }, section.law),
+            .reference = shell4::reference,
+            .hourglass = shell4::hourglass};
   }
 
   // p - q and p + q are the sides of the reference, of which the frame knows the inverse; p x q is `per_area` areas.

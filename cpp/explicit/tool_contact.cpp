@@ -110,6 +110,54 @@ void ToolContact::set_stiffness(const std::vector<double>& node_mass, double dt)
   total_.friction += shear[1] - shear[0];
 }
 
+// A node that was there keeps its tangent plane; a new one asks the surface in the next cycle. Force is traction times
+// mass, so that a node whose shells were split has less of it.
+void ToolContact::inherit(const ToolContact& from, const int* parents) {
+  double normal[2] = {}, shear[2] = {};
+  from.add_stored(normal[0], shear[0]);
+  total_ = from.total_, external_ = from.external_, drag_ = from.drag_, cycle_ = from.cycle_;
+  started_ = static_cast<int>(tools.size());
+  for (int i = 0; i < n_nodes_; ++i) {
+    half_[i] = 0.0;
+    for (int a = 0; a < 4; ++a) half_[i] += 0.25 * from.half_[parents[4 * std::size_t(i) + a]];
+  }
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    Tool& tool = tools[t];
+    const Tool& other = from.tools[t];
+    for (int i = 0; i < 3; ++i) {
+      tool.displacement[i] = other.displacement[i];
+      tool.velocity[i] = other.velocity[i], tool.force[i] = other.force[i];
+    }
+    tool.push = other.push, tool.travel = other.travel;
+    for (int i = 0; i < n_nodes_; ++i) {
+      const int* p = parents + 4 * std::size_t(i);
+      Touching& to = pairs_[t].packs[i / width];
+      const int lane = i % width;
+      const bool is_old = p[0] == p[1] && p[0] == p[2] && p[0] == p[3];
+      if (!(to.wake[lane] < never)) continue;  // in no shell
+      double row[rows] = {};
+      for (int a = 0; a < 4; ++a) {
+        const auto* own = reinterpret_cast<const Pack*>(&from.pairs_[t].packs[p[a] / width]);
+        const double base = from.base_[p[a]];
+        for (int r = 0; r < rows; ++r) {
+          const Pack* at = &reinterpret_cast<const Pack*>(&to)[r];
+          const bool is_force = at == &to.viscous || (at >= to.shear && at < to.shear + 3);
+          row[r] += 0.25 * own[r][p[a] % width] * (is_force && base > 0.0 ? base_[i] / base : 1.0);
+        }
+      }
+      for (int r = 0; r < rows; ++r) reinterpret_cast<Pack*>(&to)[r].set(lane, row[r]);
+      pairs_[t].hint[i] = from.pairs_[t].hint[p[0]];
+      if (is_old || !(to.wake[lane] < never)) continue;  // of a tool taken away
+      const double size = std::sqrt(dot(to.normal, to.normal)[lane]);
+      for (Pack& n : to.normal) n.set(lane, size > 0.0 ? n[lane] / size : 0.0);
+      to.left.set(lane, 0.0), to.wake.set(lane, 0.0);
+    }
+  }
+  add_stored(normal[1], shear[1]);
+  total_.squeeze += normal[1] - normal[0] + shear[1] - shear[0];  // no work was done
+  total_.friction += shear[1] - shear[0];
+}
+
 // The points' half thickness changes, and so does what contact holds.
 void ToolContact::set_half(int slot, const Pack& half) {
   for (std::size_t t = 0; t < tools.size(); ++t) {

@@ -83,6 +83,11 @@ class ToolContact {
   // A point that was pressed into a tool and then found out of its reach: it has gone through. -1: none.
   int lost() const { return total_.lost == std::numeric_limits<int>::max() ? -1 : total_.lost; }
 
+  // Begin, with like tools and the stiffness of that step, as the contact of a sheet some shells of which are split
+  // here. Pressure and traction of a node are means of those of its parents (n_nodes, 4).
+  void inherit(const ToolContact& from, const int* parents);
+  double step() const { return step_; }
+
   std::vector<double> dump() const;
   // Takes over what dump gave, once the stiffness is that of its step. Throws std::invalid_argument for other tools.
   void restore(const std::vector<double>& from);

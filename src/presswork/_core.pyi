@@ -377,9 +377,9 @@ class ToolSurface:
     """Surface of a rigid tool in its own frame; see tool_surface.hpp."""
 
     @staticmethod
-    def triangles(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, depth: float = float('inf')) -> ToolSurface:
+    def triangles(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, depth: float = float('inf'), smooth: bool = False) -> ToolSurface:
         """
-        Surface of triangles (n, 3) over points (n_points, 3) [mm], counter-clockwise as seen from free space. Penetrations deeper than depth [mm] are not found. Raises ValueError where a triangle has no area, an edge has more than two triangles, or neighbours are wound against each other.
+        Surface of triangles (n, 3) over points (n_points, 3) [mm], counter-clockwise as seen from free space. smooth: rounded off, with normals that do not jump; see smooth_triangulation.hpp. Penetrations deeper than depth [mm] are not found. Raises ValueError where a triangle has no area, an edge has more than two triangles, or neighbours are wound against each other.
         """
 
     @staticmethod
@@ -398,9 +398,9 @@ class ToolSurface:
         The gap, or where nothing is closer than reach how far each point is from the surface at least (n,) [mm].
         """
 
-    def normal_slope(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> NDArray[numpy.float64]:
+    def slopes(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Derivative of the normal to the point (n, 3, 3) [1/mm]; zero on triangles and where nothing is near.
+        Derivatives of the gap (n, 3) and of the normal (n, 3, 3: component, direction) [1/mm] to points (n, 3); zero where nothing is near, and of the normal on triangles that are not smooth.
         """
 
     @property
@@ -614,6 +614,16 @@ class ShellLoop:
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
+    def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the whole side and two of those that have half of it.
+        """
+
+    def inherit(self, other: ShellLoop, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
+        """
+        Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share (n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.
+        """
+
     def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int]:
         """
         Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell and the cycle of it, or -1, -1.
@@ -775,6 +785,16 @@ class ShellLoopSingle:
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03]) -> None:
         """
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
+        """
+
+    def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the whole side and two of those that have half of it.
+        """
+
+    def inherit(self, other: ShellLoopSingle, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
+        """
+        Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share (n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.
         """
 
     def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int]:

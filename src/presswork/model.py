@@ -363,11 +363,13 @@ class Push:
 
 @dataclass(frozen=True)
 class Stage:
-    """A part of the process in which every motion and load is linear in time."""
+    """A part of the process in which every motion and load grows in proportion to the part that is done."""
 
     name: str
     duration: float = 1.0
-    """[s]; quasi-static and rate-independent, so it only scales the time column."""
+    """[s]; counts for laws with a strain rate and for inertia alone."""
+    clock: FloatArray | None = None
+    """Of shells: rows of part done (0 to 1) and time [s] (n, 2), linear between them; None: in proportion."""
     tool_motion: Mapping[str, ToolMotion] = field(default_factory=dict)
     """Motion of each moving tool; a tool not named stands still."""
     sheet_tool_move: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
@@ -382,6 +384,13 @@ class Stage:
     shell_pressures: tuple[ShellPressure, ...] = ()
     edge_forces: tuple[EdgeForce, ...] = ()
     body_forces: tuple[BodyForce, ...] = ()
+
+    def time_between(self, start: float, end: float) -> float:
+        """Return the time between two parts of the stage [s]."""
+        if self.clock is None:
+            return self.duration * (end - start)
+        first, last = np.interp([start, end], *self.clock.T)
+        return float(last - first)
 
 
 @dataclass(frozen=True)
@@ -434,6 +443,10 @@ class SolverSettings:
     """Shells: transverse shear stiffness added to the tangent alone, over the elastic one (C_p of K_p)."""
     contact_stiffness: float = 0.01
     """Shells on tools in space: stiffness of contact over that of the sheet across its thickness."""
+    inertia: float = 0.0
+    """Shells: mass over that of the sheet; what moves then resists, by backward Euler in the time of the stages."""
+    damping: float = 0.0
+    """Of this mass [1/s]."""
 
 
 @dataclass(frozen=True)

@@ -113,6 +113,16 @@ class TrimLine:
 
 
 @dataclass(frozen=True)
+class Refinement:
+    """Where the explicit procedure splits shells of the blank in four as it is formed."""
+
+    levels: int
+    """How often a shell may be split."""
+    angle: float
+    """From a shell to its neighbour, or of a tool along it, above which it is split [rad]."""
+
+
+@dataclass(frozen=True)
 class Springback:
     """How the implicit procedure lets the formed part go."""
 
@@ -155,6 +165,8 @@ class StampingModel:
     """After the last stage."""
     springback: Springback | None = None
     """After the last stage and the trimming; None: the part stays as it is."""
+    refinement: Refinement | None = None
+    """None: the mesh stays as it is."""
     case_text: str = ""
 
     @property

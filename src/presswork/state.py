@@ -61,6 +61,10 @@ class State:
     [N mm]."""
     external_force: FloatArray
     """Applied loads, in the same form."""
+    velocity: FloatArray
+    """Mean of the last increment (n_points, 3) [mm/s]; no rows without inertia."""
+    inertia_force: FloatArray
+    """Resistance of the nodes to their acceleration, in the same form [N]."""
     tool_displacement: FloatArray
     """(n_tools, 2)."""
     tool_angle: FloatArray
@@ -120,7 +124,8 @@ class State:
     progress: FloatArray
     """[time, stage, fraction of stage, increments, last increment, next size, iterations, cut-backs]."""
     work: FloatArray
-    """[work done on the nodes by tools, supports and loads; plastic work; work lost in friction on tools] [N mm]."""
+    """[work done on the nodes by tools, supports and loads; plastic work; work lost in friction on tools; work against
+    inertia] [N mm]."""
     peak_force: FloatArray
     """Largest nodal force so far (1,) [N]: what a residual is small beside once the load is taken off."""
 
@@ -129,6 +134,7 @@ class State:
         """Return the State before the first increment; the arrays of shells are left empty."""
         n = len(model.mesh.points)
         n_coupled = n if model.contacts else 0
+        n_moving = n if model.solver.inertia else 0
         solids = () if model.analysis == "shell" else model.mesh.blocks
         sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in solids]
         n_tools, n_sheet_tools = len(model.tools), len(model.sheet_tools)
@@ -138,6 +144,8 @@ class State:
             increment=np.zeros((n, 2)),
             reaction=np.zeros((n, 2)),
             external_force=np.zeros((n, 2)),
+            velocity=np.zeros((n_moving, 3)),
+            inertia_force=np.zeros((n_moving, 3)),
             tool_displacement=np.zeros((n_tools, 2)),
             tool_angle=np.zeros(n_tools),
             tool_travel=np.zeros((n_tools, 2)),
@@ -166,7 +174,7 @@ class State:
             volume=[np.zeros(s) for s in sizes],
             shells=ShellArrays.none(),
             progress=np.zeros(8),
-            work=np.zeros(3),
+            work=np.zeros(4),
             peak_force=np.zeros(1),
         )
 

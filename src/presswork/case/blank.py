@@ -14,6 +14,18 @@ from presswork.case.units import Angle, Length, Point, fault
 _SECTION = model.Section(1.0)
 
 
+class Refine(Part):
+    """Shells that are split in four where the sheet is bent, or about to be."""
+
+    levels: int = Field(strict=True, ge=1, le=4, description="how often a shell may be split: 1 to 4")
+    angle: Angle = Field(
+        default=10.0,
+        gt=0,
+        le=90,
+        description="from a shell to its neighbour, or of a tool along it, above which it is split [degree]",
+    )
+
+
 class _Blank(Part):
     """What blanks of any outline have."""
 
@@ -28,6 +40,10 @@ class _Blank(Part):
         default=(),
         description='planes through the origin that cut the part: ["x", "y"] computes the quarter x, y >= 0; sizes and '
         "forces stay those of the whole part",
+    )
+    refine: Refine | None = Field(
+        default=None,
+        description="explicit: splits shells in four where the sheet is bent, e.g. {levels = 2}; without it: none",
     )
 
 

@@ -35,6 +35,10 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     shortest = float(_measure_sides(problem).min())
     cells = ", ".join(f"{len(b.connectivity)} {b.element}" for b in mesh.blocks)
     yield f"mesh: {cells}, {len(mesh.points)} nodes, shortest side {shortest:.3g} mm"
+    finest = _finest(problem)
+    if refinement := problem.refinement:
+        degrees = np.degrees(refinement.angle)
+        yield f"refined as it is formed: at more than {degrees:g} degrees, down to a side of {shortest * finest:.3g} mm"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     for each in problem.materials:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
@@ -65,24 +69,25 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
             f"increments: {settings.min_increment:g} to {settings.max_increment:g} of a stage, cut back and grown by "
             f"the iterations they take; {6 * len(mesh.points)} freedoms"
         )
-        for tool in problem.tools:
-            if not isinstance(tool.shape, SweptTool):
-                yield (
-                    f"hint: nodes that slide over the edges between the triangles of {tool.name} may find no "
-                    'equilibrium; draw the tool by its dimensions, or take procedure = "explicit"'
-                )
         return
     speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
-    step = problem.explicit.target_step or problem.explicit.safety * WAVE * shortest / speed
+    step = problem.explicit.target_step or problem.explicit.safety * WAVE * shortest * finest / speed
     cycles = sum(stage.duration for stage in problem.stages) / step
     how = "by mass scaling" if problem.explicit.target_step else "without mass scaling"
     seconds = cycles * len(problem.cells) * SECONDS
-    yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, about {seconds:.2g} s on one core (an estimate)"
+    split = f", up to {1 / finest**2:g} times as long where all is split" if problem.refinement else ""
+    time = f"about {seconds:.2g} s on one core (an estimate){split}"
+    yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, {time}"
+
+
+def _finest(problem: StampingModel) -> float:
+    """Return the side of the smallest shells that there may be, over that at the start."""
+    return 0.5**problem.refinement.levels if problem.refinement else 1.0
 
 
 def _hint_at_coarse_mesh(problem: StampingModel) -> Iterator[str]:
     """Say where a sheet is bent round a radius by too few elements."""
-    size = float(np.median(_measure_sides(problem)))
+    size = _finest(problem) * float(np.median(_measure_sides(problem)))
     for tool in problem.tools:
         if isinstance(tool.shape, SweptTool) and tool.kind != "holder":
             radius = _edge_radius(tool.shape)

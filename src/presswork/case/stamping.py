@@ -206,11 +206,24 @@ class Implicit(Part):
         "pressure thickness/(contact_stiffness E)",
     )
 
+    inertia: Number = Field(
+        default=_SOLVER.inertia,
+        ge=0,
+        description="mass over the sheet's, in the time of the stages: steadies what nothing holds and what snaps",
+    )
+    damping: Rate = Field(default=_SOLVER.damping, ge=0, description="of this mass [1/s]")
+
     @model_validator(mode="after")
     def _check_increments(self) -> Self:
         if not self.min_increment <= self.initial_increment <= self.max_increment:
             bounds = f"min_increment ({self.min_increment:g}) and max_increment ({self.max_increment:g})"
             raise fault(f"not between {bounds}", "choose it between them", key="initial_increment")
+        return self
+
+    @model_validator(mode="after")
+    def _check_damping(self) -> Self:
+        if self.damping and not self.inertia:
+            raise fault("damps a mass, but inertia is 0", "add inertia = 1, the sheet's own mass", key="damping")
         return self
 
     def build(self) -> SolverSettings:

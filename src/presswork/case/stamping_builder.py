@@ -38,7 +38,15 @@ from presswork.mesh.outlined_blank import mesh_outlined_blank
 from presswork.mesh.polygon import polygon_area
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
-from presswork.model_stamping import ExplicitSettings, Springback, StampingModel, StampingOutput, ToolAction, TrimLine
+from presswork.model_stamping import (
+    ExplicitSettings,
+    Refinement,
+    Springback,
+    StampingModel,
+    StampingOutput,
+    ToolAction,
+    TrimLine,
+)
 from presswork.model_stamping import StampingStage as StageModel
 
 logger = logging.getLogger(__name__)
@@ -68,7 +76,8 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
     _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
     trim, problems = _build_trim(case, mesh)
     _stop_at(problems, case)
-    angle = radians(case.blank.rolling_direction)
+    blank = case.blank
+    angle = radians(blank.rolling_direction)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
     supports = [
         model.Support(name, tuple(freedom in HOLDS[name] for freedom in FREEDOMS))
@@ -94,6 +103,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         beads=beads,
         trim=trim,
         springback=Springback(**case.springback.model_dump()) if case.springback else None,
+        refinement=Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
         case_text=case.text,
     )
 

@@ -48,6 +48,12 @@ def check_names(case: StampingCase) -> list[Problem]:
             unit_factor(unit, LENGTH)
         except ValueError as error:
             problems.append(Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit))
+    if case.blank.refine is not None and case.procedure == "implicit":
+        fault, remedy = "only the explicit procedure splits shells", "leave it out, or give a smaller element_size"
+        problems.append(Problem("blank.refine", fault, remedy))
+    elif case.blank.refine is not None and case.explicit.element != "shell4_one_point":
+        fault, remedy = "these shells cannot be split", 'take "shell4_one_point", or leave blank.refine out'
+        problems.append(Problem("explicit.element", fault, remedy, case.explicit.element))
     names = [stage.name for stage in case.stages]
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"

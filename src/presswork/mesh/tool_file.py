@@ -45,13 +45,14 @@ class TriangulatedTool:
     """Shape (n, 3)."""
     is_closed: bool
 
-    def surface(self, depth: float = math.inf) -> _core.ToolSurface:
+    def surface(self, depth: float = math.inf, *, smooth: bool = False) -> _core.ToolSurface:
         """Return the surface that contact asks.
 
         depth: penetrations deeper than this are not found [mm]; for an open surface, or a thin-walled tool, less than
         half of what lies between its faces.
+        smooth: rounded off, so that normals do not jump from facet to facet.
         """
-        return _core.ToolSurface.triangles(self.points, self.triangles, depth=depth)
+        return _core.ToolSurface.triangles(self.points, self.triangles, depth=depth, smooth=smooth)
 
 
 def read_tool(

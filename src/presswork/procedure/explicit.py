@@ -14,7 +14,7 @@ Units are mm, s, t, N, MPa. A node has six freedoms: displacements u, v, w and r
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -58,6 +58,7 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
     or (n, 3) of triangles alone; thickness [mm], one or (n); law in
     plane stress; density [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each
     shell.
+    hanging: nodes that follow the ends of sides (n, 7), as SplitMesh.hanging gives them.
     precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
     the time and memory; docs/theory/explicit.md says where it is good enough.
     Elements and nodes are renumbered inside for the sake of the cache; every array here is in the order given.
@@ -74,6 +75,7 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         axis: npt.ArrayLike = (1.0, 0.0, 0.0),
         options: ShellOptions | None = None,
         precision: Precision = "double",
+        hanging: npt.ArrayLike = (),
     ) -> None:
         options = options or ShellOptions()
         if precision not in LOOPS:
@@ -114,6 +116,9 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
                 )
         except ValueError as error:
             raise ExplicitError(str(error)) from None
+        follow = np.array(hanging, dtype=np.int32).reshape(-1, 7)
+        if len(follow):
+            self._loop.set_hanging(place[follow])
         self._fixed = np.zeros((len(x), 6), dtype=np.uint8)
         self._prescribed = np.zeros((len(x), 6))
         self._reference: tuple[float, float] | None = None
@@ -322,6 +327,43 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
                 f"the step {self.dt:g} s is too long{now}, its shells have collapsed, or their material law has failed"
             )
         self._check_tools()
+
+    def inherit(
+        self,
+        other: ExplicitShells,
+        position: npt.ArrayLike,
+        node_parents: npt.NDArray[np.int32],
+        parent: npt.NDArray[np.int32],
+    ) -> float:
+        """Begin with the state of another run some shells of which are split here, at positions (n_nodes, 3).
+
+        parent: shell of the other run that each comes from, or is (n,); node_parents: nodes of it whose mean velocity
+        and traction each node gets (n_nodes, 4). Tools must be like those of the other run. Mass goes by undeformed
+        area. Returns the kinetic energy that interpolation has taken [N mm], which is no error of the balance.
+        """
+        before = other._loop.energies(other.dt).kinetic
+        area = self._by_element(self._loop.element_mass)
+        share = area / np.bincount(parent, area)[parent]
+        share[np.bincount(parent)[parent] == 1] = 1.0
+        place, element_place = np.empty(len(other.start), np.int32), np.empty(len(other.connectivity), np.int32)
+        place[other._nodes], element_place[other._elements] = np.arange(len(place)), np.arange(len(element_place))
+        loop: Any = self._loop  # of the same precision as the other
+        loop.inherit(
+            other._loop,
+            np.asarray(position, dtype=float)[self._nodes],
+            np.ascontiguousarray(place[node_parents][self._nodes]),
+            element_place[parent[self._elements]],
+            share[self._elements],
+            other.dt,
+        )
+        self.cycle, self.time = other.cycle, other.time
+        self.dt = min(other.dt, SAFETY * self.stable_step())
+        self._contact_step, self._new_tools = other._contact_step, []
+        lost = before - self._loop.energies(self.dt).kinetic
+        if other._reference:
+            start, largest = other._reference
+            self._reference = (start - lost, largest)
+        return lost
 
     def _energies(self, damping: float, force_scale: object, velocity_scale: object) -> _core.Energies:
         first = [float(np.ravel(np.asarray(s, dtype=float))[0]) for s in (force_scale, velocity_scale)]

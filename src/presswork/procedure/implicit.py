@@ -68,6 +68,8 @@ class ImplicitProcedure:
     def _check_held(self) -> None:
         """Refuse bodies that the first increment would push away."""
         if self.model.analysis == "shell":
+            if self.equilibrium.inertia.is_needed:
+                return
             sheet = self.equilibrium.sheet
             touched = sheet.held_directions(self.state) if sheet else None
             check_shell_held(self.model, self.equilibrium.fixed(0), touched)
@@ -258,7 +260,10 @@ class ImplicitProcedure:
             on_nodes, rubbed = self.equilibrium.sheet.work(self.state, trial)
             trial.work[0] += on_nodes
             trial.work[2] += rubbed
-        dt = self.model.stages[stage].duration * (fraction - fraction_n)
+        if self.equilibrium.inertia.is_needed:
+            resistance = self.state.inertia_force + trial.inertia_force
+            trial.work[3] += 0.5 * float((resistance * trial.increment[:, :3]).sum())
+        dt = self.model.stages[stage].time_between(fraction_n, fraction)
         trial.work[1] += self.mechanics.plastic_work(self.state, trial, dt)
         p = trial.progress
         p[TIME] += dt
@@ -281,11 +286,11 @@ class ImplicitProcedure:
         self.state = trial
 
     def energy_balance(self) -> dict[str, float]:
-        """External work, elastic energy, plastic and friction work [N mm], what is missing between them in per cent.
+        """External work, elastic energy, plastic, friction and inertia work [N mm], and what is missing in per cent.
 
         External is the work of tools, supports and loads: what they do on the nodes and what friction on tools takes.
         """
-        on_nodes, plastic, friction = (float(w) for w in self.state.work)
+        on_nodes, plastic, friction, inertia = (float(w) for w in self.state.work)
         external = on_nodes + friction
         elastic = self.mechanics.elastic_energy(self.state)
         largest = max(abs(external), 1e-300)
@@ -294,5 +299,6 @@ class ImplicitProcedure:
             "elastic_energy": elastic,
             "plastic_work": plastic,
             "friction_work": friction,
-            "error_percent": 100.0 * (external - elastic - plastic - friction) / largest,
+            "inertia_work": inertia,
+            "error_percent": 100.0 * (external - elastic - plastic - friction - inertia) / largest,
         }

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stamping by the implicit procedure: the same case as by explicit dynamics, turned into a shell between tools.
 
-Strokes and prescribed displacements grow in proportion over a stage; forces follow the part of the way that has been
-gone, as they do in the explicit procedure. Time only matters to laws with a strain rate.
+Strokes and prescribed displacements grow in proportion over a stage; forces, and time, follow the part of the way that
+has been gone, as they do in the explicit procedure. Time only matters to laws with a strain rate and to inertia.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray, Mesh, Model, OutputSettings, Push, SheetTool, Stage
-from presswork.model_stamping import StampingModel, StampingTool
+from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, TIME, ImplicitProcedure, IncrementReport
 from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.stamping_tools import (
@@ -24,6 +24,7 @@ from presswork.procedure.stamping_tools import (
     cut_surfaces,
     is_pushed,
     make_whole,
+    stroke_of,
     tabulate_force,
     tabulate_share,
     tool_columns,
@@ -34,9 +35,11 @@ from presswork.results.formability import formability_fields, judge_fields
 
 DEPTH = 2.0
 """Thicknesses that a node of a guess may lie in a tool and be found: behind that is another wall."""
+CLOCK_TIMES = 1000
+"""Of each stage, at which the smooth motion is tabulated."""
 WORTH_A_WARNING = 5.0
-"""Per cent of the external work by which the energies may miss it."""
-ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work")
+"""Per cent of the external work by which the energies may miss it, and of the internal that inertia may take."""
+ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work", "inertia_work")
 
 
 def make_shell_model(model: StampingModel) -> Model:
@@ -50,6 +53,7 @@ def make_shell_model(model: StampingModel) -> Model:
         Stage(
             name=stage.name,
             duration=stage.duration,
+            clock=_clock(stage),
             sheet_tool_move={t.name: _along(t, stage.actions[t.name].stroke) for t in moved if t.name in stage.actions},
             sheet_tool_push={name: of_stages[number] for name, of_stages in pushes.items()},
             bead_share={name: of_stages[number] for name, of_stages in shares.items()},
@@ -74,8 +78,15 @@ def make_shell_model(model: StampingModel) -> Model:
     )
 
 
+def _clock(stage: StampingStage) -> FloatArray:
+    """Return when which part of the stage's way has been gone, as in the explicit procedure (n, 2)."""
+    times = np.linspace(0.0, stage.duration, CLOCK_TIMES + 1)
+    return np.column_stack([stroke_of(stage).position(times), times])
+
+
 def _place(tool: StampingTool, depth: float) -> SheetTool:
-    surface = tool.shape.surface(depth) if isinstance(tool.shape, SweptTool) else tool.shape.surface()
+    shape = tool.shape
+    surface = shape.surface(depth) if isinstance(shape, SweptTool) else shape.surface(depth, smooth=True)
     return SheetTool(tool.name, surface, tool.position, tool.mu)
 
 
@@ -218,6 +229,7 @@ class ImplicitStamping:
             "time": self.time,
             "iterations": 0,
             **tools,
+            **bead_columns(self.model, [0.0] * len(self.model.beads)),
             **energies,
             "energy_error_percent": balance["error_percent"],
         }
@@ -254,6 +266,10 @@ class ImplicitStamping:
         if abs(energy["error_percent"]) > WORTH_A_WARNING:
             error = f"the energy balance is off by {energy['error_percent']:.3g} %"
             warnings.append(f"{error}: set implicit.max_increment lower")
+        internal = energy["elastic_energy"] + energy["plastic_work"]
+        if abs(energy["inertia_work"]) > 1e-2 * WORTH_A_WARNING * internal:
+            part = f"inertia took {100.0 * abs(energy['inertia_work']) / internal:.3g} % of the internal energy"
+            warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
         return {
             "increments": increments,
             "iterations": iterations,

@@ -3,22 +3,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
-import scipy.sparse as sp
 
-from presswork.model import BoolArray, FloatArray, MaskArray, Model
+from presswork.model import BoolArray, FloatArray, Model
 from presswork.procedure.body_contact import BodyContacts, BodyForces
 from presswork.procedure.contact import Constraints, Contact
-from presswork.procedure.floating_tools import Floating, FloatingTools, LostWorkpieceError
+from presswork.procedure.floating_tools import FloatingTools, LostWorkpieceError
 from presswork.procedure.friction import Friction, FrictionForces
-from presswork.procedure.linear_solver import LinearSolver, SolverError, make_solver
-from presswork.procedure.loads import AppliedLoads
+from presswork.procedure.inertia import Inertia
+from presswork.procedure.linear_solver import LinearSolver, SolverError
+from presswork.procedure.linear_system import Balance, LinearSystem, Point, turn
 from presswork.procedure.mechanics import BadGuess, LawFailed, Mechanics, PassedThrough, factor_of
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
-from presswork.procedure.pushed_sheet_tools import Pushed, PushedSheetTools
+from presswork.procedure.pushed_sheet_tools import PushedSheetTools
 from presswork.procedure.sheet_contact import SheetContact, SheetForces
 from presswork.procedure.shell_mechanics import ShellMechanics
 from presswork.procedure.timing import Timing
@@ -41,47 +41,6 @@ STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 
 
-@dataclass(frozen=True)
-class _Point:
-    """The forces at one guess."""
-
-    displacement: FloatArray
-    internal: FloatArray
-    loads: AppliedLoads
-    bodies: BodyForces
-    sheet: SheetForces | None
-    reaction: FloatArray
-    length: FloatArray
-    """What each freedom is multiplied by to make it a length, and its force divided by to make it a force."""
-
-    @property
-    def largest_force(self) -> float:
-        """Largest nodal force, internal or applied [N]."""
-        return max(float(np.abs(f / self.length).max()) for f in (self.internal, self.loads.force))
-
-
-@dataclass(frozen=True)
-class _Balance:
-    """What contact makes of the forces at one guess."""
-
-    constraints: Constraints
-    friction: FrictionForces | None
-    drag: FloatArray
-    """Friction (n_points, 2) [N]."""
-    floating: Floating | None
-    pushed: Pushed | None
-    lacking: FloatArray
-    """Out of balance (n_points, 2) [N], in the nodes' own frames."""
-    changes: int
-    length: FloatArray
-
-    @property
-    def largest_lacking(self) -> float:
-        """Largest force out of balance, of a node or of a tool [N]."""
-        of_tools = [float(np.abs(t.missing).max(initial=0.0)) for t in (self.floating, self.pushed) if t]
-        return max(float(np.abs(self.lacking / self.length).max()), *of_tools, 0.0)
-
-
 class Equilibrium:
     """Solves increments of one model; holds the matrix and its factors, but nothing that a restart would need."""
 
@@ -96,22 +55,15 @@ class Equilibrium:
         self.bodies = BodyContacts(model, mechanics)
         self.sheet = SheetContact(model) if model.sheet_tools or model.sheet_beads else None
         self.pushed_sheet_tools = PushedSheetTools(model)
+        self.inertia = Inertia(model)
+        self.system = LinearSystem(model, mechanics, self.floating_tools, self.pushed_sheet_tools, timing, threads)
         self._timing = timing
-        self._threads = threads
         self._noise = mechanics.force_of_round_off()
-        self._diagonal = 1.0
-        self._analyse()
 
-    def _analyse(self) -> None:
-        """Make matrix and solver for the assembler's pattern."""
-        started = perf_counter()
-        assembler = self._analysed = self._mechanics.assembler
-        self._data = np.zeros(len(assembler.indices))
-        self._unconstrained = self._data
-        self.solver: LinearSolver = make_solver(
-            assembler.indptr, assembler.indices, symmetric=self._model.solver.symmetric, threads=self._threads
-        )
-        self._timing.add("analysis", started)
+    @property
+    def solver(self) -> LinearSolver:
+        """The linear solver, which holds the last factors."""
+        return self.system.solver
 
     def fixed(self, stage: int) -> BoolArray:
         """Return the components that supports and prescribed displacements hold in a stage (n_points, freedoms)."""
@@ -185,6 +137,8 @@ class Equilibrium:
                 self.bodies.settle(trial, point.bodies)
                 if self.sheet and point.sheet:
                     self.sheet.settle(trial, point.sheet)
+                if point.inertia:
+                    trial.velocity, trial.inertia_force = point.inertia.velocity, point.inertia.resistance
                 trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
                 return Converged(log)
             if iteration == most or (stiff and self._is_hopeless(log)):
@@ -193,7 +147,7 @@ class Equilibrium:
             # 3. correction; constrained freedoms go all the way to where they must be
             try:
                 refactorise = settings.newton == "full" or not factorised or changes > 0 or missing > 1e-3 * size
-                correction, travel = self._correct(balance, point, refactorise=refactorise)
+                correction, travel = self.system.correct(balance, point, refactorise=refactorise)
             except (SolverError, LostWorkpieceError) as error:
                 return Failed(log, str(error), 0.25)
             factorised = True
@@ -207,9 +161,9 @@ class Equilibrium:
         return Failed(log, f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}", 0.5)
 
     def _balance(
-        self, state_n: State, trial: State, step: Step, increment: FloatArray, point: _Point, fixed: BoolArray,
+        self, state_n: State, trial: State, step: Step, increment: FloatArray, point: Point, fixed: BoolArray,
         *, near: bool,
-    ) -> _Balance:  # fmt: skip
+    ) -> Balance:  # fmt: skip
         """Update what is held and return what is out of balance."""
         started = perf_counter()
         floor = RELEASED * max(float(state_n.peak_force[0]), self._noise / UNLOADED)
@@ -225,18 +179,18 @@ class Equilibrium:
                 trial, point.reaction, friction, supports, step.stage, step.fraction, near=near
             )
             changes += stops
-        lacking = self._turn(constraints, drag - point.reaction)
+        lacking = turn(constraints, drag - point.reaction)
         lacking[constraints.mask == 1] = 0.0
         self._timing.add("contact", started)
         pushed = None
         if self.pushed_sheet_tools.is_needed and point.sheet:
             pushed = self.pushed_sheet_tools.evaluate(point.sheet, step.stage, step.fraction)
-        return _Balance(constraints, friction, drag, floating, pushed, lacking, changes, self._mechanics.length)
+        return Balance(constraints, friction, drag, floating, pushed, lacking, changes, self._mechanics.length)
 
     def _evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
-    ) -> _Point | BadGuess:
-        dt = self._model.stages[step.stage].duration * (step.fraction - step.fraction_n)
+    ) -> Point | BadGuess:
+        dt = self._model.stages[step.stage].time_between(step.fraction_n, step.fraction)
         internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
         if isinstance(internal, BadGuess):
             return internal
@@ -249,7 +203,10 @@ class Equilibrium:
         sheet = self._touch_sheet(state_n, trial, displacement, step)
         if sheet:
             reaction -= sheet.force
-        return _Point(displacement, internal, loads, bodies, sheet, reaction, self._mechanics.length)
+        inertia = self.inertia.evaluate(state_n, increment, dt) if self.inertia.is_needed else None
+        if inertia:
+            reaction[:, :3] += inertia.resistance
+        return Point(displacement, internal, loads, bodies, sheet, inertia, reaction, self._mechanics.length)
 
     def _touch_sheet(self, state_n: State, trial: State, displacement: FloatArray, step: Step) -> SheetForces | None:
         started = perf_counter()
@@ -263,7 +220,7 @@ class Equilibrium:
         self._timing.add("contact", started)
         return bodies
 
-    def _touch_again(self, state_n: State, trial: State, point: _Point) -> _Point:
+    def _touch_again(self, state_n: State, trial: State, point: Point) -> Point:
         """Return the point with the forces between bodies that follow from new multipliers or another active set."""
         bodies = self._touch_bodies(state_n, trial, point.displacement)
         assert isinstance(bodies, BodyForces)  # where they are has not changed
@@ -274,12 +231,12 @@ class Equilibrium:
         state_n: State,
         trial: State,
         step: Step,
-        point: _Point,
-        balance: _Balance,
+        point: Point,
+        balance: Balance,
         increment: FloatArray,
         correction: FloatArray,
         travel: FloatArray,
-    ) -> tuple[FloatArray, _Point, float] | BadGuess:
+    ) -> tuple[FloatArray, Point, float] | BadGuess:
         """Take the correction, or the part of it that keeps cells whole and does not overshoot; return the part too."""
         full = self._model.solver.newton == "full"
         drag = balance.drag
@@ -311,111 +268,13 @@ class Equilibrium:
             return shorter
         return increment + part * correction, shorter, part
 
-    def _rub(self, state_n: State, trial: State, point: _Point, constraints: Constraints) -> FrictionForces | None:
+    def _rub(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> FrictionForces | None:
         if not self.friction.is_needed:
             return None
         return self.friction.evaluate(state_n, trial, point.displacement, point.reaction, constraints.turned == 1)
 
-    def _add_friction(self, friction: FrictionForces, constraints: Constraints) -> None:
-        """Add friction's stiffness; Coulomb's dependence on the normal force only to an unsymmetric matrix."""
-        assembler = self._mechanics.assembler
-        pairs = np.repeat(friction.nodes[:, None], 2, axis=1).astype(np.int32)
-        blocks = friction.stiffness[:, None, None] * friction.tangent[:, :, None] * friction.tangent[:, None, :]
-        assembler.add_blocks(pairs, np.ascontiguousarray(blocks), constraints.turned, constraints.frames, self._data)
-        if self._model.solver.symmetric:
-            return
-        start = assembler.indptr
-        for node, slope in zip(friction.nodes, friction.normal_slope, strict=True):
-            if slope:
-                normal_row = self._data[start[2 * node] : start[2 * node + 1]]
-                self._data[start[2 * node + 1] : start[2 * node + 2]] -= slope * normal_row
-
-    def _turn(self, constraints: Constraints, vector: FloatArray) -> FloatArray:
-        """Take a nodal vector into the nodes' own frames."""
-        result = vector.copy()
-        nodes = np.nonzero(constraints.turned)[0]
-        own = constraints.frames.shape[-1]  # the last freedoms of a node are those taken in its frame
-        result[nodes, -own:] = np.einsum("nij,nj->ni", constraints.frames[nodes], vector[nodes, -own:])
-        return result
-
-    def _turn_back(self, constraints: Constraints, vector: FloatArray) -> FloatArray:
-        nodes = np.nonzero(constraints.turned)[0]
-        own = constraints.frames.shape[-1]
-        vector[nodes, -own:] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes, -own:])
-        return vector
-
-    def _correct(self, balance: _Balance, point: _Point, *, refactorise: bool) -> tuple[FloatArray, FloatArray]:
-        """Solve for the next correction (n_points, 2), global frame, and the travel of floating tools (n_floating,)."""
-        constraints, floating = balance.constraints, balance.floating
-        travels = floating is not None and len(floating.tools) > 0
-        flat = balance.lacking.reshape(-1).copy()
-        is_new = self._analysed is not self._mechanics.assembler
-        if is_new:
-            self._analyse()
-        if refactorise or is_new:
-            started = perf_counter()
-            self._assemble(constraints, point, balance.friction)
-            self._diagonal = float(self._data.max())  # of the size of the others, for the condition
-            if travels:
-                self._unconstrained = self._data.copy()
-            self._prescribe(constraints.mask, constraints.value, self._data, flat)
-            self._timing.add("assembly", started)
-            started = perf_counter()
-            self.solver.factorise(self._data)
-            self._timing.add("solve", started)
-        started = perf_counter()
-        solution = self.solver.solve(flat).reshape(balance.lacking.shape)
-        travel = np.zeros(0)
-        if balance.pushed and balance.pushed.tools:
-            assert point.sheet is not None
-
-            def respond_to(force: FloatArray) -> FloatArray:
-                rhs = self._turn(constraints, force)
-                rhs[constraints.mask == 1] = 0.0
-                return self._turn_back(constraints, self.solver.solve(rhs.reshape(-1)).reshape(rhs.shape))
-
-            solution = self._turn_back(constraints, solution)
-            found = self.pushed_sheet_tools.correct(balance.pushed, point.sheet, solution, respond_to)
-            self._timing.add("solve", started)
-            return found
-        if travels:
-            assert floating is not None
-
-            def respond(value: FloatArray, force: FloatArray) -> FloatArray:
-                rhs = force.reshape(-1).copy()
-                self._prescribe(constraints.mask, value, self._unconstrained.copy(), rhs)
-                return self.solver.solve(rhs).reshape(-1, 2)
-
-            matrix = self._full_matrix(self._unconstrained)
-            solution, travel = self.floating_tools.correct(floating, balance.friction, matrix, solution, respond)
-        self._timing.add("solve", started)
-        return self._turn_back(constraints, solution), travel
-
-    def _assemble(self, constraints: Constraints, point: _Point, friction: FrictionForces | None) -> None:
-        """Fill the matrix with all stiffnesses, in the nodes' own frames."""
-        assembler, loads = self._mechanics.assembler, point.loads
-        self._mechanics.assemble_stiffness(constraints.turned, constraints.frames, self._data)
-        if self._model.solver.pressure_stiffness and len(loads.pairs):
-            assembler.add_blocks(loads.pairs, loads.blocks, constraints.turned, constraints.frames, self._data)
-        for touching in (point.bodies, point.sheet):
-            if touching and len(touching.pairs):
-                blocks = (touching.pairs, touching.blocks, constraints.turned, constraints.frames)
-                assembler.add_blocks(*blocks, self._data)
-        if friction:
-            self._add_friction(friction, constraints)
-
-    def _prescribe(self, mask: MaskArray, value: FloatArray, data: FloatArray, rhs: FloatArray) -> None:
-        """Prescribe values (n_points, 2) in a matrix and its right-hand side, in place."""
-        self._mechanics.assembler.constrain(mask.reshape(-1), value.reshape(-1), self._diagonal, data, rhs)
-
-    def _full_matrix(self, data: FloatArray) -> sp.csr_matrix:
-        """Return the matrix with both its halves."""
-        assembler = self._mechanics.assembler
-        matrix = sp.csr_matrix((data, assembler.indices, assembler.indptr))
-        return matrix + sp.triu(matrix, 1).T if self._model.solver.symmetric else matrix
-
     def _note(
-        self, log: IterationLog, balance: _Balance, scale: float, size: float, increment: FloatArray, changes: int
+        self, log: IterationLog, balance: Balance, scale: float, size: float, increment: FloatArray, changes: int
     ) -> None:
         log.residual.append(balance.largest_lacking / scale if scale > 0 else 0.0)
         moved = self._largest(increment)

@@ -66,14 +66,14 @@ def touch_tool(
     gap, normal, _, _ = tool.surface.nearest(x, float((0.5 * sheet.thickness + rounding).max()))
     nodes = np.flatnonzero(gap - 0.5 * sheet.thickness < rounding)
     g, n, delta = (gap - 0.5 * sheet.thickness)[nodes], normal[nodes], rounding[nodes]
-    bend = tool.surface.normal_slope(np.ascontiguousarray(x[nodes]))
+    rise, bend = tool.surface.slopes(np.ascontiguousarray(x[nodes]))
     # 1. normal force, a parabola within the rounding
     k = sheet.stiffness * sheet.area[nodes] / sheet.thickness[nodes]
     deep = g < -delta
     push = np.where(deep, -k * g, k * (delta - g) ** 2 / (4.0 * delta))
     slope = np.where(deep, -k, -0.5 * k * (delta - g) / delta)  # d push / d g
     force = push[:, None] * n
-    stiffness = -_dyads(slope[:, None] * n, n) - push[:, None, None] * bend
+    stiffness = -_dyads(slope[:, None] * n, rise) - push[:, None, None] * bend
     if tool.mu == 0.0:
         return NodesOnTool(nodes, force, np.zeros_like(force), stiffness)
     # 2. friction: elastic trial in the tangent plane
@@ -90,7 +90,7 @@ def touch_tool(
     slides = size > limit
     safe = np.maximum(size, 1e-300)
     along = trial / safe[:, None]
-    d_slide = tool.mu * _dyads(along, slope[:, None] * n)
+    d_slide = tool.mu * _dyads(along, slope[:, None] * rise)
     d_slide += (limit / safe)[:, None, None] * ((np.eye(3) - _dyads(along, along)) @ d_trial)
     friction = np.where(slides[:, None], limit[:, None] * along, trial)
     stiffness -= np.where(slides[:, None, None], d_slide, d_trial)
@@ -121,8 +121,7 @@ class SheetContact:
         n = len(model.mesh.points)
         self._area, self._cells = np.zeros(n), np.zeros(n)
         for block in model.mesh.blocks:
-            area = _cell_areas(model.mesh.points, block.connectivity)
-            np.add.at(self._area, block.connectivity, (area / block.connectivity.shape[1])[:, None])
+            self._area += share_surface(model.mesh.points, block.connectivity)
             np.add.at(self._cells, block.connectivity, 1.0)
         self._thickness = np.zeros(n)
         self.beads = SheetBeads(model)
@@ -217,8 +216,15 @@ class SheetContact:
         return np.asarray(-state.sheet_tool_force.sum(axis=1))
 
 
+def share_surface(points: FloatArray, connectivity: IntArray) -> FloatArray:
+    """Return each node's share of the surface (n_points,) [mm2]: the same of each node of a cell."""
+    share = np.zeros(len(points))
+    np.add.at(share, connectivity, (_cell_areas(points, connectivity) / connectivity.shape[1])[:, None])
+    return share
+
+
 def _cell_areas(points: FloatArray, connectivity: IntArray) -> FloatArray:
-    """Return the areas of flat triangles or quadrilaterals, by their corners [mm^2]."""
+    """Return the areas of flat triangles or quadrilaterals, by their corners [mm2]."""
     corners = points[connectivity[:, : count_corners(connectivity.shape[1])]]
     one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     if corners.shape[1] == 4:

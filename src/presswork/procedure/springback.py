@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.mesh.best_fit import measure_deviation
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, Mesh, Model, OutputSettings, ShellElement, SolverSettings, Stage, Support
 from presswork.model_stamping import Springback, StampingModel
@@ -29,7 +30,7 @@ from presswork.procedure.transfer import TransferError, begin_with
 from presswork.procedure.trim import TrimError, TrimmedSheet, trim_sheet
 from presswork.results.formability import formability_fields
 
-TRIM, NAME = "trim", "springback"
+TRIM, NAME, DEVIATION = "trim", "springback", "deviation"
 ELEMENTS: dict[int, ShellElement] = {3: "shell3_mitc_plus", 4: "shell4_mitc_plus"}
 """By number of nodes."""
 SYMMETRY = tuple(tuple(i in held for i in range(6)) for held in ((0, 4, 5), (1, 3, 5)))
@@ -148,8 +149,10 @@ class ReleasedStamping:
             yield SpringbackReport(before + report.number, report, report.is_save_point)
 
     def _release(self) -> _Released:
-        """Cut the part, and hand its state over to an implicit procedure."""
-        mesh, state, trimmed = self.model.mesh, self.forming.sheet(), None
+        """Cut the part, and hand its state over to an implicit procedure, which knows no hanging nodes."""
+        if isinstance(self.forming, ExplicitStamping):
+            self.forming.split_evenly()
+        mesh, state, trimmed = self.forming.mesh, self.forming.sheet(), None
         try:
             if self.model.trim:
                 trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS)
@@ -189,7 +192,7 @@ class ReleasedStamping:
     def mesh(self) -> Mesh:
         """The undeformed sheet: the blank, and what trimming leaves of it."""
         trimmed = None if self._released is None else self._released.trimmed
-        return self.model.mesh if trimmed is None else trimmed.mesh
+        return self.forming.mesh if trimmed is None else trimmed.mesh
 
     @property
     def columns(self) -> list[str]:
@@ -210,7 +213,7 @@ class ReleasedStamping:
         if isinstance(report, TrimReport):
             assert self._released is not None
             assert self._released.trimmed is not None
-            before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.model.mesh, self.mesh))
+            before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.forming.mesh, self.mesh))
             return [f"{TRIM}: {after} of {before} shells, outline within {self._released.trimmed.off_line:.3g} mm"]
         if not isinstance(report, SpringbackReport):
             return self.forming.log_lines(report)
@@ -246,12 +249,17 @@ class ReleasedStamping:
         return self.forming.time + float(self._released.implicit.state.progress[0])
 
     def snapshot(self) -> Snapshot:
-        """Return the fields of the present state; `springback` is the displacement since the part was let go."""
+        """Return the fields of the present state.
+
+        `springback` is the displacement since the part was let go, `deviation` how far it lies off the shape that it
+        had in its tools, along that shape's normal, after the best fit.
+        """
         snapshot = self.forming.snapshot()
         if self._released is None:
             point_data = dict(snapshot.point_data)
             if self.model.springback is not None:
-                point_data[NAME] = np.zeros_like(self.model.mesh.points)
+                point_data[NAME] = np.zeros_like(self.mesh.points)
+                point_data[DEVIATION] = np.zeros(len(self.mesh.points))
             return replace(snapshot, point_data=point_data)
         state, mechanics = self._released.implicit.state, self._released.implicit.mechanics
         cells = mechanics.cell_fields(state)
@@ -264,6 +272,7 @@ class ReleasedStamping:
         }
         if self.model.springback is not None:
             point_data[NAME] = self._moved()
+            point_data[DEVIATION] = self._deviation()
         cell_data = {name: cells[name] for name in snapshot.cell_data}
         return replace(snapshot, time=self._time(), point_data=point_data, cell_data=cell_data)
 
@@ -271,6 +280,13 @@ class ReleasedStamping:
         """Return the displacement of springback (n_points, 3) [mm]."""
         assert self._released is not None
         return np.asarray(self._released.implicit.state.displacement[:, :3] - self._released.formed)
+
+    def _deviation(self) -> FloatArray:
+        """Return how far nodes lie off the shape in the tools (n_points,) [mm]."""
+        assert self._released is not None
+        formed = self.mesh.points + self._released.formed
+        cells = [block.connectivity for block in self.mesh.blocks]
+        return measure_deviation(formed + self._moved(), formed, cells, self.model.symmetry)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array that the next row or increment depends on."""
@@ -312,12 +328,13 @@ class ReleasedStamping:
         if self.model.springback is None:
             return summary
         way = np.linalg.norm(self._moved(), axis=1)
-        at = int(np.argmax(way))
+        at, deviation = int(np.argmax(way)), self._deviation()
         progress = self._released.implicit.state.progress
         return summary | {
             NAME: {
                 "largest_mm": float(way[at]),
                 "at_mm": [float(x) for x in self.mesh.points[at]],
+                "deviation_mm": [float(deviation.min()), float(deviation.max())],
                 "increments": int(progress[INCREMENTS]),
                 "iterations": int(progress[ITERATIONS]),
                 "cutbacks": int(progress[CUTBACKS]),

@@ -7,7 +7,7 @@ It knows nothing of files: run.py records what it yields.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
-from presswork.model import Mesh
-from presswork.model_stamping import StampingModel, StampingStage
+from presswork.model import BoolArray, Mesh
+from presswork.model_stamping import Refinement, StampingModel, StampingStage
 from presswork.procedure.explicit import (
     FREEDOMS,
     SAFETY,
@@ -26,8 +26,10 @@ from presswork.procedure.explicit import (
     MassScaling,
     ShellOptions,
 )
+from presswork.procedure.explicit_energy import warn_of_energies
 from presswork.procedure.explicit_fields import OnePointFields
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
+from presswork.procedure.refinement import SplitBlank, choose_shells
 from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, mean_speeds
 from presswork.procedure.timing import Timing
 from presswork.procedure.transfer import SheetState, sheet_of_explicit
@@ -35,16 +37,14 @@ from presswork.results.formability import formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
 from presswork.threads import available_threads
 
-STAGE, ROW, CYCLES, ADDED_MASS = range(4)
+STAGE, ROW, CYCLES, ADDED_MASS, SHELL_CYCLES = range(5)
 ELEMENT_CYCLES_A_CALL = 2_000_000
 """Between two looks at the keyboard: about a second."""
 SAMPLES = 10
 """Of the tools' forces in a row, at least: single cycles are noisy."""
+LOOKS = 50
+"""A stage, at shells that may have to be split: once in 2 % of it."""
 ENERGIES = ("kinetic", "internal", "hourglass", "contact", "friction", "damping", "external")
-WORTH_A_WARNING = 5.0
-"""Per cent of the internal energy."""
-FORMED = 0.1
-"""Part of the last internal energy from which on kinetic energy is compared with it: a blank at rest has none."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,7 @@ class RowReport:
     cycles: int
     step: float
     """Time step [s]."""
+    shells: int
     energies: EnergyBalance
     is_save_point: bool
 
@@ -70,30 +71,35 @@ class ExplicitStamping:
         _core.set_threads(threads or available_threads())
         self.model = model
         self.timing = Timing("cycles")
-        section, material = model.sheet
-        self._cells = model.cells
-        assert section.rule != "simpson"
-        self.shells = ExplicitShells(
-            model.mesh.points,
-            self._cells,
-            section.thickness,
-            make_sheet_law(material),
-            material.density,
-            axis=model.rolling_direction,
-            options=ShellOptions(element=model.explicit.element, n_points=section.points, rule=section.rule),
-            precision=model.explicit.precision,
-        )
-        self._fields = OnePointFields(
-            model.mesh, self._cells, section, np.asarray(model.rolling_direction), model.symmetry
-        )
-        self._judged = material.formability
-        self._progress = np.zeros(4)
+        self._progress = np.zeros(5)
+        self._blank = SplitBlank(model)
+        self._judged = model.sheet[1].formability
+        self.shells = self._make_shells()
         self._mass = float(self.shells.mass[:, 0].sum())
         if model.explicit.target_step is not None:
             self._scale_mass(model.explicit.target_step)
         self.tools = StampingTools(model, self.shells)
         self._begin_stage()
         self.shells.advance(0)  # contact is found, and refused where the sheet starts in a tool
+
+    def _make_shells(self) -> ExplicitShells:
+        """Make shells of the undeformed mesh as it is split now, and what makes fields of them."""
+        model = self.model
+        section, material = model.sheet
+        assert section.rule != "simpson"
+        rolling, self._cells = model.rolling_direction, model.cells
+        self._fields = OnePointFields(model.mesh, self._cells, section, np.asarray(rolling), model.symmetry)
+        return ExplicitShells(
+            model.mesh.points,
+            self._cells,
+            section.thickness,
+            make_sheet_law(material),
+            material.density,
+            axis=rolling,
+            options=ShellOptions(element=model.explicit.element, n_points=section.points, rule=section.rule),
+            precision=model.explicit.precision,
+            hanging=self._blank.sheet.hanging(),
+        )
 
     # --- the way through ---------------------------------------------------------------------------------------------
 
@@ -114,16 +120,19 @@ class ExplicitStamping:
         started = perf_counter()
         number, row = (int(self._progress[i]) for i in (STAGE, ROW))
         stage, rows = self.model.stages[number], self.model.output.rows
+        if self.model.refinement and row % max(1, rows // LOOKS) == 0:
+            self._refine(self.model.refinement)
+        n_shells = len(self._cells)
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
         n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
         self.shells.dt = (end - begin) / n
-        most = min(ELEMENT_CYCLES_A_CALL // len(self._cells), n // SAMPLES) or 1
+        most = min(ELEMENT_CYCLES_A_CALL // n_shells, n // SAMPLES) or 1
         self.tools.begin_row()
         for part in np.split(mean_speeds(stage, begin, end, n), range(most, n, most)):
             self.shells.advance(len(part), velocity_scale=part, damping=self.model.explicit.damping)
             self.tools.sample()
         energies = self._energies(stage, end)
-        self._progress[[ROW, CYCLES]] += (1, n)
+        self._progress[[ROW, CYCLES, SHELL_CYCLES]] += (1, n, n * n_shells)
         if row + 1 == rows:
             self._progress[[STAGE, ROW]] = (number + 1, 0)
             self._begin_stage()
@@ -136,9 +145,39 @@ class ExplicitStamping:
             time=self.shells.time,
             cycles=n,
             step=self.shells.dt,
+            shells=n_shells,
             energies=energies,
             is_save_point=(row + 1) * steps // rows > row * steps // rows,
         )
+
+    def _refine(self, refinement: Refinement) -> None:
+        """Split the shells that are bent, or will be; again, as far as there are levels."""
+        for _ in range(refinement.levels):
+            shells, tools = self.shells, self.tools.placed()
+            chosen = choose_shells(self._blank.sheet, shells.position, shells.thickness, tools, refinement)
+            if not chosen.any():
+                return
+            self._split(chosen)
+
+    def _split(self, chosen: BoolArray) -> None:
+        """Split the chosen shells (n,), and others as far as neighbours would be more than a level apart."""
+        old = self.shells
+        step, position = self._blank.split(chosen, old.position, old.thickness, self.tools.placed())
+        self._begin_on(self._blank.mesh)
+        self._begin_stage()
+        self.shells.inherit(old, position, step.node_parents(), step.parent)
+
+    def split_evenly(self) -> None:
+        """Split all shells as often as those split most, so that no node hangs."""
+        while len(self._blank.sheet.hanging()):
+            level = self._blank.sheet.level
+            self._split(level < level.max())
+
+    def _begin_on(self, mesh: Mesh) -> None:
+        """Make shells and tools anew for another mesh; pushed tools keep their masses."""
+        self.model = replace(self.model, mesh=mesh)
+        self.shells = self._make_shells()
+        self.tools = StampingTools(self.model, self.shells, self.tools)
 
     def _longest_step(self) -> float:
         """Return the time step allowed now; add mass where the target asks for it."""
@@ -192,13 +231,14 @@ class ExplicitStamping:
 
     @property
     def mesh(self) -> Mesh:
-        """The undeformed blank."""
+        """The undeformed blank, as far as its shells have been split."""
         return self.model.mesh
 
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
+        first += ["shells"] if self.model.refinement else []
         return [*first, "time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent"]
 
     @property
@@ -240,6 +280,7 @@ class ExplicitStamping:
             "increment": report.number,
             "cycles": int(self._progress[CYCLES]),
             **self.tools.row(),
+            **({"shells": report.shells} if self.model.refinement else {}),
             "time_step": report.step,
             "added_mass_percent": float(self._progress[ADDED_MASS]),
             **{f"{e}_energy": getattr(report.energies, e) for e in ENERGIES},
@@ -291,7 +332,9 @@ class ExplicitStamping:
     def row_at_rest(self) -> Row:
         """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
         energies = self.shells.energies(damping=self.model.explicit.damping, velocity_scale=0.0)
-        report = RowReport(self.number, "", 1.0, self.shells.time, 0, self.shells.dt, energies, is_save_point=True)
+        report = RowReport(
+            self.number, "", 1.0, self.time, 0, self.shells.dt, len(self._cells), energies, is_save_point=True
+        )
         gone = {
             f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
         }
@@ -299,15 +342,18 @@ class ExplicitStamping:
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array that the next row depends on."""
-        return {"progress": self._progress.copy(), **self.shells.dump()}
+        return {"progress": self._progress.copy(), "splits": self._blank.splits(), **self.shells.dump()}
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
         own = self.to_arrays()
+        if "splits" in arrays and not np.array_equal(own["splits"], arrays["splits"]):
+            self._begin_on(self._blank.split_again(arrays["splits"]))
+            own = self.to_arrays()
         if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
         self._progress = np.array(arrays["progress"], dtype=float)
-        self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name != "progress"})
+        self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name in own})
         self._begin_stage()
 
     def meta(self) -> Meta:
@@ -330,7 +376,7 @@ class ExplicitStamping:
         return {
             "increments": self.number,
             "cycles": cycles,
-            "work": f"{cycles} cycles of {len(self._cells)} shells",
+            "work": f"{cycles} cycles of {self._progress[SHELL_CYCLES] / max(cycles, 1):.0f} shells",
             "freedoms": 6 * len(self.model.mesh.points),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "mass": {"blank_t": self._mass, "added_percent": float(self._progress[ADDED_MASS])},
@@ -343,27 +389,3 @@ class ExplicitStamping:
                 *verdict.warnings(),
             ],
         }
-
-
-def warn_of_energies(history: Mapping[str, NDArray[Any]]) -> list[str]:
-    """Say which energies have been out of hand since forming was under way."""
-    internal = history["internal_energy"]
-    if len(internal) == 0 or internal.max() <= 0:
-        return []
-    formed = internal >= FORMED * internal.max()
-    advice = {
-        "kinetic": "inertia counts: make the tools slower, or add less mass",
-        "hourglass": "refine the mesh where it is bent sharply",
-    }
-    warnings = []
-    for name, remedy in advice.items():
-        share = 100.0 * history[f"{name}_energy"][formed] / internal[formed]
-        worst = int(np.argmax(share))
-        if share[worst] > WORTH_A_WARNING:
-            at = history["time"][formed][worst]
-            warnings.append(f"{name} energy reached {share[worst]:.3g} % of the internal (t = {at:.4g} s): {remedy}")
-    error = history["energy_error_percent"]
-    if np.abs(error).max() > WORTH_A_WARNING:
-        largest = float(error[np.argmax(np.abs(error))])
-        warnings.append(f"the energy balance is off by {largest:.3g} %: set explicit.safety lower")
-    return warnings

@@ -7,12 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from presswork import _core
 from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray, IntArray
 from presswork.model_stamping import StampingBead, StampingModel, StampingStage, StampingTool, ToolAction
 from presswork.procedure.explicit import ExplicitShells
 from presswork.procedure.motion import SmoothStroke
 from presswork.procedure.recording import Row
+from presswork.procedure.refinement import PlacedTool
 
 FORCE_TIMES = 100
 """Times of each stage at which a force over the stroke is tabulated."""
@@ -23,19 +25,28 @@ DRAWN_WITHIN = 0.02
 class StampingTools:
     """Adds a model's tools and beads to the shells, and moves them."""
 
-    def __init__(self, model: StampingModel, shells: ExplicitShells) -> None:
+    def __init__(self, model: StampingModel, shells: ExplicitShells, before: StampingTools | None = None) -> None:
+        """before: the same tools on another mesh of the blank, whose surfaces and masses are taken over."""
         self._model = model
-        edges = model.explicit.contact_points == "edges"
-        self._tools = [shells.add_tool(t.name, t.shape.surface(), mu=t.mu, edges=edges) for t in model.tools]
+        self._surfaces: list[_core.ToolSurface] = (
+            before._surfaces if before else [t.shape.surface() for t in model.tools]
+        )
+        edges, each = model.explicit.contact_points == "edges", zip(model.tools, self._surfaces, strict=True)
+        self._tools = [shells.add_tool(t.name, surface, mu=t.mu, edges=edges) for t, surface in each]
         for tool, at_work in zip(model.tools, self._tools, strict=True):
             at_work.position = tool.position
-        self._pushing_mass = float(shells.mass[:, 0].sum())  # a resumed run takes the same
+        # a resumed run takes the same
+        self._pushing_mass: float = before._pushing_mass if before else float(shells.mass[:, 0].sum())
         self._shells = shells
         for bead in model.beads:
             shells.add_bead(bead.line, tabulate_share(model, bead))
         self._mean = np.zeros((len(model.tools), 3))
         self._restraint = np.zeros(len(model.beads))
         self._samples = 0
+
+    def placed(self) -> list[PlacedTool]:
+        """Return the tools where they stand."""
+        return [PlacedTool(s, tool.position) for s, tool in zip(self._surfaces, self._tools, strict=True)]
 
     def begin_stage(self, number: int) -> None:
         """Let the tools move, push or stand still as the stage says; the speed of strokes is a stroke in its time."""

@@ -37,6 +37,7 @@ _SHEET_STRAINS = ("strain", "lamina_strain", "major_strain", "minor_strain", "eq
 UNITS = {
     "displacement": "mm",
     "springback": "mm",
+    "deviation": "mm",
     "gap": "mm",
     "contact_status": "1",
     "contact_pressure": "MPa",

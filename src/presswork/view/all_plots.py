@@ -38,8 +38,8 @@ SHELL_FIELDS = (*FIELDS, "thickness_strain", "major_strain_top", "minor_strain_t
 STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
 """The last if the run knows a forming limit."""
 ONESTEP_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
-SPRINGBACK = "springback"
-"""Displacement since the part was let go."""
+SPRINGBACK_FIELDS = ("springback", "deviation")
+"""Displacement since the part was let go; distance from its shape in the tools."""
 _PNG_BYTES = 200_000
 
 
@@ -111,7 +111,7 @@ def plot_all(
 
 def _default_fields(result: Result) -> Sequence[str]:
     if result.is_stamping:
-        return (*STAMPING_FIELDS, *(name for name in (SPRINGBACK,) if name in result.field_names))
+        return (*STAMPING_FIELDS, *(name for name in SPRINGBACK_FIELDS if name in result.field_names))
     if result.is_onestep:
         return ONESTEP_FIELDS
     return SHELL_FIELDS if result.is_shell else FIELDS

@@ -246,6 +246,7 @@ def test_the_implicit_procedure_takes_the_same_case_on_the_same_mesh() -> None:
     np.testing.assert_array_equal(implicit.mesh.blocks[0].connectivity, explicit.mesh.blocks[0].connectivity)
     assert implicit.mesh.blocks[0].element == "shell4_mitc"
     assert "cut back and grown" in describe(implicit)
+    assert build_model(StampingCase.model_validate({**CUP, "procedure": "implicit", "springback": {}})).springback
 
 
 LINE = {"shape": "polygon", "points": [[-30, -30], [30, -30], [30, 30], [-30, 30]]}
