@@ -152,7 +152,8 @@ def print_influences(cup: Result) -> None:
             off, (true, found), bottom = inverse.off_outline, inverse.strains, inverse.zones()["bottom"]
             print(
                 f"holder {stiffness:g} times as stiff, {holder:g} times its force, {depth:g} mm: "
-                f"middle {off[middle]:+.2f}, corner {off[corner]:+.2f} mm; punch {inverse.found.punch_force / 1e3:.1f} kN; "
+                f"middle {off[middle]:+.2f}, corner {off[corner]:+.2f} mm; "
+                f"punch {inverse.found.punch_force / 1e3:.1f} kN; "
                 f"bottom {found[bottom].mean():.3f}, of the increments {true[bottom].mean():.3f}"
             )
     one_step_loads._GIVE = own
