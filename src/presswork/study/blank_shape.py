@@ -32,7 +32,7 @@ from presswork.run import Outcome, Progress, StartError, fingerprint, run_model
 from presswork.study.table import read_summary, write_table
 
 TABLE, CASE, POINTS, DRAWING = "table.csv", "blank.toml", "blank.csv", "blank.dxf"
-_KEPT = ("thickness", "material", "points", "rule", "rolling_direction", "symmetry", "element_size", "cells")
+_KEPT = ("thickness", "material", "points", "rule", "rolling_direction", "symmetry", "element_size", "cells", "refine")
 """Of the case's blank, whatever its shape."""
 _CHORD = 2.0
 """Degrees between points on the round corners of a target."""
