@@ -143,3 +143,75 @@ def test_a_law_without_closed_form_is_refused(part, tmp_path):
     done = run(part, "--material", "aa6016_t4", "--thickness", "1", "--output", tmp_path / "out")
     assert done.exit_code == 2
     assert "hill1948" in done.output
+
+
+def test_the_blank_starts_a_stamping(part, tmp_path):
+    """The case waits for its tools; with the # taken away it is drawn, from the outline that one step has found."""
+    case = tmp_path / "stamping.toml"
+    words = [
+        part,
+        *SHEET,
+        "--bhf",
+        "5 kN",
+        "--mu",
+        "0.12",
+        "--rolling",
+        "30",
+        "--output",
+        tmp_path / "one",
+        "--no-plot",
+    ]
+    assert run(*words, "--write-case", case).exit_code == 0
+    waiting = CliRunner().invoke(app, ["check", str(case)])
+    assert waiting.exit_code == 2
+    assert "tools.punch" in waiting.output
+    text = case.read_text()
+    named = (
+        text[: text.index("# Name")]
+        + """
+[tools.punch]
+kind = "punch"
+shape = "round"
+diameter = 49
+edge_radius = 5
+[tools.die]
+kind = "die"
+shape = "round"
+diameter = 51
+edge_radius = 5
+[tools.holder]
+kind = "holder"
+shape = "round"
+diameter = 51
+edge_radius = 1
+"""
+        + text[text.index("[[stages]]") :]
+    )
+    case.write_text(named)
+    checked = CliRunner().invoke(app, ["check", str(case)])
+    assert checked.exit_code == 0, checked.output
+    for said in ("0.8 mm of numisheet93_mild_steel", "rolling direction: 30 degrees", "5000 N"):
+        assert said in checked.output
+    short = ["--set", "stages.0.velocity=10000", "--set", "blank.element_size=6", "--set", "output.rows=1", "--set",
+             "output.steps=1", "--set", "stages.0.tools.punch.stroke=1"]  # fmt: skip
+    done = CliRunner().invoke(
+        app, ["run", str(case), *short, "--output", str(tmp_path / "drawn"), "--no-plot", "--quiet"]
+    )
+    assert done.exit_code == 0, done.output
+    edge = np.loadtxt(tmp_path / "one" / "blank.csv", delimiter=",", skiprows=1)[:, 1:]
+    drawn = Result(tmp_path / "drawn")
+    rim = drawn.mesh.points[np.unique(drawn.mesh.boundary_edges[:, :2])]
+    corner, radius = np.arctan2(edge[:, 1], edge[:, 0]), np.linalg.norm(edge, axis=1)
+    expected = np.interp(np.arctan2(rim[:, 1], rim[:, 0]), corner, radius, period=2 * np.pi)
+    assert np.linalg.norm(rim[:, :2], axis=1) == pytest.approx(expected, rel=6e-3), "chords of 32 corners"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("case.csv", ".toml"), ("no/case.toml", "no folder"), ("old.toml", "--overwrite")]
+)
+def test_a_case_that_cannot_be_written_is_refused_before_computing(part, tmp_path, name, said):
+    (tmp_path / "old.toml").touch()
+    done = run(part, *SHEET, "--output", tmp_path / "out", "--write-case", tmp_path / name)
+    assert done.exit_code == 2
+    assert said in done.output
+    assert not (tmp_path / "out").exists()

@@ -51,7 +51,7 @@ PYTHON_ROOMS = {
     "post": {"formability", "mesh", "model", "results"},
     "view": {"formability", "model", "results", "post"},
     "run": {"model", "model_stamping", "procedure", "results"},
-    "study": {"case", "model", "run", "results", "view", "post"},
+    "study": {"case", "model", "model_stamping", "run", "results", "view", "post"},
     "material": {"case", "formability", "model", "umat", "view"},
     "onestep": {"case", "mesh", "model", "model_onestep", "procedure", "results"},
     "cli": {

@@ -85,11 +85,12 @@ class CircularBlank(_MeshedBlank):
 
 
 class OutlinedBlank(_MeshedBlank):
-    """What lies inside an outline from a file."""
+    """What lies inside an outline from a file; of a part with symmetry planes the file has the whole outline."""
 
     shape: Literal["outline"] = Field(description="what lies inside an outline from a file")
     path: str = Field(
-        description="a DXF drawing, or a text file with the corners of a polygon; relative to the case file"
+        description="a DXF drawing, or a text file with the corners of a polygon (with columns loop, x_mm, y_mm: its "
+        "first loop); relative to the case file"
     )
     unit: str | None = Field(
         default=None, description="length unit of its coordinates; without it a drawing's own, or mm"

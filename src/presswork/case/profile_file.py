@@ -68,8 +68,9 @@ def read_points(path: Path, factor: float = 1.0) -> tuple[list[tuple[float, floa
     """Read the points (x, y) of a text file, each multiplied by `factor`, and the numbers of their lines.
 
     Two columns, separated by commas, semicolons, tabs or blanks; beside semicolons or tabs a comma is a decimal one.
-    What follows `#` is a comment; the first line may name the columns. A point that repeats the one before is left
-    out. Raises ProfileFileError with the number of the line at fault.
+    What follows `#` is a comment; the first line may name the columns. Where it names `x_mm` and `y_mm`, as the
+    outlines that the program writes do, others may stand beside them, and of a column `loop` the first loop is taken. A
+    point that repeats the one before is left out. Raises ProfileFileError with the number of the line at fault.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
@@ -78,6 +79,7 @@ def read_points(path: Path, factor: float = 1.0) -> tuple[list[tuple[float, floa
     points: list[tuple[float, float]] = []
     lines: list[int] = []
     may_be_header = True
+    n_columns, x_column, y_column, loop_column, first_loop = 2, 0, 1, -1, None
     for number, line in enumerate(text.splitlines(), 1):
         content = line.partition("#")[0].strip()
         if not content:
@@ -86,14 +88,22 @@ def read_points(path: Path, factor: float = 1.0) -> tuple[list[tuple[float, floa
         numbers = [_read_number(field) for field in fields]
         if may_be_header and all(value is None for value in numbers):
             may_be_header = False
+            if {"x_mm", "y_mm"} <= set(fields):
+                n_columns, x_column, y_column = len(fields), fields.index("x_mm"), fields.index("y_mm")
+                loop_column = fields.index("loop") if "loop" in fields else -1
             continue
         may_be_header = False
-        x, y = numbers if len(numbers) == 2 else (None, None)
+        x, y = (numbers[x_column], numbers[y_column]) if len(numbers) == n_columns else (None, None)
         if x is None or y is None:
+            expected = "two numbers, x and y" if n_columns == 2 else f"{n_columns} numbers, as the first line names"
             raise ProfileFileError(
-                f"line {number}: expected two numbers, x and y, but found `{content[:40]}`",
+                f"line {number}: expected {expected}, but found `{content[:40]}`",
                 "separate them by a comma, a semicolon or blanks; write comments behind #",
             )
+        if loop_column >= 0:
+            first_loop = numbers[loop_column] if first_loop is None else first_loop
+            if numbers[loop_column] != first_loop:
+                break
         if not points or points[-1] != (x * factor, y * factor):
             points.append((x * factor, y * factor))
             lines.append(number)

@@ -32,8 +32,9 @@ from presswork.case.stamping_clashes import check_clashes
 from presswork.case.stamping_place import build_tools
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
-from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_outlined_blank, mesh_rectangular_blank
+from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.cut import check_meets
+from presswork.mesh.outlined_blank import mesh_outlined_blank
 from presswork.mesh.polygon import polygon_area
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh

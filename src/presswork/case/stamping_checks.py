@@ -40,9 +40,7 @@ def check_names(case: StampingCase) -> list[Problem]:
             fault = f"larger than half of the blank, {max(case.blank.half_size()):g} mm"
             problems.append(Problem("blank.element_size", fault, "make it smaller", case.blank.element_size))
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
-    if isinstance(case.blank, BlankFile):
-        units["blank.unit"] = case.blank.unit
-    if isinstance(case.blank, OutlinedBlank) and case.blank.unit is not None:
+    if isinstance(case.blank, BlankFile | OutlinedBlank) and case.blank.unit is not None:
         units["blank.unit"] = case.blank.unit
     units |= {f"trim.{n}.unit": t.unit for n, t in case.trim.items() if isinstance(t, TrimFile) and t.unit is not None}
     for key, unit in units.items():
@@ -196,7 +194,7 @@ def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -
             continue
         half = np.array(tool.half_size()) + width
         beyond = np.abs(corner) - half
-        if isinstance(case.blank, CircularBlank) and tool.shape == "round":
+        if isinstance(case.blank, CircularBlank | OutlinedBlank) and tool.shape == "round":
             beyond = np.linalg.norm(corner, axis=1, keepdims=True) - half[:1]
         if beyond.max() > 1e-9:
             text = f"the blank is larger than the {tool.kind}: it reaches {beyond.max():.4g} mm beyond its face"

@@ -14,8 +14,6 @@ from math import ceil
 
 import numpy as np
 
-from presswork.mesh.checks import MeshError
-from presswork.mesh.cut import cut_mesh
 from presswork.mesh.topology import find_boundary_edges, select_edges
 from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh, Section
 
@@ -30,27 +28,7 @@ def mesh_rectangular_blank(
     """Mesh a rectangle of size [mm] about the origin; symmetry: whether the planes x = 0 and y = 0 cut it."""
     half = 0.5 * np.array(size)
     points, cells = _draw_grid(np.where(symmetry, 0.0, -half), half, element_size)
-    return _name_sets(points, [cells], symmetry, triangles)
-
-
-def mesh_outlined_blank(
-    line: FloatArray, element_size: float, symmetry: Sequence[bool], *, triangles: bool = False
-) -> Mesh:
-    """Mesh what lies inside a closed line (m, 2) [mm]: a grid, cut along it (cut.py).
-
-    So triangles lie beside quadrilaterals along the line. Symmetry planes leave the part at x, y >= 0. Raises
-    MeshError for a line that cannot be followed.
-    """
-    low, high = line.min(axis=0), line.max(axis=0)
-    low = np.where(symmetry, 0.0, low)
-    if (high - low).min() <= 0.0:
-        raise MeshError("nothing of the line lies at x, y >= 0, where symmetry planes leave the blank", "move it")
-    size = (high - low) / np.ceil((high - low) / element_size - 1e-9)
-    low = np.where(symmetry, low, low - size)  # a row beyond: nodes of the grid's own outline are not moved to corners
-    points, quads = _draw_grid(low, high + size, size * (1 + 1e-9))
-    space = np.column_stack([points, np.zeros(len(points))])
-    cut = cut_mesh(space, (quads.astype(np.int32),), line, "inside")
-    return _name_sets(cut.weights @ points, [c.connectivity for c in cut.cells], symmetry, triangles)
+    return name_sets(points, [cells], symmetry, triangles)
 
 
 def _draw_grid(low: FloatArray, high: FloatArray, size: FloatArray | float) -> tuple[FloatArray, IntArray]:
@@ -74,7 +52,7 @@ def mesh_circular_blank(
     for axis, is_cut in enumerate(symmetry):
         if not is_cut:
             points, cells = _add_mirror_image(points, cells, axis)
-    return _name_sets(points, [cells], symmetry, triangles)
+    return name_sets(points, [cells], symmetry, triangles)
 
 
 def _quarter_circle(radius: float, element_size: float) -> tuple[FloatArray, IntArray]:
@@ -109,7 +87,7 @@ def _add_mirror_image(points: FloatArray, cells: IntArray, axis: int) -> tuple[F
     return np.concatenate([points, image]), np.concatenate([cells, number[cells][:, ::-1]])
 
 
-def _name_sets(points: FloatArray, kinds: Sequence[IntArray], symmetry: Sequence[bool], triangles: bool) -> Mesh:
+def name_sets(points: FloatArray, kinds: Sequence[IntArray], symmetry: Sequence[bool], triangles: bool) -> Mesh:
     """Return the mesh in space; its elements and section are filled in by dress_blank.
 
     kinds: quadrilaterals, triangles.

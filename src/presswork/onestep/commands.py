@@ -15,7 +15,8 @@ from presswork.case import CaseError
 from presswork.case.onestep import OneStepCase, build_onestep_model
 from presswork.mesh import MeshError
 from presswork.model_onestep import OneStepModel
-from presswork.onestep.record import BLANK_DRAWING, run_one_step
+from presswork.onestep.record import BLANK_DRAWING, BLANK_POINTS, run_one_step
+from presswork.onestep.stamping_case import check_case_path, write_stamping_case
 from presswork.procedure.one_step_part import OneStepError
 from presswork.results import OutputError, Result
 
@@ -64,6 +65,10 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
             str | None,
             typer.Option(help="Halve triangles' edges longer than this [mm]; default: about 10,000 triangles."),
         ] = None,
+        write_case: Annotated[
+            Path | None,
+            typer.Option(help="Write a stamping (TOML) that starts from the blank and waits for its tools."),
+        ] = None,
         addendum: Annotated[str, typer.Option(help="Width of a level flange to add to the part's outline [mm].")] = "0",
         output: Annotated[Path | None, typer.Option(help="Output folder; default: the part's name beside it.")] = None,
         overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
@@ -85,7 +90,9 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
         )  # fmt: skip
         folder = output or part.with_suffix("")
         try:
-            result = compute(model, folder, overwrite=overwrite, threads=threads)
+            if write_case is not None:
+                check_case_path(write_case, overwrite=overwrite)
+            result = compute(model, folder, overwrite=overwrite, threads=threads, write_case=write_case)
         except OneStepError as error:
             _refuse(str(error), _GAVE_UP)
         except (OutputError, MeshError) as error:
@@ -106,9 +113,18 @@ def _refuse_options(context: typer.Context) -> None:
 
 
 def compute(
-    model: OneStepModel, folder: Path, *, overwrite: bool = False, threads: int = 0, quiet: bool = False
+    model: OneStepModel,
+    folder: Path,
+    *,
+    overwrite: bool = False,
+    threads: int = 0,
+    quiet: bool = False,
+    write_case: Path | None = None,
 ) -> Result:
-    """Find a part's blank, say how far it is and what came out. Raises OneStepError, MeshError, OutputError."""
+    """Find a part's blank, say how far it is and what came out. write_case: where a stamping of that blank goes.
+
+    Raises OneStepError, MeshError, OutputError.
+    """
     with _console.status("laying the part flat") as status:
         if quiet:
             status.stop()
@@ -117,6 +133,8 @@ def compute(
             status.update(f"iteration {number}: unbalanced force {error:.1e} of the flow force")
 
         result, outline = run_one_step(model, folder, overwrite=overwrite, threads=threads, on_iteration=show)
+    if write_case is not None:
+        write_stamping_case(write_case, model, outline, folder / BLANK_POINTS)
     read = Result(folder)
     for warning in read.summary["warnings"]:
         _console.print(f"warning: {warning}", style="yellow", markup=False)

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The blank's outline: its size, its files, and how it nests in a strip."""
+"""The blank's outline: its size, and how it nests in a strip."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from presswork.model import FloatArray
-from presswork.results.whole_file import OutputError, replace_whole
 
 _ANGLES = 180
 """Turns of the blank in the strip that are tried, over half a turn."""
@@ -46,27 +44,6 @@ class BlankOutline:
             if wanted:
                 loops = [whole for loop in loops for whole in _mirror(loop, axis)]
         return BlankOutline(tuple(loops))
-
-    def write_points(self, path: Path) -> None:
-        """Write x, y and the number of the loop as CSV. Raises OutputError."""
-        rows = ["loop,x_mm,y_mm"]
-        rows += [f"{i},{x:.6g},{y:.6g}" for i, loop in enumerate(self.loops) for x, y in loop]
-        content = ("\n".join(rows) + "\n").encode()
-        with replace_whole(path, needed_bytes=len(content)) as temporary:
-            temporary.write_bytes(content)
-
-    def write_dxf(self, path: Path) -> None:
-        """Write closed polylines as DXF. Raises OutputError, also without ezdxf."""
-        try:
-            import ezdxf
-        except ImportError as error:
-            raise OutputError('writing DXF needs the package ezdxf: pip install "presswork[dxf]"') from error
-        document = ezdxf.new("R2010", units=4)  # type: ignore[attr-defined]  # millimetres
-        space = document.modelspace()
-        for loop in self.loops:
-            space.add_lwpolyline([(float(x), float(y)) for x, y in loop], close=True)
-        with replace_whole(path, needed_bytes=200_000) as temporary:
-            document.saveas(temporary)
 
 
 def _signed_area(loop: FloatArray) -> float:

@@ -16,7 +16,7 @@ from presswork.model import CellBlock, FloatArray, Mesh, Section
 from presswork.model_onestep import OneStepModel
 from presswork.onestep.outline import BlankOutline, nest
 from presswork.onestep.solve import OneStepResult, solve_one_step
-from presswork.results import History, OutputError, append_step, open_output_folder, write_summary
+from presswork.results import History, OutputError, append_step, open_output_folder, write_outline, write_summary
 from presswork.results.folder import CASE, HISTORY, LOG, RESULTS, SUMMARY
 from presswork.results.formability import formability_fields, judge_fields
 
@@ -38,10 +38,10 @@ def run_one_step(
     outline = BlankOutline(tuple(result.blank[rim] for rim in model.rims)).mirrored(model.symmetry)
     (path / CASE).write_text(model.case_text, encoding="utf-8")
     _write_results(path / RESULTS, result)
-    outline.write_points(path / BLANK_POINTS)
+    write_outline(outline.loops, path / BLANK_POINTS)
     warnings = list(model.notes)
     try:
-        outline.write_dxf(path / BLANK_DRAWING)
+        write_outline(outline.loops, path / BLANK_DRAWING)
     except OutputError as error:
         warnings.append(str(error))
     write_summary(path / SUMMARY, _summarise(result, outline, warnings, perf_counter() - started))

@@ -15,11 +15,13 @@ from presswork.model import BoolArray, FloatArray, IntArray
 from presswork.model_onestep import OneStepModel
 from presswork.procedure.flatten import flatten
 from presswork.procedure.one_step import Friction, OneStep, OneStepProblem, OneStepSolution, lay_over
-from presswork.procedure.one_step_fields import cell_means, triangle_fields
+from presswork.procedure.one_step_fields import cell_means, nodal_thickness, triangle_fields
 from presswork.procedure.one_step_law import find_metric, make_law
 from presswork.procedure.one_step_loads import (
+    Holder,
     Tools,
     bead_friction,
+    find_holder,
     find_tools,
     holder_friction,
     punch_force,
@@ -28,7 +30,7 @@ from presswork.procedure.one_step_loads import (
 from presswork.procedure.one_step_part import OneStepError, prepare_part
 
 _SETTLED = 0.01
-"""Change of the radii's friction from pass to pass, over its sum, that no longer matters."""
+"""Change of friction under the holder, and at the radii, from pass to pass over its sum that no longer matters."""
 _MOST_PASSES = 6
 ON_PLANE = 1e-4
 """Distance from a symmetry plane, over the part's size, at which a node lies on it."""
@@ -72,12 +74,14 @@ def solve_one_step(
     tools = find_tools(part, model.points[_true_rim(model, held)], model.thickness)
     share = 0.5 ** sum(model.symmetry)
     fixed: list[Friction] = []
+    holder = None
     if model.holder_force:
-        fixed.append(holder_friction(part, tools, model.holder_force, model.mu, share))
+        holder = find_holder(model.holder_force, share, model.material.young, model.thickness)
     if model.beads:
         edge = float(np.sqrt(part.areas.sum() / len(part.points)))
         fixed.append(bead_friction(part, tools, model.beads, edge))
-    solution, passes = _settle(replace(problem, friction=tuple(fixed)), tools, model.mu, start, threads, on_iteration)
+    problem = replace(problem, friction=tuple(fixed))
+    solution, passes = _settle(problem, tools, holder, model.mu, start, threads, on_iteration)
     fields = triangle_fields(problem, metric, solution.blank)
     seconds = {"flatten": flattened - started, "solve": perf_counter() - flattened}
     return OneStepResult(
@@ -96,23 +100,34 @@ def solve_one_step(
 def _settle(
     problem: OneStepProblem,
     tools: Tools,
+    holder: Holder | None,
     mu: float,
     start: FloatArray,
     threads: int,
     on_iteration: Callable[[int, float], None] | None,
 ) -> tuple[OneStepSolution, int]:
-    """Solve with friction at the radii from the forces of the pass before, until it no longer changes."""
-    solver = OneStep(problem, threads=threads)
+    """Solve with friction under the holder and at the radii from the pass before, until it no longer changes."""
+    part, n = problem.part, len(problem.part.points)
+
+    def press(thickness: FloatArray) -> Friction:
+        if holder is None:
+            return Friction(np.zeros(n), np.zeros(n))
+        return holder_friction(part, tools, holder, thickness, mu)
+
+    held = press(np.full(n, problem.thickness))
+    solver = OneStep(replace(problem, friction=(*problem.friction, held)), threads=threads)
     solution = solver.solve(start, on_iteration=on_iteration)
-    before = np.zeros(len(problem.part.points))
+    before = np.stack([held.force, np.zeros(n)])
     for number in range(1, _MOST_PASSES):
         if mu == 0.0:
             return solution, number
-        drag = radius_friction(problem.part, tools, solution.forces, mu)
-        if np.abs(drag.force - before).sum() < _SETTLED * drag.force.sum():
+        held = press(nodal_thickness(problem, solution.blank))
+        drag = radius_friction(part, tools, solution.forces, mu)
+        forces = np.stack([held.force, drag.force])
+        if (np.abs(forces - before).sum(axis=1) <= _SETTLED * forces.sum(axis=1)).all():
             return solution, number
-        before = drag.force
-        solver.set_friction((*problem.friction, drag))
+        before = forces
+        solver.set_friction((*problem.friction, held, drag))
         solver.go_on(solution, on_iteration=on_iteration)
     return solution, _MOST_PASSES
 

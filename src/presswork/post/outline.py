@@ -1,19 +1,56 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The outline of a drawn sheet, its flange, as polylines in the plane and as files."""
+"""The outline of a drawn sheet, its flange."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
 from presswork.model import FloatArray, IndexArray
-from presswork.results import OutputError, Result, ResultError
-from presswork.results.whole_file import replace_whole
+from presswork.results import Result, ResultError
 
 _NEAR = 1e-6
 """Part of the blank's size within which a node lies in a symmetry plane."""
+
+
+@dataclass(frozen=True)
+class OutlineLoop:
+    """A closed edge of the whole sheet, the sheet on its left."""
+
+    nodes: IndexArray
+    """Of the mesh, in order (n,); those of mirror images come again."""
+    signs: FloatArray
+    """By which x, y of the node are multiplied, -1 in a mirror image (n, 2)."""
+
+    def place(self, points: FloatArray) -> FloatArray:
+        """Return the loop's places, or its vectors, of those of all nodes (n_points, 2 | 3)."""
+        found = np.array(points[self.nodes])
+        found[:, :2] *= self.signs
+        return found
+
+
+def find_outline(result: Result, step: int = -1) -> list[OutlineLoop]:
+    """Return the edges of the whole sheet, in no order.
+
+    What symmetry planes have cut off is mirrored back. Raises ResultError for a body that is no sheet.
+    """
+    if not result.is_shell:
+        raise ResultError(f"{result.folder} holds no sheet with an outline")
+    mesh = result.mesh_at(step)
+    start, edges = mesh.points, mesh.boundary_edges[:, :2].astype(np.intp)
+    nodes, signs = np.arange(len(start)), np.ones((len(start), 2))
+    for axis, name in enumerate("xy"):
+        if name not in str(result.info.get("symmetry", "")):
+            continue
+        on_plane = np.abs(start[nodes][:, axis]) <= _NEAR * float(np.ptp(start, axis=0).max())
+        edges = edges[~on_plane[edges].all(axis=1)]
+        image = np.where(on_plane, np.arange(len(nodes)), np.arange(len(nodes)) + len(nodes))
+        mirrored = signs.copy()
+        mirrored[:, axis] *= -1.0
+        nodes, signs = np.concatenate([nodes, nodes]), np.concatenate([signs, mirrored])
+        edges = np.concatenate([edges, image[edges[:, ::-1]]])
+    return [OutlineLoop(nodes[loop], signs[loop]) for loop in _chain(edges)]
 
 
 def trace_outline(result: Result, step: int = -1) -> list[FloatArray]:
@@ -22,22 +59,8 @@ def trace_outline(result: Result, step: int = -1) -> list[FloatArray]:
     The longest is first, then holes. What symmetry planes have cut off is mirrored back.
     Raises ResultError for a body that is no sheet.
     """
-    if not result.is_shell:
-        raise ResultError(f"{result.folder} holds no sheet with an outline")
-    mesh, now = result.mesh_at(step), result.points(step)
-    start, edges = mesh.points, mesh.boundary_edges[:, :2].astype(np.intp)
-    nodes = np.arange(len(start))
-    for axis, name in enumerate("xy"):
-        if name not in str(result.info.get("symmetry", "")):
-            continue
-        on_plane = np.abs(start[nodes][:, axis]) <= _NEAR * float(np.ptp(start, axis=0).max())
-        edges = edges[~on_plane[edges].all(axis=1)]
-        image = np.where(on_plane, np.arange(len(nodes)), np.arange(len(nodes)) + len(nodes))
-        mirrored = now.copy()
-        mirrored[:, axis] *= -1.0
-        now, nodes = np.concatenate([now, mirrored]), np.concatenate([nodes, nodes])
-        edges = np.concatenate([edges, image[edges[:, ::-1]]])
-    loops = [now[loop] for loop in _chain(edges)]
+    now = result.points(step)
+    loops = [loop.place(now) for loop in find_outline(result, step)]
     return sorted(loops, key=lambda loop: -float(np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1).sum()))
 
 
@@ -53,33 +76,3 @@ def _chain(edges: IndexArray) -> list[IndexArray]:
             node = after.pop(node)
         loops.append(np.array(loop, dtype=np.intp))
     return loops
-
-
-def write_outline(loops: Sequence[FloatArray], path: Path | str) -> None:
-    """Write loops (n, 3) as CSV (loop, x, y, z [mm]), or as closed polylines in x, y by a path that ends with .dxf.
-
-    Raises OutputError for another ending, for a file that cannot be written, and for DXF without ezdxf.
-    """
-    path = Path(path)
-    kind = path.suffix.lower()
-    if kind == ".dxf":
-        _write_dxf(loops, path)
-    elif kind == ".csv":
-        rows = [f"{i},{x:.7g},{y:.7g},{z:.7g}" for i, loop in enumerate(loops) for x, y, z in loop]
-        content = ("\n".join(["loop,x_mm,y_mm,z_mm", *rows]) + "\n").encode()
-        with replace_whole(path, needed_bytes=len(content)) as temporary:
-            temporary.write_bytes(content)
-    else:
-        raise OutputError(f"{path}: an outline is written as .csv or .dxf, not as {kind or 'a file without ending'}")
-
-
-def _write_dxf(loops: Sequence[FloatArray], path: Path) -> None:
-    try:
-        import ezdxf
-    except ImportError as error:
-        raise OutputError('writing DXF needs the package ezdxf: pip install "presswork[dxf]"') from error
-    drawing = ezdxf.new("R2010", units=4)  # type: ignore[attr-defined]  # millimetres
-    for loop in loops:
-        drawing.modelspace().add_lwpolyline([(float(x), float(y)) for x, y, _ in loop], close=True)
-    with replace_whole(path, needed_bytes=200_000) as temporary:
-        drawing.saveas(temporary)

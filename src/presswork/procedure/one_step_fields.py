@@ -17,6 +17,15 @@ def deformation_gradients(problem: OneStepProblem, blank: FloatArray) -> FloatAr
     return np.asarray(problem.part.edges @ np.linalg.inv(d))
 
 
+def nodal_thickness(problem: OneStepProblem, blank: FloatArray) -> FloatArray:
+    """Return the mean thickness of the triangles at each node by area (n_nodes,) [mm]."""
+    part = problem.part
+    thickness = problem.thickness / np.linalg.det(deformation_gradients(problem, blank))
+    weighted = np.repeat(part.areas * thickness / 3.0, 3)
+    total = np.bincount(part.triangles.ravel(), weighted, minlength=len(part.points))
+    return np.asarray(total / np.maximum(part.nodal_areas, 1e-300))
+
+
 def triangle_fields(problem: OneStepProblem, metric: list[float], blank: FloatArray) -> dict[str, FloatArray]:
     """Return the fields of the mid-surface of each triangle (n,): true strains, thickness [mm], effective stress [MPa].
 

@@ -15,6 +15,9 @@ from presswork.procedure.one_step_part import OneStepError, PartSurface
 FLAT = 0.996
 """z of the normals of a flange: within 5 degrees of level."""
 
+_GIVE = 0.01
+"""Stiffness of holder, sheet and press across the flange over that of the sheet alone."""
+
 
 @dataclass(frozen=True)
 class Tools:
@@ -37,16 +40,37 @@ def find_tools(part: PartSurface, rim: FloatArray, thickness: float) -> Tools:
     return Tools(flange, high, float(z.min()))
 
 
-def holder_friction(part: PartSurface, tools: Tools, force: float, mu: float, share: float) -> Friction:
-    """Return friction on both faces of the flange, the holder's force spread by area.
+@dataclass(frozen=True)
+class Holder:
+    """A flat blank holder."""
 
-    share: of the whole part that is modelled. Raises OneStepError without a level flange.
+    force: float
+    """On what is modelled of the part [N]."""
+    stiffness: float
+    """Pressure per compression of what lies between holder and die [N/mm3]."""
+
+
+def find_holder(force: float, share: float, young: float, thickness: float) -> Holder:
+    """Return the holder of a sheet. share: of the whole part that is modelled."""
+    return Holder(force * share, _GIVE * young / thickness)
+
+
+def holder_friction(part: PartSurface, tools: Tools, holder: Holder, thickness: FloatArray, mu: float) -> Friction:
+    """Return friction on both faces of the flange: the flat holder presses where the sheet is thickest.
+
+    thickness: of the sheet at each node (n_nodes,) [mm]. The pressure is stiffness (thickness - gap) where above zero,
+    the gap that at which it adds up to the force. Raises OneStepError without a level flange.
     """
-    areas = np.where(tools.flange, part.nodal_areas, 0.0)
-    total = float(areas.sum())
-    if total <= 0.0:
+    under = np.flatnonzero(tools.flange & (part.nodal_areas > 0.0))
+    if not len(under):
         raise OneStepError("the part has no level flange that a holder could press: leave the holder's force out")
-    return Friction(2.0 * mu * force * share * areas / total, np.full(len(areas), tools.die_level))
+    under = under[np.argsort(-thickness[under], kind="stable")]
+    area, t = part.nodal_areas[under], thickness[under]
+    gaps = (np.cumsum(area * t) - holder.force / holder.stiffness) / np.cumsum(area)  # with the first 1, 2, ... pressed
+    n = int(np.argmax(gaps >= np.append(t[1:], -np.inf)))
+    force = np.zeros(len(part.points))
+    force[under] = 2.0 * mu * holder.stiffness * np.maximum(t - gaps[n], 0.0) * area
+    return Friction(force, np.full(len(force), tools.die_level))
 
 
 def radius_friction(part: PartSurface, tools: Tools, forces: FloatArray, mu: float) -> Friction:

@@ -4,6 +4,7 @@
 from presswork.results.checkpoint import load_checkpoint, save_checkpoint
 from presswork.results.folder import open_output_folder
 from presswork.results.history import History, history_columns, read_history
+from presswork.results.outline_file import write_outline
 from presswork.results.reader import Result, ResultBlock, ResultError, ResultMesh
 from presswork.results.summary import write_summary
 from presswork.results.vtkhdf import append_step, count_steps, truncate_steps
@@ -24,5 +25,6 @@ __all__ = [
     "read_history",
     "save_checkpoint",
     "truncate_steps",
+    "write_outline",
     "write_summary",
 ]

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Families of cases: sweeps in parallel processes, and friction from a ring test."""
+"""Families of cases: sweeps in parallel processes, friction from a ring test, and the shape of a blank."""
 
 from presswork.study.avitzur import integrate_ring
+from presswork.study.blank_shape import BlankShape, Draw, find_blank_shape, surround_opening
 from presswork.study.calibrate import Calibration, CalibrationCurves, FrictionFit, calibrate_ring, fit_friction
 from presswork.study.measured import MeasuredRings, read_measured
 from presswork.study.ring import RingMeasures, measure_ring
@@ -9,8 +10,10 @@ from presswork.study.sweep import MemberResult, SweepProgress, SweepResult, run_
 from presswork.study.vary import parse_variation
 
 __all__ = [
+    "BlankShape",
     "Calibration",
     "CalibrationCurves",
+    "Draw",
     "FrictionFit",
     "MeasuredRings",
     "MemberResult",
@@ -18,10 +21,12 @@ __all__ = [
     "SweepProgress",
     "SweepResult",
     "calibrate_ring",
+    "find_blank_shape",
     "fit_friction",
     "integrate_ring",
     "measure_ring",
     "parse_variation",
     "read_measured",
     "run_sweep",
+    "surround_opening",
 ]

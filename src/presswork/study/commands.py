@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands `sweep` and `calibrate`. Exit status: 0 all completed; 2 bad input; 3 a member gave up or died;
-130 interrupted."""
+"""The commands `sweep` and `calibrate`, with `blank` of blank_command.py.
+
+Exit status: 0 all completed; 2 bad input; 3 a member gave up or died; 130 interrupted.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +18,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from presswork.case import CaseError
 from presswork.case.errors import Problem
 from presswork.results import OutputError
+from presswork.study.blank_command import add_command as add_blank_command
 from presswork.study.calibrate import SYMBOLS, BorePlace, Calibration, FrictionLaw, calibrate_ring
 from presswork.study.sweep import TABLE, SweepProgress, SweepResult, run_sweep
 from presswork.study.table import require_pyarrow, write_parquet
@@ -39,6 +42,7 @@ def add_commands(app: typer.Typer) -> None:
     """Give the commands to the command line."""
     app.command()(sweep)
     app.add_typer(calibrate_app, name="calibrate")
+    add_blank_command(app)
 
 
 def sweep(

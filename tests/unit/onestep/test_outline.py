@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Outlines of blanks: area, mirror images, files, nesting."""
+"""Outlines of blanks: area, mirror images, nesting."""
 
-import ezdxf
 import numpy as np
 import pytest
 
@@ -39,18 +38,6 @@ def test_a_hole_beside_the_plane_gets_its_image():
     whole = BlankOutline((half, circle(5.0)[::-1] + np.array([25.0, 0.0]))).mirrored((True, False))
     assert len(whole.loops) == 3
     assert whole.area == pytest.approx(100 * 60 - 2 * np.pi * 25, rel=1e-3)
-
-
-def test_files(tmp_path):
-    outline = BlankOutline((SQUARE, circle(3.0) + np.array([10.0, 10.0])))
-    outline.write_points(tmp_path / "blank.csv")
-    rows = np.loadtxt(tmp_path / "blank.csv", delimiter=",", skiprows=1)
-    assert rows[:4, 1:] == pytest.approx(SQUARE)
-    assert rows[-1, 0] == 1
-    outline.write_dxf(tmp_path / "blank.dxf")
-    lines = list(ezdxf.readfile(tmp_path / "blank.dxf").modelspace())
-    assert [line.closed for line in lines] == [True, True]
-    assert np.array(lines[0].get_points("xy")) == pytest.approx(SQUARE)
 
 
 def test_a_rectangle_fills_its_strip():

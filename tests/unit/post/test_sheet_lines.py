@@ -13,14 +13,14 @@ from presswork.mesh.blanks import dress_blank, mesh_rectangular_blank
 from presswork.model import Section
 from presswork.post import (
     cut_sheet,
+    fit_flange,
     measure_draw_in,
     measure_draw_in_around,
     trace_outline,
     write_draw_in,
-    write_outline,
     write_section,
 )
-from presswork.results import OutputError, Result, ResultError, append_step
+from presswork.results import OutputError, Result, ResultError, append_step, write_outline
 from presswork.view import plot_all, plot_outline
 
 DRAWN = np.array([-0.1, -0.2, 0.0])
@@ -129,3 +129,18 @@ def test_draw_in_is_measured_all_round_what_is_computed(tmp_path: Path, planes: 
     figure = plot_outline(result)
     assert figure.axes[0].lines[0].get_xydata().max() == pytest.approx(20)
     np.testing.assert_allclose(figure.axes[1].lines[0].get_xydata(), rows)
+
+
+@pytest.mark.parametrize("planes", ["", "x", "xy"])
+def test_a_flange_that_misses_its_target_is_pulled_back(tmp_path, planes) -> None:
+    """A plate drawn in by a constant gradient: corrections lead onto the blank whose image the target is."""
+    angle = np.radians(np.arange(0.0, 360.0, 0.5))
+    wanted = np.stack([24.0 * np.cos(angle), 16.0 * np.sin(angle)], axis=1)
+    fit = fit_flange(plate(tmp_path, planes), wanted * (1.0 + DRAWN[:2]))
+    moved = fit.blank + fit.correction
+    assert np.hypot(moved[:, 0] / 24.0, moved[:, 1] / 16.0) == pytest.approx(np.ones(len(moved)), abs=1e-4)
+    assert np.ptp(fit.blank, axis=0) == pytest.approx([40.0, 20.0])
+    outside = np.hypot(fit.drawn[:, 0] / 21.6, fit.drawn[:, 1] / 12.8) > 1.0
+    assert (fit.deviation > 0).tolist() == outside.tolist()
+    on_axis = np.argmin(np.abs(fit.blank - [20.0, 0.0]).sum(axis=1))
+    assert fit.deviation[on_axis] == pytest.approx(18.0 - 21.6, abs=1e-3)

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The one-step solver turned on the square cup of Cheng (1995) as the explicit procedure draws it: is its blank found?
+
+    python validation/inverse_of_cup.py OUT [element_size] [key=value ...]
+
+draws the packaged example to 15, 20 and 25 mm, hands its mid-surface to the one-step solver, and prints how far the
+blank that it finds lies from the true square of 100 mm, and its thickness strain beside that of the incremental cup;
+then both with a holder ten times softer and stiffer, and with twice its force. A minute with 2 mm.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from presswork import Result
+from presswork.case import build_model, read_case
+from presswork.case.onestep import LAYERS
+from presswork.examples import copy_example
+from presswork.mesh.triangles import find_rims
+from presswork.model import Hardening, Material
+from presswork.model_onestep import OneStepModel
+from presswork.onestep import OneStepResult, solve_one_step
+from presswork.procedure import one_step_loads
+from presswork.run import run_model
+
+DEPTHS = (15.0, 20.0, 25.0)
+HOLDER_FORCE, MU = 15e3, 0.144
+"""Of the example [N]."""
+LEVEL, STEEP = 0.996, 0.3
+"""Upward part of a cell's normal from which on it lies level, below which it belongs to the wall."""
+
+
+@dataclass(frozen=True)
+class Inverse:
+    """A cup and the blank found from it."""
+
+    cup: Result
+    step: int
+    found: OneStepResult
+
+    @property
+    def off_outline(self) -> np.ndarray:
+        """Distance of the blank's edge from the true square, outwards [mm], at the nodes of the edge."""
+        start = self.cup.mesh.points[:, :2]
+        half = start.max()
+        on_edge = np.isclose(start.max(axis=1), half)
+        return self.found.blank[on_edge].max(axis=1) - half
+
+    @property
+    def off_points(self) -> np.ndarray:
+        """Distance of every node from its true place in the blank [mm]."""
+        return np.linalg.norm(self.found.blank - self.cup.mesh.points[:, :2], axis=1)
+
+    @property
+    def strains(self) -> tuple[np.ndarray, np.ndarray]:
+        """Thickness strain of the cells: incremental, one-step."""
+        return self.cup.field("thickness_strain", self.step), self.found.fields["thickness_strain"]
+
+    def zones(self) -> dict[str, np.ndarray]:
+        """Return the cells of each zone by where they lie in the cup."""
+        corners = self.cup.points(self.step)[self.cup.mesh.blocks[0].connectivity]
+        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        up = normal[:, 2] / np.linalg.norm(normal, axis=1)
+        z = corners[:, :, 2].mean(axis=1)
+        low = z < 0.5 * (z.min() + z.max())
+        level, steep = up > LEVEL, up < STEEP
+        return {
+            "bottom": level & low,
+            "punch radius": ~level & ~steep & low,
+            "wall": steep,
+            "die radius": ~level & ~steep & ~low,
+            "flange": level & ~low,
+        }
+
+
+def draw_cup(folder: Path, element_size: float = 2.0, *overrides: str) -> Result:
+    """Draw the example's cup to the last depth; a step is saved every millimetre."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "square_cup.toml").unlink(missing_ok=True)
+    keys = [f"stages.0.tools.punch.stroke={DEPTHS[-1]}", f"blank.element_size={element_size}", "output.steps=25"]
+    case = read_case(copy_example("square_cup", folder), [*keys, *overrides])
+    outcome = run_model(build_model(case), folder / "out", overwrite=True)
+    assert outcome.status == "completed", outcome.reason
+    return outcome.result
+
+
+def find_blank(cup: Result, depth: float, **process: float) -> Inverse:
+    """Hand the cup's mid-surface at a depth to the one-step solver.
+
+    As arrays, not as a file: the drawn wall curls outwards, by 10 degrees over the vertical at 25 mm, which the reader
+    of files takes for an undercut.
+    """
+    stroke = [np.linalg.norm(cup.surface_displacement("punch", step)) for step in range(len(cup.times))]
+    step = int(np.argmin(np.abs(np.array(stroke) - depth)))
+    quads = cup.mesh.blocks[0].connectivity.astype(np.int32)
+    halves = quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    points = cup.points(step)
+    steel = Material("steel", 210e3, 0.3, Hardening("swift", np.array([565.32, 0.007117, 0.2589])))
+    given = {"holder_force": HOLDER_FORCE, "mu": MU, "layers": LAYERS} | process
+    model = OneStepModel(
+        title=f"square cup, {depth:g} mm deep",
+        points=points,
+        triangles=np.zeros((0, 3), dtype=np.int32),
+        quadrilaterals=quads,
+        rims=tuple(sorted(find_rims(points, halves), key=len, reverse=True)),
+        material=steel,
+        thickness=0.8,
+        rolling_direction=0.0,
+        symmetry=(True, True),
+        **given,
+    )
+    return Inverse(cup, step, solve_one_step(model))
+
+
+def print_inverse(inverse: Inverse, depth: float) -> None:
+    """Print outline, thickness strain by zones and punch force."""
+    off, (true, found) = inverse.off_outline, inverse.strains
+    start = inverse.cup.mesh.points[:, :2]
+    on_edge = np.isclose(start.max(axis=1), start.max())
+    middle, corner = start[on_edge].min(axis=1).argmin(), start[on_edge].min(axis=1).argmax()
+    force = np.interp(depth, inverse.cup.history["punch.stroke"], inverse.cup.history["punch.force"])
+    print(
+        f"{depth:g} mm: edge {off.min():+.2f} to {off.max():+.2f} mm off the square; middle of the side "
+        f"{off[middle]:+.2f}, corner {off[corner]:+.2f}; all nodes {inverse.off_points.max():.2f} mm at most"
+    )
+    print(f"  punch force {inverse.found.punch_force / 1e3:.1f} kN, incremental {force / 1e3:.1f} kN")
+    print("  thickness strain  cells   incremental      one-step     difference: mean    rms    largest")
+    for zone, cells in {**inverse.zones(), "whole": np.ones(len(true), dtype=bool)}.items():
+        t, f = true[cells], found[cells]
+        d = f - t
+        worst = d[np.argmax(np.abs(d))]
+        print(
+            f"  {zone:17s} {cells.sum():5d}  {t.min():+.3f} {t.max():+.3f}  {f.min():+.3f} {f.max():+.3f}"
+            f"            {d.mean():+.3f}  {np.sqrt(np.mean(d**2)):.3f}  {worst:+.3f}"
+        )
+
+
+def print_influences(cup: Result) -> None:
+    """Print what the holder's stiffness and its force make of the blank and of the bottom."""
+    start = cup.mesh.points[:, :2]
+    on_edge = np.isclose(start.max(axis=1), start.max())
+    middle, corner = start[on_edge].min(axis=1).argmin(), start[on_edge].min(axis=1).argmax()
+    own = one_step_loads._GIVE
+    for stiffness, holder in ((0.1, 1.0), (1.0, 1.0), (10.0, 1.0), (1.0, 2.0)):
+        one_step_loads._GIVE = own * stiffness
+        for depth in DEPTHS:
+            inverse = find_blank(cup, depth, holder_force=holder * HOLDER_FORCE)
+            off, (true, found), bottom = inverse.off_outline, inverse.strains, inverse.zones()["bottom"]
+            print(
+                f"holder {stiffness:g} times as stiff, {holder:g} times its force, {depth:g} mm: "
+                f"middle {off[middle]:+.2f}, corner {off[corner]:+.2f} mm; "
+                f"punch {inverse.found.punch_force / 1e3:.1f} kN; "
+                f"bottom {found[bottom].mean():.3f}, of the increments {true[bottom].mean():.3f}"
+            )
+    one_step_loads._GIVE = own
+
+
+if __name__ == "__main__":
+    size = float(sys.argv[2]) if len(sys.argv) > 2 else 2.0
+    drawn = draw_cup(Path(sys.argv[1]), size, *sys.argv[3:])
+    for deep in DEPTHS:
+        print_inverse(find_blank(drawn, deep), deep)
+    print_influences(drawn)
