@@ -28,9 +28,15 @@ SolidLoop::SolidLoop(int n_nodes, const double* points, const std::uint8_t* cont
 
 void SolidLoop::add(std::string_view element, std::vector<int> cells, const AdiabaticMises& law, double density) {
   blocks.emplace_back(element, std::move(cells), position.data(), law, density, settings);
-  const SolidBlock& block = blocks.back();
-  for (std::size_t i = 0; i < block.cells.size(); ++i) mass[block.cells[i]] += block.mass[i];
+  weigh();
   find_sources();
+}
+
+void SolidLoop::weigh() {
+  std::fill(mass.begin(), mass.end(), 0.0);
+  for (const auto& block : blocks)
+    for (std::size_t i = 0; i < block.cells.size(); ++i)
+      mass[block.cells[i]] += block.mass_factor[i / block.nodes_each()] * block.mass[i];
 }
 
 void SolidLoop::add_wall(std::vector<double> segments, double mu) {

@@ -38,6 +38,8 @@ class SolidLoop {
 
   void add(std::string_view element, std::vector<int> cells, const AdiabaticMises& law, double density);
   void add_wall(std::vector<double> segments, double mu);
+  // Sum up the nodes' masses from the cells', after mass or mass_factor of a block has changed.
+  void weigh();
 
   // Advance n cycles of dt; the step before was dt_before. The scales (n) multiply force and prescribed velocities (of
   // walls too) in each cycle; damping [1/s]. Returns the number of a cell turned inside out, counted through the

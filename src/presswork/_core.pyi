@@ -966,9 +966,16 @@ class SolidLoop:
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Prescribe velocities of the freedoms marked in fixed (n_nodes, 2)."""
 
+    def weigh(self) -> None:
+        """Sum up the nodes' masses after a change of mass_factor."""
+
     @property
     def mass(self) -> NDArray[numpy.float64]:
         """Mass of each node (n_nodes) [t]."""
+
+    @property
+    def cell_mass(self) -> NDArray[numpy.float64]:
+        """True mass of each cell (n) [t], without what scaling adds."""
 
     @property
     def work(self) -> list[float]:
@@ -1006,6 +1013,13 @@ class SolidLoop:
 
     @internal_force.setter
     def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def mass_factor(self) -> NDArray[numpy.float64]:
+        """Mass of each cell over its true one (n); then call weigh."""
+
+    @mass_factor.setter
+    def mass_factor(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def stress(self) -> NDArray[numpy.float64]:

@@ -57,11 +57,11 @@ class EnergyBalance:
 
 @dataclass(frozen=True)
 class MassScaling:
-    """State of mass scaling: true mass [t], mass added so far [t], number of shells heavier than they are."""
+    """State of mass scaling: true mass [t], mass added so far [t], number of elements heavier than they are."""
 
     mass: float
     added: float
-    n_shells: int
+    n_elements: int
 
     @property
     def percent(self) -> float:

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.model import Mesh
-from presswork.procedure.explicit import SAFETY, EnergyBalance
+from presswork.procedure.explicit import SAFETY, EnergyBalance, MassScaling
 from presswork.procedure.explicit_input import ExplicitError
 from presswork.procedure.solid_material import SolidMaterial
 
@@ -140,7 +140,7 @@ class ExplicitSolids:
 
     @property
     def mass(self) -> Array:
-        """Mass of each node (n_nodes) [t]; of its ring in axisymmetry."""
+        """Mass of each node (n_nodes) [t], with what was added; of its ring in axisymmetry."""
         return self._loop.mass
 
     @property
@@ -232,6 +232,27 @@ class ExplicitSolids:
         """Give the bound of the stable time step [s] of the cells as they are now."""
         return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))
 
+    def scale_mass(self, target_step: float) -> MassScaling:
+        """Add mass to cells whose stable step is below the target [s], take the target as the step; report the mass.
+
+        The safety factor is kept: the cells' bound becomes target_step/0.9. Mass once added stays. The kinetic energy
+        that it brings is no error of the balance.
+        """
+        if not target_step > 0:
+            raise ExplicitError(f"target_step = {target_step}: it must be above zero")
+        loop, before = self._loop, self._loop.mass_factor
+        start = self._sum(self._energies(*self._scales))
+        factor = loop.bound_frequencies() * (0.5 * target_step / SAFETY) ** 2
+        now = before * np.maximum(factor, 1.0)
+        loop.mass_factor = now
+        loop.weigh()
+        self.dt = target_step
+        if self._reference:
+            first, largest = self._reference
+            self._reference = (first + self._sum(self._energies(*self._scales)) - start, largest)
+        true = loop.cell_mass
+        return MassScaling(float(true.sum()), float(((now - 1.0) * true).sum()), int((now > 1.0).sum()))
+
     def advance(
         self,
         n: int,
@@ -270,21 +291,26 @@ class ExplicitSolids:
                 f"{self.dt:g} s is too long (the cells allow {SAFETY * self.stable_step():g} s now)"
             )
 
-    def run_to(self, end: float, *, damping: float = 0.0) -> None:
-        """Run to the time `end` [s], with a step that follows the cells' own: found anew every 10 cycles."""
+    def run_to(self, end: float, *, damping: float = 0.0, target_step: float | None = None) -> None:
+        """Run to the time `end` [s], with a step that follows the cells' own: found anew every 10 cycles.
+
+        target_step [s]: where the cells' own is shorter, mass is added as by scale_mass.
+        """
         if not end > self.time:
             raise ExplicitError(f"end = {end:g} s: it must lie beyond the time reached, {self.time:g} s")
         while end - self.time > 1e-9 * end:
             self.dt = SAFETY * self.stable_step()
+            if target_step is not None and self.dt < target_step * (1 - 1e-9):
+                self.scale_mass(target_step)
             left = int(np.ceil((end - self.time) / self.dt * (1 - 1e-9)))
             if left <= RENEWAL:
                 self.dt = (end - self.time) / left
             self.advance(min(left, RENEWAL), damping=damping)
 
     def _energies(self, damping: float, force_scale: float, velocity_scale: float) -> _core.SolidEnergies:
-        return self._loop.energies(
-            self.dt, self._dt_before, damping=damping, force_scale=force_scale, velocity_scale=velocity_scale
-        )
+        # velocities stand half of the last step back: so long is the way to now, whatever the next step will be
+        dt = self._dt_before
+        return self._loop.energies(dt, dt, damping=damping, force_scale=force_scale, velocity_scale=velocity_scale)
 
     @staticmethod
     def _sum(e: _core.SolidEnergies) -> float:
@@ -314,6 +340,7 @@ class ExplicitSolids:
             "rise": loop.rise,
             "hourglass": loop.hourglass,
             "cell_work": loop.cell_work,
+            "mass_factor": loop.mass_factor,
             "walls": np.array(walls),
             "scalars": np.array(
                 [self.cycle, self.time, self.dt, self._dt_before, *loop.work, *reference, *self._scales], dtype=float
@@ -328,8 +355,9 @@ class ExplicitSolids:
         loop.work = rest[:4]
         self._reference = None if np.isnan(rest[4]) else (rest[4], rest[5])
         self._scales = (rest[6], rest[7], rest[8])
-        for name in ("position", "velocity", "internal_force", "stress", "eqps", "rise", "hourglass", "cell_work"):
+        for name in dump.keys() - {"walls", "scalars"}:
             setattr(loop, name, np.ascontiguousarray(dump[name]))
+        loop.weigh()
         if len(dump["walls"]) != len(self._walls):
             raise ExplicitError(f"the dump has {len(dump['walls'])} walls, the run {len(self._walls)}: add them first")
         for i, row in enumerate(dump["walls"]):

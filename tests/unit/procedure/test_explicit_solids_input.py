@@ -118,6 +118,8 @@ def test_times_that_have_passed() -> None:
     run = start()
     with pytest.raises(ExplicitError, match="end = 0 s: it must lie beyond the time reached"):
         run.run_to(0.0)
+    with pytest.raises(ExplicitError, match=r"target_step = -1.0: it must be above zero"):
+        run.scale_mass(-1.0)
     with pytest.raises(ExplicitError, match="n = 0: advance at least one cycle"):
         run.advance(0)
 
