@@ -157,6 +157,13 @@ void bind_explicit_solids(nb::module_& m) {
           },
           nb::arg("wall"), "Displacement of a wall since the start [mm].")
       .def(
+          "wall_impulse",
+          [](const SolidLoop& self, int wall) {
+            const double* sum = wall_of(self, wall).impulse;
+            return std::array<double, 2>{sum[0], sum[1]};
+          },
+          nb::arg("wall"), "Impulse of a wall on the nodes since the start [N s].")
+      .def(
           "move_wall",
           [](SolidLoop& self, int wall, std::array<double, 2> velocity) {
             std::copy_n(velocity.begin(), 2, wall_of(self, wall).velocity);
@@ -164,12 +171,14 @@ void bind_explicit_solids(nb::module_& m) {
           nb::arg("wall"), nb::arg("velocity"), "Set a wall's velocity [mm/s].")
       .def(
           "restore_wall",
-          [](SolidLoop& self, int wall, std::array<double, 2> offset, Doubles force) {
+          [](SolidLoop& self, int wall, std::array<double, 2> offset, std::array<double, 2> impulse, Doubles force) {
             RigidWall& w = wall_of(self, wall);
             assign(w.force, force, "force must have shape (n_nodes, 2)");
             std::copy_n(offset.begin(), 2, w.offset);
+            std::copy_n(impulse.begin(), 2, w.impulse);
           },
-          nb::arg("wall"), nb::arg("offset"), nb::arg("force"), "Take over where a wall was and what it pushed.")
+          nb::arg("wall"), nb::arg("offset"), nb::arg("impulse"), nb::arg("force"),
+          "Take over where a wall was and what it pushed.")
       .def(
           "advance",
           [](SolidLoop& self, double dt, double dt_before, Doubles force_scale, Doubles velocity_scale,

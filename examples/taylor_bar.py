@@ -16,9 +16,9 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 from presswork.mesh.structured import mesh_rectangle
-from presswork.model import Hardening, Rate
+from presswork.model import Hardening, Heating, Rate
 from presswork.procedure.explicit_solids import ExplicitSolids
-from presswork.procedure.solid_material import Heating, SolidMaterial
+from presswork.procedure.solid_material import SolidMaterial
 
 STEEL = SolidMaterial(
     young=206.9e3,

@@ -70,7 +70,8 @@ class SolidLoop {
   // forces are kept too, or over its first half.
   Work step_node(int node, const Step& step, bool whole, double after[2]) const;
   static void add_to(Work& sum, const Work& part);
-  Work move_nodes(int first, int last, const Step& step);
+  // Forces of each wall on these nodes are added to wall_force (n walls, 2).
+  Work move_nodes(int first, int last, const Step& step, double* wall_force);
   void close_nodes(int first, int last);
 
   std::vector<std::uint8_t> contact_;

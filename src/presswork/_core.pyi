@@ -946,10 +946,13 @@ class SolidLoop:
     def wall_offset(self, wall: int) -> list[float]:
         """Displacement of a wall since the start [mm]."""
 
+    def wall_impulse(self, wall: int) -> list[float]:
+        """Impulse of a wall on the nodes since the start [N s]."""
+
     def move_wall(self, wall: int, velocity: Sequence[float]) -> None:
         """Set a wall's velocity [mm/s]."""
 
-    def restore_wall(self, wall: int, offset: Sequence[float], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def restore_wall(self, wall: int, offset: Sequence[float], impulse: Sequence[float], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Take over where a wall was and what it pushed."""
 
     def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> int:

@@ -8,9 +8,9 @@ import pytest
 
 from presswork import _core
 from presswork.mesh.structured import mesh_rectangle
-from presswork.model import CellBlock, Hardening, Mesh, Rate
+from presswork.model import CellBlock, Hardening, Heating, Mesh, Rate
 from presswork.procedure.explicit_solids import ExplicitSolids
-from presswork.procedure.solid_material import Heating, SolidMaterial
+from presswork.procedure.solid_material import SolidMaterial
 
 STEEL = SolidMaterial(
     young=206.9e3,
