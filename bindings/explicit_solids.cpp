@@ -2,6 +2,7 @@
 #include <nanobind/stl/array.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "arrays.hpp"
 #include "explicit/solid_loop.hpp"
@@ -156,6 +157,13 @@ void bind_explicit_solids(nb::module_& m) {
           },
           nb::arg("wall"), "Displacement of a wall since the start [mm].")
       .def(
+          "wall_impulse",
+          [](const SolidLoop& self, int wall) {
+            const double* sum = wall_of(self, wall).impulse;
+            return std::array<double, 2>{sum[0], sum[1]};
+          },
+          nb::arg("wall"), "Impulse of a wall on the nodes since the start [N s].")
+      .def(
           "move_wall",
           [](SolidLoop& self, int wall, std::array<double, 2> velocity) {
             std::copy_n(velocity.begin(), 2, wall_of(self, wall).velocity);
@@ -163,12 +171,14 @@ void bind_explicit_solids(nb::module_& m) {
           nb::arg("wall"), nb::arg("velocity"), "Set a wall's velocity [mm/s].")
       .def(
           "restore_wall",
-          [](SolidLoop& self, int wall, std::array<double, 2> offset, Doubles force) {
+          [](SolidLoop& self, int wall, std::array<double, 2> offset, std::array<double, 2> impulse, Doubles force) {
             RigidWall& w = wall_of(self, wall);
             assign(w.force, force, "force must have shape (n_nodes, 2)");
             std::copy_n(offset.begin(), 2, w.offset);
+            std::copy_n(impulse.begin(), 2, w.impulse);
           },
-          nb::arg("wall"), nb::arg("offset"), nb::arg("force"), "Take over where a wall was and what it pushed.")
+          nb::arg("wall"), nb::arg("offset"), nb::arg("impulse"), nb::arg("force"),
+          "Take over where a wall was and what it pushed.")
       .def(
           "advance",
           [](SolidLoop& self, double dt, double dt_before, Doubles force_scale, Doubles velocity_scale,
@@ -206,9 +216,22 @@ void bind_explicit_solids(nb::module_& m) {
             std::copy_n(fixed.data(), fixed.size(), self.fixed.begin());
           },
           nb::arg("fixed"), nb::arg("velocity"), "Prescribe velocities of the freedoms marked in fixed (n_nodes, 2).")
+      .def("weigh", &SolidLoop::weigh, "Sum up the nodes' masses after a change of mass_factor.")
       .def_prop_ro(
           "mass", [](const SolidLoop& self) { return copy(self.mass, {std::size_t(self.n_nodes)}); },
           nb::rv_policy::move, "Mass of each node (n_nodes) [t].")
+      .def_prop_ro(
+          "cell_mass",
+          [](const SolidLoop& self) {
+            std::vector<double> all;
+            for (const auto& b : self.blocks)
+              for (int i = 0; i < b.n(); ++i) {
+                const auto first = b.mass.begin() + std::ptrdiff_t(i) * b.nodes_each();
+                all.push_back(std::accumulate(first, first + b.nodes_each(), 0.0));
+              }
+            return copy(all, {all.size()});
+          },
+          nb::rv_policy::move, "True mass of each cell (n) [t], without what scaling adds.")
       .def_prop_rw(
           "work",
           [](const SolidLoop& self) {
@@ -220,6 +243,8 @@ void bind_explicit_solids(nb::module_& m) {
   bind_field<&SolidLoop::velocity>(c, "velocity", "Velocities (n_nodes, 2), half a step back [mm/s].");
   bind_field<&SolidLoop::force>(c, "force", "Nodal forces from outside (n_nodes, 2) [N].");
   bind_field<&SolidLoop::internal_force>(c, "internal_force", "Internal forces (n_nodes, 2) [N].");
+  bind_cells<&SolidBlock::mass_factor, 1>(c, "mass_factor",
+                                          "Mass of each cell over its true one (n); then call weigh.");
   bind_cells<&SolidBlock::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");
   bind_cells<&SolidBlock::eqps, 1>(c, "eqps", "Equivalent plastic strain (n).");
   bind_cells<&SolidBlock::rise, 1>(c, "rise", "Rise of temperature since the start (n).");

@@ -30,6 +30,7 @@ class RigidWall {
   double mu;                        // Coulomb
   double offset[2] = {0.0, 0.0};    // displacement since the start [mm]
   double velocity[2] = {0.0, 0.0};  // [mm/s]
+  double impulse[2] = {0.0, 0.0};   // given to the nodes since the start [N s]
   std::vector<double> force;        // (n_nodes, 2) on the nodes in the last cycle [N]
 
   // Correct the velocity v of a node at x over a step dt, in which the wall moves at w; free: 1 or 0 for each freedom.

@@ -25,7 +25,7 @@ SolidBlock::SolidBlock(std::string_view element, std::vector<int> cells, const d
   n_ = static_cast<int>(this->cells.size()) / nodes_;
   const auto n = static_cast<std::size_t>(n_);
   stress.resize(4 * n), eqps.resize(n), rise.resize(n), hourglass.resize(2 * n), volume.resize(n), work.resize(2 * n);
-  mass.resize(n * nodes_);
+  mass.resize(n * nodes_), mass_factor.assign(n, 1.0);
   (this->*weigh_)(points);
 }
 
@@ -102,7 +102,7 @@ void SolidBlock::bound_pack(const SolidBlock& block, const double* points, int p
     const std::size_t e = std::min(first + lane, block.n_ - 1);
     for (int a = 0; a < count; ++a) {
       for (int i = 0; i < 2; ++i) x[a][i].set(lane, points[2 * block.cells[e * count + a] + i]);
-      inverse_mass[a].set(lane, 1.0 / block.mass[e * count + a]);
+      inverse_mass[a].set(lane, 1.0 / (block.mass_factor[e] * block.mass[e * count + a]));
     }
   }
   const bool ring = block.settings_.axisymmetric;

@@ -39,6 +39,7 @@ class SolidBlock {
 
   std::vector<int> cells;                       // (n, nodes)
   std::vector<double> mass;                     // (n, nodes) of its nodes [t]: density times int N_a dV
+  std::vector<double> mass_factor;              // (n) of mass scaling, from 1
   std::vector<double> stress, eqps, rise;       // (n, 4), (n), (n)
   std::vector<double> hourglass, volume, work;  // (n, 2), (n), (n, 2) as in BlockView
 

@@ -28,9 +28,15 @@ SolidLoop::SolidLoop(int n_nodes, const double* points, const std::uint8_t* cont
 
 void SolidLoop::add(std::string_view element, std::vector<int> cells, const AdiabaticMises& law, double density) {
   blocks.emplace_back(element, std::move(cells), position.data(), law, density, settings);
-  const SolidBlock& block = blocks.back();
-  for (std::size_t i = 0; i < block.cells.size(); ++i) mass[block.cells[i]] += block.mass[i];
+  weigh();
   find_sources();
+}
+
+void SolidLoop::weigh() {
+  std::fill(mass.begin(), mass.end(), 0.0);
+  for (const auto& block : blocks)
+    for (std::size_t i = 0; i < block.cells.size(); ++i)
+      mass[block.cells[i]] += block.mass_factor[i / block.nodes_each()] * block.mass[i];
 }
 
 void SolidLoop::add_wall(std::vector<double> segments, double mu) {
@@ -109,13 +115,16 @@ void SolidLoop::add_to(Work& sum, const Work& part) {
   sum.contact += part.contact, sum.friction += part.friction;
 }
 
-SolidLoop::Work SolidLoop::move_nodes(int first, int last, const Step& step) {
+SolidLoop::Work SolidLoop::move_nodes(int first, int last, const Step& step, double* wall_force) {
   Work sum;
   for (int node = first; node < last; ++node) {
     const std::size_t at = 2 * std::size_t(node);
     double after[2];
     add_to(sum, step_node(node, step, true, after));
     for (int i = 0; i < 2; ++i) velocity[at + i] = after[i], increment_[at + i] = step.dt * after[i];
+    if (!contact_[node]) continue;
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      for (int i = 0; i < 2; ++i) wall_force[2 * w + i] += walls[w]->force[at + i];
   }
   return sum;
 }
@@ -141,18 +150,28 @@ int SolidLoop::advance(int n, double dt, double dt_before, double damping, const
   int n_elements = 0;
   for (const auto& block : blocks) n_elements += block.n();
   std::vector<Work> sums(n_chunks);
+  const std::size_t n_walls = walls.size();
+  std::vector<double> wall_sums(n_chunks * 2 * n_walls);
   int failed = INT_MAX;
 #pragma omp parallel if (n_elements >= serial_elements)
   {
     for (int cycle = 0; cycle < n; ++cycle) {
       const Step step{dt, cycle == 0 ? 0.5 * (dt_before + dt) : dt, damping, force_scale[cycle], velocity_scale[cycle]};
 #pragma omp for schedule(static)
-      for (int c = 0; c < n_chunks; ++c) sums[c] = move_nodes(c * chunk, std::min(n_nodes, (c + 1) * chunk), step);
+      for (int c = 0; c < n_chunks; ++c) {
+        double* wall_force = wall_sums.data() + c * 2 * n_walls;
+        std::fill_n(wall_force, 2 * n_walls, 0.0);
+        sums[c] = move_nodes(c * chunk, std::min(n_nodes, (c + 1) * chunk), step, wall_force);
+      }
 #pragma omp master
       {
         for (const auto& s : sums) add_to(work, s);
-        for (const auto& wall : walls)
-          for (int i = 0; i < 2; ++i) wall->offset[i] += dt * step.velocity_scale * wall->velocity[i];
+        for (std::size_t w = 0; w < n_walls; ++w)
+          for (int i = 0; i < 2; ++i) {
+            walls[w]->offset[i] += dt * step.velocity_scale * walls[w]->velocity[i];
+            for (int c = 0; c < n_chunks; ++c)
+              walls[w]->impulse[i] += step.mean_dt * wall_sums[(c * n_walls + w) * 2 + i];
+          }
       }
       int first_cell = 0;
       for (std::size_t k = 0; k < blocks.size(); ++k) {

@@ -38,6 +38,8 @@ class SolidLoop {
 
   void add(std::string_view element, std::vector<int> cells, const AdiabaticMises& law, double density);
   void add_wall(std::vector<double> segments, double mu);
+  // Sum up the nodes' masses from the cells', after mass or mass_factor of a block has changed.
+  void weigh();
 
   // Advance n cycles of dt; the step before was dt_before. The scales (n) multiply force and prescribed velocities (of
   // walls too) in each cycle; damping [1/s]. Returns the number of a cell turned inside out, counted through the
@@ -68,7 +70,8 @@ class SolidLoop {
   // forces are kept too, or over its first half.
   Work step_node(int node, const Step& step, bool whole, double after[2]) const;
   static void add_to(Work& sum, const Work& part);
-  Work move_nodes(int first, int last, const Step& step);
+  // Forces of each wall on these nodes are added to wall_force (n walls, 2).
+  Work move_nodes(int first, int last, const Step& step, double* wall_force);
   void close_nodes(int first, int last);
 
   std::vector<std::uint8_t> contact_;

@@ -946,10 +946,13 @@ class SolidLoop:
     def wall_offset(self, wall: int) -> list[float]:
         """Displacement of a wall since the start [mm]."""
 
+    def wall_impulse(self, wall: int) -> list[float]:
+        """Impulse of a wall on the nodes since the start [N s]."""
+
     def move_wall(self, wall: int, velocity: Sequence[float]) -> None:
         """Set a wall's velocity [mm/s]."""
 
-    def restore_wall(self, wall: int, offset: Sequence[float], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def restore_wall(self, wall: int, offset: Sequence[float], impulse: Sequence[float], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Take over where a wall was and what it pushed."""
 
     def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> int:
@@ -966,9 +969,16 @@ class SolidLoop:
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Prescribe velocities of the freedoms marked in fixed (n_nodes, 2)."""
 
+    def weigh(self) -> None:
+        """Sum up the nodes' masses after a change of mass_factor."""
+
     @property
     def mass(self) -> NDArray[numpy.float64]:
         """Mass of each node (n_nodes) [t]."""
+
+    @property
+    def cell_mass(self) -> NDArray[numpy.float64]:
+        """True mass of each cell (n) [t], without what scaling adds."""
 
     @property
     def work(self) -> list[float]:
@@ -1006,6 +1016,13 @@ class SolidLoop:
 
     @internal_force.setter
     def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def mass_factor(self) -> NDArray[numpy.float64]:
+        """Mass of each cell over its true one (n); then call weigh."""
+
+    @mass_factor.setter
+    def mass_factor(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def stress(self) -> NDArray[numpy.float64]:

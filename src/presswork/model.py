@@ -130,6 +130,22 @@ class Rate:
     """cowper_symonds: D [1/s], q; johnson_cook, logarithmic: C, reference rate [1/s]."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Heating:
+    """Adiabatic heating by plastic work, and softening by 1 - T*^exponent, T* from 0 at `reference` to 1 at `melting`.
+
+    Temperatures in degrees C; heat_capacity [mm2/(s2 K)] (steel has 4.6e8, that is 460 J/(kg K)); plastic_fraction: of
+    the plastic work that becomes heat (Taylor & Quinney 1934).
+    """
+
+    melting: float
+    exponent: float
+    heat_capacity: float
+    plastic_fraction: float = 0.9
+    reference: float = 20.0
+    start: float = 20.0
+
+
 @dataclass(frozen=True)
 class Umat:
     """A material law from a shared library with Abaqus's interface UMAT."""
@@ -168,6 +184,8 @@ class Material:
     """Of a solid: the law, instead of hardening."""
     density: float = 0.0
     """[t/mm3]; only dynamics asks for it."""
+    heating: Heating | None = None
+    """Of a solid in explicit dynamics."""
     formability: Formability = field(default_factory=Formability)
     """Of a sheet: what its strains are judged by."""
 
@@ -459,7 +477,23 @@ class OutputSettings:
     at: tuple[float, ...] = ()
     """Further stage fractions at which an increment ends and fields are saved, counted in the last stage."""
     checkpoint_every: int = 10
-    """Increments between checkpoints."""
+    """Increments between checkpoints; of an explicit run rows."""
+    rows: int = 200
+    """Explicit: rows of the history of each stage."""
+
+
+@dataclass(frozen=True)
+class ExplicitSolid:
+    """How the explicit procedure computes a solid."""
+
+    velocity: tuple[float, float] = (0.0, 0.0)
+    """Of the whole workpiece at the start [mm/s]."""
+    target_step: float | None = None
+    """Time step to reach by adding mass [s]; None: no mass is added."""
+    damping: float = 0.0
+    """Mass damping [1/s]."""
+    hourglass_stiffness: float = 0.05
+    """quad4_1pt: fraction of the shear modulus."""
 
 
 @dataclass(frozen=True)
@@ -486,5 +520,7 @@ class Model:
     contacts: tuple[BodyContact, ...] = ()
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
     """Of a shell: unit vector that, laid into the sheet, is x of its laws."""
+    explicit: ExplicitSolid | None = None
+    """Of a solid by the explicit procedure; None: the implicit one."""
     case_text: str = ""
     """The case file as read, kept with the results."""

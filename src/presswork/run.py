@@ -19,6 +19,7 @@ import numpy as np
 from presswork import __version__
 from presswork.model_stamping import AnyModel, StampingModel
 from presswork.procedure.explicit_input import ExplicitError
+from presswork.procedure.impact import ExplicitImpact
 from presswork.procedure.implicit_recording import ImplicitRecording
 from presswork.procedure.implicit_stamping import ImplicitStamping
 from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
@@ -104,14 +105,16 @@ def check_start(model: AnyModel) -> None:
 
 def _begin(model: AnyModel, threads: int) -> Recording:
     """Make the procedure that a model asks for."""
-    if isinstance(model, StampingModel):
-        try:
+    try:
+        if isinstance(model, StampingModel):
             if model.trim or model.springback is not None:
                 return ReleasedStamping(model, threads=threads)
             procedure = ImplicitStamping if model.procedure == "implicit" else ExplicitStamping
             return procedure(model, threads=threads)
-        except ExplicitError as error:
-            raise StartError(str(error)) from error
+        if model.explicit is not None:
+            return ExplicitImpact(model, threads=threads)
+    except ExplicitError as error:
+        raise StartError(str(error)) from error
     return ImplicitRecording(model, threads=threads)
 
 

@@ -365,11 +365,11 @@ def test_mass_scaling_reaches_its_step_and_reports_the_mass() -> None:
     plain, total = shells.dt, shells.mass[:, 0].sum()
     none = shells.scale_mass(0.5 * plain)
     assert none.added == 0.0
-    assert none.n_shells == 0
+    assert none.n_elements == 0
     added = shells.scale_mass(1.3 * plain)
     assert shells.dt == 1.3 * plain
     assert shells.stable_step() == pytest.approx(1.3 * plain / 0.9, rel=1e-9)
-    assert 0 < added.n_shells < N * N
+    assert 0 < added.n_elements < N * N
     assert shells.mass[:, 0].sum() == pytest.approx(total + added.added, rel=1e-12)
     assert added.percent == pytest.approx(100 * added.added / total, rel=1e-9)
     shells.advance(300)

@@ -8,9 +8,9 @@ import pytest
 
 from presswork import _core
 from presswork.mesh.structured import mesh_rectangle
-from presswork.model import CellBlock, Hardening, Mesh, Rate
+from presswork.model import CellBlock, Hardening, Heating, Mesh, Rate
 from presswork.procedure.explicit_solids import ExplicitSolids
-from presswork.procedure.solid_material import Heating, SolidMaterial
+from presswork.procedure.solid_material import SolidMaterial
 
 STEEL = SolidMaterial(
     young=206.9e3,
@@ -65,6 +65,85 @@ def test_a_restored_run_goes_on_with_the_same_bits(element: str) -> None:
     assert run.cycle == other.cycle
     assert run.energies() == other.energies()
     assert same(run.dump(), other.dump())
+
+
+@pytest.mark.parametrize("element", ["quad4_1pt", "tri3"])
+def test_mass_scaling_reaches_its_step_and_reports_the_mass(element: str) -> None:
+    """On cells that grow along x those at the left rule the step: only they are made heavier."""
+    mesh = mesh_rectangle(np.geomspace(1.0, 5.0, 9), np.linspace(0, 2, 3), element=element)
+    run = ExplicitSolids(mesh, [STEEL], axisymmetric=True)
+    plain, mass, squared = run.dt, run.mass, 2.0 / run.stable_step()
+    none = run.scale_mass(0.5 * plain)
+    assert none.added == 0.0
+    assert none.n_elements == 0
+    assert squared == 2.0 / run.stable_step()
+    added = run.scale_mass(1.3 * plain)
+    assert run.dt == 1.3 * plain
+    assert run.stable_step() == pytest.approx(1.3 * plain / 0.9, rel=1e-9)
+    assert 0 < added.n_elements < sum(len(b.connectivity) for b in mesh.blocks)
+    assert added.mass == pytest.approx(STEEL.density * np.pi * 24.0 * 2.0, rel=1e-12)
+    assert run.mass.sum() == pytest.approx(added.mass + added.added, rel=1e-12)
+    assert added.percent == pytest.approx(100 * added.added / added.mass, rel=1e-12)
+    assert (run.mass >= mass).all()
+    right = mesh.points[:, 0] > 4.9
+    assert (run.mass[right] == mass[right]).all()
+
+
+def vibrate(element: str) -> ExplicitSolids:
+    """A free elastic body that moves and vibrates, its left cells smaller."""
+    mesh = mesh_rectangle(np.geomspace(1.0, 5.0, 9), np.linspace(0, 2, 3), element=element)
+    run = ExplicitSolids(mesh, [replace(STEEL, hardening=None, heating=None, rate=None)], axisymmetric=False)
+    run.velocity = np.array([1e3, 500.0]) + np.random.default_rng(4).uniform(-2e3, 2e3, mesh.points.shape)
+    run.advance(200)
+    return run
+
+
+@pytest.mark.parametrize("element", ["quad4_1pt", "tri3"])
+def test_mass_added_on_the_way_keeps_momentum_and_balance(element: str) -> None:
+    """From then on the momentum of the heavier body stays, and its energy; what the mass brought is no error."""
+    run = vibrate(element)
+    before, step = run.energies(), run.dt
+    added = run.scale_mass(1.5 * step)
+    momentum, after = run.mass @ run.velocity, run.energies()
+    brought = 0.5 * added.added * 1e3**2
+    assert after.kinetic - before.kinetic > brought
+    assert after.error_percent == pytest.approx(before.error_percent, abs=1e-3)
+    run.dt = step
+    run.advance(2000)
+    assert run.energies().error_percent == pytest.approx(before.error_percent, abs=0.02)
+    np.testing.assert_allclose(run.mass @ run.velocity, momentum, rtol=1e-9)
+
+
+@pytest.mark.parametrize("element", ["quad4_1pt", "tri3"])
+def test_a_longer_step_all_at_once_costs_the_energy_of_central_differences(element: str) -> None:
+    """From dt to dt' the sum of v- m v+/2 and the elastic energy changes by -sum m a^2 (dt'^2 - dt^2)/8."""
+    run = vibrate(element)
+    step = run.dt
+    run.scale_mass(1.5 * step)
+    before = run.energies()
+    a = -run.internal_force / run.mass[:, None]
+    cost = (run.mass @ a**2).sum() * ((1.5 * step) ** 2 - step**2) / 8
+    total = before.kinetic + before.internal + before.hourglass
+    run.advance(2000)
+    after = run.energies()
+    assert after.kinetic + after.internal + after.hourglass == pytest.approx(total - cost, abs=0.03 * cost)
+
+
+def test_run_to_a_target_step_adds_mass_as_cells_flatten() -> None:
+    """A billet that strikes a wall: mass is added more than once, and a restored run adds it with the same bits."""
+    run, plain = start("quad4_1pt"), start("quad4_1pt")
+    target = run.dt
+    run.run_to(4e-6, target_step=target)
+    dump, first = run.dump(), run.mass.sum()
+    run.run_to(8e-6, target_step=target)
+    assert plain.mass.sum() < first < run.mass.sum()
+    other = start("quad4_1pt")
+    other.restore(dump)
+    other.run_to(8e-6, target_step=target)
+    assert same(run.dump(), other.dump())
+    plain.run_to(8e-6)
+    assert run.cycle < plain.cycle
+    assert abs(run.energies().error_percent) < 0.5
 
 
 @pytest.mark.parametrize("axisymmetric", [False, True])

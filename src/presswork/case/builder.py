@@ -42,7 +42,10 @@ def build_solid_model(case: schema.Case) -> model.Model:
     problems += [tool for tool in built if isinstance(tool, Problem)]
     tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
     stages = tuple(_build_stage(stage) for stage in case.stages)
-    _stop_at(problems or check_motions(case, tools) or check_reach(tools, stages, mesh), case)
+    problems = problems or check_motions(case, tools)
+    if not problems and case.workpiece.velocity is None:
+        problems = check_reach(tools, stages, mesh)
+    _stop_at(problems, case)
     return model.Model(
         title=case.title,
         analysis=case.analysis,
@@ -62,6 +65,7 @@ def build_solid_model(case: schema.Case) -> model.Model:
         output=build_output(case.output),
         bodies=bodies,
         contacts=contacts,
+        explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         case_text=case.text,
     )
 
@@ -80,11 +84,28 @@ def _build_materials(case: schema.Case) -> tuple[tuple[model.Material, ...], lis
     built = [
         build_umat(name, material, _folder(case))
         if isinstance(material, UmatMaterial)
-        else model.Material(name, material.young, material.poisson, build_hardening(material.hardening))
+        else _build_material(name, material)
         for name, material in case.materials.items()
     ]
     materials = tuple(material for material in built if isinstance(material, model.Material))
     return materials, [problem for problem in built if isinstance(problem, Problem)]
+
+
+def _build_material(name: str, material: schema.Material) -> model.Material:
+    return model.Material(
+        name,
+        material.young,
+        material.poisson,
+        build_hardening(material.hardening),
+        rate=material.rate.to_model() if material.rate else None,
+        density=material.density or 0.0,
+        heating=material.heating.to_model() if material.heating else None,
+    )
+
+
+def _build_explicit(case: schema.Case) -> model.ExplicitSolid:
+    velocity = case.workpiece.velocity or (0.0, 0.0)
+    return model.ExplicitSolid(velocity=velocity, **case.explicit.model_dump())
 
 
 def _find_symmetry_planes(

@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.crossing import bound_segments
+from presswork.case.describe_explicit import describe_explicit
 from presswork.case.describe_material import describe_material
 from presswork.case.describe_onestep import describe_onestep
 from presswork.case.describe_shell import describe_sheet, describe_sheet_loads, estimate_sheet_memory
@@ -55,6 +56,8 @@ def describe(problem: AnyModel | OneStepModel) -> str:
             f'stage {number} "{stage.name}", {stage.duration:g} s:',
             *(f"  {line}" for line in _describe_stage(stage)),
         ]
+    if problem.explicit is not None:
+        return "\n".join([*lines, *describe_explicit(problem, problem.explicit)])
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
     lines += [f"output: {_describe_settings(problem.output, model.OutputSettings())}"]
     lines += [f"memory: about {_estimate_memory(problem) / 1e6:.0f} MB for state, matrix and its factors (an estimate)"]

@@ -26,6 +26,11 @@ def describe_material(material: model.Material) -> str:
         a, b = material.rate.parameters
         names = ("D", "q") if material.rate.law == "cowper_symonds" else ("C", "reference rate")
         parts += [f"{material.rate.law} rate: {names[0]} = {a:g}, {names[1]} = {b:g}"]
+    if material.heating:
+        h = material.heating
+        parts += [
+            f"heated by {h.plastic_fraction:g} of its plastic work from {h.start:g} degrees C, melts at {h.melting:g}"
+        ]
     return ", ".join(parts)
 
 

@@ -7,6 +7,7 @@ from presswork import model
 from presswork.case import schema
 from presswork.case.bodies import check_bodies, list_bodies
 from presswork.case.errors import Problem, suggest
+from presswork.case.explicit_checks import check_procedure
 from presswork.case.umat import UmatMaterial
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile, Rectangle, Workpiece
@@ -17,7 +18,7 @@ MOST_CELLS = 20_000_000
 
 def check_references(case: schema.Case) -> list[Problem]:
     """Return the problems that show without the mesh."""
-    problems = check_bodies(case)
+    problems = check_bodies(case) + check_procedure(case)
     for key, body in list_bodies(case).values():
         problems += _check_body(case, key, body)
     if case.analysis == "axisymmetric" and case.depth != 1.0:
@@ -46,7 +47,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         fault = "arc length is for shells under loads alone"
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
     names = [stage.name for stage in case.stages]
-    unloads = False
+    unloads = case.workpiece.velocity is not None
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"
         if stage.name in names[:index]:
@@ -65,7 +66,7 @@ def check_references(case: schema.Case) -> list[Problem]:
                     f"tools: {', '.join(case.tools) or 'none'}",
                 )
             )
-        unloads = bool(stage.force or stage.pressure)
+        unloads = unloads or bool(stage.force or stage.pressure)
     return problems
 
 

@@ -21,12 +21,15 @@ from pydantic.config import JsonDict
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.contact import Contact, require_friction
+from presswork.case.explicit_solid import ExplicitSolver, Heating, require_density
 from presswork.case.hardening import Hardening
 from presswork.case.part import Part, ShortForm
 from presswork.case.settings import Output, Solver
+from presswork.case.sheet_laws import RateLaw
 from presswork.case.umat import UmatMaterial
 from presswork.case.units import (
     Angle,
+    Density,
     Direction,
     Force,
     ForceVector,
@@ -61,6 +64,16 @@ class Material(Part):
     young: Stress = Field(gt=0, description="Young's modulus [MPa]")
     poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
     hardening: Hardening = Field(description="flow stress against equivalent plastic strain")
+    density: Density | None = Field(default=None, description='explicit: density [t/mm^3], e.g. "7850 kg/m^3"')
+    rate: RateLaw | None = Field(default=None, description="explicit: factor on the flow stress by strain rate")
+    heating: Heating | None = Field(
+        default=None, description="explicit: heating by plastic work, and the softening that it brings"
+    )
+
+    @model_validator(mode="after")
+    def _check_density(self) -> Self:
+        require_density(self.density)
+        return self
 
 
 _MATERIALS: JsonDict = {"von_mises": "#/$defs/Material", "umat": "#/$defs/UmatMaterial"}
@@ -325,6 +338,10 @@ class Case(CaseFile):
     analysis: Literal["axisymmetric", "plane_strain"] = Field(
         description="axisymmetric (x is the radius, y the axis) or plane_strain"
     )
+    procedure: Literal["implicit", "explicit"] = Field(
+        default="implicit",
+        description="implicit: equilibrium after every increment; explicit: dynamics in small steps, for impacts",
+    )
     depth: Length = Field(default=1.0, gt=0, description="plane strain: extent normal to the plane [mm]")
     workpiece: Workpiece = Field(description="the body that is formed")
     materials: dict[str, MaterialTable] = Field(min_length=1, description="materials by name")
@@ -334,4 +351,7 @@ class Case(CaseFile):
     boundary: dict[str, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
     stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
+    explicit: ExplicitSolver = Field(
+        default=ExplicitSolver(), description="how the explicit procedure steps through time"
+    )
     output: Output = Field(default=Output(), description="what is saved, and when")

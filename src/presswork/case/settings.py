@@ -114,8 +114,9 @@ class Output(Part):
         default=_OUTPUT.at, description="further saved times, fractions of the last stage"
     )
     checkpoint_every: Whole = Field(
-        default=_OUTPUT.checkpoint_every, ge=1, description="increments between checkpoints"
+        default=_OUTPUT.checkpoint_every, ge=1, description="increments between checkpoints; explicit: rows"
     )
+    rows: Whole = Field(default=_OUTPUT.rows, ge=1, description="explicit: rows of history.csv for each stage")
 
 
 def build_solver(

@@ -69,6 +69,9 @@ def _check_names(case: ShellCase) -> list[Problem]:
         except ValueError as error:
             fault = f"expected a unit of length, but {error}"
             problems.append(Problem("workpiece.mesh.unit", fault, "e.g. mm, m, inch", piece.mesh.unit))
+    if "rows" in case.output.model_fields_set:
+        fault = "shells are implicit: a row an increment"
+        problems.append(Problem("output.rows", fault, "remove it", case.output.rows))
     if case.solver.control == "arc_length":
         for index, stage in enumerate(case.stages):
             if stage.displacement or stage.rotation:

@@ -12,6 +12,7 @@ from presswork import model_stamping
 from presswork.case.bead import Bead
 from presswork.case.blank import Blank
 from presswork.case.case_file import CaseFile
+from presswork.case.explicit_solid import require_density
 from presswork.case.part import Part
 from presswork.case.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.shell import ShellBoundary, ShellDisplacement
@@ -20,8 +21,6 @@ from presswork.case.stamping_tools import Tool
 from presswork.case.units import Density, Force, Length, LineForce, Number, Rate, Time, Velocity, fault
 from presswork.model import ExplicitElement, SolverSettings
 
-HEAVIEST, LIGHTEST = 1e-6, 1e-10
-"""Densities [t/mm3] of no metal: 50 times osmium's, and a sixteenth of magnesium's."""
 WAVE_SPEED = 5.1e6
 """Of a bar of steel, aluminium, magnesium or titanium, within 4 % [mm/s]."""
 VELOCITY = 2000.0
@@ -47,12 +46,7 @@ class StampingMaterial(ShellMaterial):
 
     @model_validator(mode="after")
     def _check_density(self) -> Self:
-        if self.density is not None and not LIGHTEST < self.density < HEAVIEST:
-            raise fault(
-                f"{self.density:g} t/mm^3 is the density of no metal",
-                'plain numbers are t/mm^3; with a unit: "7850 kg/m^3", which is 7.85e-9',
-                key="density",
-            )
+        require_density(self.density)
         return self
 
     def find_density(self) -> float:

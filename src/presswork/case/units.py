@@ -39,6 +39,7 @@ BODY_FORCE = Dimension("a force per volume", "N/mm^3", "77 kN/m^3")
 VELOCITY = Dimension("a velocity", "mm/s", "2 m/s")
 DENSITY = Dimension("a density", "t/mm^3", "7850 kg/m^3")
 RATE = Dimension("a rate", "1/s", "100 1/s")
+HEAT_CAPACITY = Dimension("a specific heat capacity", "mm^2/(s^2*K)", "460 J/(kg*K)")
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3")
 
 
@@ -151,9 +152,11 @@ Stiffness = Annotated[float, *_scalar(STIFFNESS)]
 Velocity = Annotated[float, *_scalar(VELOCITY)]
 Density = Annotated[float, *_scalar(DENSITY)]
 Rate = Annotated[float, *_scalar(RATE)]
+HeatCapacity = Annotated[float, *_scalar(HEAT_CAPACITY)]
 Number = Annotated[float, *_scalar(PURE_NUMBER)]
 Point = Annotated[tuple[float, float], *_pair(LENGTH)]
 ForceVector = Annotated[tuple[float, float], *_pair(FORCE)]
+VelocityVector = Annotated[tuple[float, float], *_pair(VELOCITY)]
 Direction = Annotated[tuple[float, float], *_pair(PURE_NUMBER)]
 Point3 = Annotated[tuple[float, float, float], *_triple(LENGTH)]
 Force3 = Annotated[tuple[float, float, float], *_triple(FORCE)]

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from presswork import model
 from presswork.case.part import Part, ShortForm
-from presswork.case.units import Direction, Length, Number, Point, fault
+from presswork.case.units import Direction, Length, Number, Point, VelocityVector, fault
 
 Pattern = Literal["quad", "crossed", "left", "right"]
 Count = Annotated[int, Field(strict=True, ge=1, le=100_000)]
@@ -90,4 +90,7 @@ class Workpiece(Part):
     element: model.SolidElement = Field(description="element formulation")
     mesh: Annotated[Rectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
         description="the mesh of the workpiece"
+    )
+    velocity: VelocityVector | None = Field(
+        default=None, description="explicit: velocity [x, y] of the whole workpiece at the start [mm/s]"
     )

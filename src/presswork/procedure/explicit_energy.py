@@ -14,6 +14,8 @@ WORTH_A_WARNING = 5.0
 """Per cent of the internal energy."""
 FORMED = 0.1
 """Part of the last internal energy from which on kinetic energy is compared with it: a blank at rest has none."""
+ENERGIES = ("kinetic", "internal", "hourglass", "contact", "friction", "damping", "external")
+"""Of an EnergyBalance, in the order of history.csv."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +59,11 @@ class EnergyBalance:
 
 @dataclass(frozen=True)
 class MassScaling:
-    """State of mass scaling: true mass [t], mass added so far [t], number of shells heavier than they are."""
+    """State of mass scaling: true mass [t], mass added so far [t], number of elements heavier than they are."""
 
     mass: float
     added: float
-    n_shells: int
+    n_elements: int
 
     @property
     def percent(self) -> float:
@@ -69,25 +71,31 @@ class MassScaling:
         return 100.0 * self.added / self.mass
 
 
-def warn_of_energies(history: Mapping[str, NDArray[Any]]) -> list[str]:
-    """Say which energies have been out of hand since forming was under way."""
+ADVICE = {
+    "kinetic": "inertia counts: make the tools slower, or add less mass",
+    "hourglass": "refine the mesh where it is bent sharply",
+    "error": "set explicit.safety lower",
+}
+"""Of a stamping, on what is out of hand."""
+
+
+def warn_of_energies(history: Mapping[str, NDArray[Any]], advice: Mapping[str, str] = ADVICE) -> list[str]:
+    """Say which of the energies that there is advice on have been out of hand since forming was under way."""
     internal = history["internal_energy"]
     if len(internal) == 0 or internal.max() <= 0:
         return []
     formed = internal >= FORMED * internal.max()
-    advice = {
-        "kinetic": "inertia counts: make the tools slower, or add less mass",
-        "hourglass": "refine the mesh where it is bent sharply",
-    }
     warnings = []
-    for name, remedy in advice.items():
+    for name in (name for name in ("kinetic", "hourglass") if name in advice):
         share = 100.0 * history[f"{name}_energy"][formed] / internal[formed]
         worst = int(np.argmax(share))
         if share[worst] > WORTH_A_WARNING:
             at = history["time"][formed][worst]
-            warnings.append(f"{name} energy reached {share[worst]:.3g} % of the internal (t = {at:.4g} s): {remedy}")
+            warnings.append(
+                f"{name} energy reached {share[worst]:.3g} % of the internal (t = {at:.4g} s): {advice[name]}"
+            )
     error = history["energy_error_percent"]
     if np.abs(error).max() > WORTH_A_WARNING:
         largest = float(error[np.argmax(np.abs(error))])
-        warnings.append(f"the energy balance is off by {largest:.3g} %: set explicit.safety lower")
+        warnings.append(f"the energy balance is off by {largest:.3g} %: {advice['error']}")
     return warnings

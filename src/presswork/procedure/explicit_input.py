@@ -6,9 +6,15 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from presswork.model import Mesh
+
 Array = npt.NDArray[np.float64]
 HEAVIEST = 1e-6
 """Density [t/mm3] beyond which a unit must be wrong: 50 times that of osmium."""
+
+
+SOLIDS = ("quad4_1pt", "tri3")
+"""Elements with one point; tri3 in the crossed pattern is 4CST."""
 
 
 class ExplicitError(ValueError):
@@ -58,3 +64,38 @@ def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, 
             f"shell {shell} (nodes {cells[shell].tolist()}) is folded or without area at node {cells[shell, corner]}: "
             "give its nodes in turn round it, all corners below 180 degrees"
         )
+
+
+def check_solids(mesh: Mesh, n_materials: int, axisymmetric: bool, depth: float, hourglass_fraction: float) -> None:
+    """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
+    if mesh.points.ndim != 2 or mesh.points.shape[1] != 2:
+        raise ExplicitError(f"points has shape {mesh.points.shape}: solids in the plane have (n_nodes, 2)")
+    if not np.isfinite(mesh.points).all():
+        raise ExplicitError(
+            f"node {np.argwhere(~np.isfinite(mesh.points))[0, 0]} has a coordinate that is not a number"
+        )
+    if not depth > 0:
+        raise ExplicitError(f"depth = {depth}: it must be above zero")
+    if not 0 <= hourglass_fraction <= 1:
+        raise ExplicitError(f"hourglass_fraction = {hourglass_fraction}: it must lie between 0 and 1")
+    if axisymmetric and (left := mesh.points[:, 0]).min() < -1e-9 * np.ptp(mesh.points):
+        raise ExplicitError(f"node {np.argmin(left)} has radius {left.min():g} mm: x is the radius, from the axis at 0")
+    if not mesh.blocks:
+        raise ExplicitError("the mesh has no cells")
+    for block in mesh.blocks:
+        if block.element not in SOLIDS:
+            raise ExplicitError(f"element {block.element}: explicit solids are {' or '.join(SOLIDS)}")
+        if not 0 <= block.material < n_materials:
+            raise ExplicitError(f"a block asks for material {block.material}: there are {n_materials}, from 0")
+        cells = block.connectivity
+        if cells.min() < 0 or cells.max() >= len(mesh.points):
+            raise ExplicitError(f"a cell names node {cells.max()}: nodes are 0 to {len(mesh.points) - 1}")
+        corners = mesh.points[cells]
+        before, after = np.roll(corners, 1, axis=1) - corners, np.roll(corners, -1, axis=1) - corners
+        turn = after[..., 0] * before[..., 1] - after[..., 1] * before[..., 0]
+        if (turn <= 0).any():
+            cell = int(np.argwhere(turn <= 0)[0, 0])
+            raise ExplicitError(
+                f"cell {cell} of {block.element} (nodes {cells[cell].tolist()}) has no area or a corner of 180 degrees "
+                "or more: give its nodes counter-clockwise"
+            )

@@ -20,16 +20,16 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.model import Mesh
-from presswork.procedure.explicit import SAFETY, EnergyBalance
-from presswork.procedure.explicit_input import ExplicitError
+from presswork.procedure.explicit import SAFETY, EnergyBalance, MassScaling
+from presswork.procedure.explicit_input import ExplicitError, check_solids
 from presswork.procedure.solid_material import SolidMaterial
 
 Array = npt.NDArray[np.float64]
 FREEDOMS = "uv"
-ELEMENTS = ("quad4_1pt", "tri3")
-"""Elements with one point; tri3 in the crossed pattern is 4CST."""
 RENEWAL = 10
 """Cycles after which `run_to` finds the stable step anew."""
+CRUSHED = 1e-3
+"""Of the first step: what a cell asks for that no result should be taken from, and that would take for ever."""
 
 
 class Wall:
@@ -58,9 +58,19 @@ class Wall:
         return np.array(self._loop.wall_offset(self._number))
 
     @property
+    def impulse(self) -> Array:
+        """Impulse of the solids on the wall since the start (2,) [N s]: its change over a time is the mean force."""
+        return -np.array(self._loop.wall_impulse(self._number))
+
+    @property
+    def nodal_force(self) -> Array:
+        """Forces of the wall on the nodes in the last cycle (n_nodes, 2) [N]; of the whole ring in axisymmetry."""
+        return self._loop.wall_force(self._number)
+
+    @property
     def force(self) -> Array:
-        """Force of the solids on the wall in the last cycle (2,) [N]; of the whole ring in axisymmetry."""
-        return np.asarray(-self._loop.wall_force(self._number).sum(axis=0))
+        """Force of the solids on the wall in the last cycle (2,) [N]."""
+        return np.asarray(-self.nodal_force.sum(axis=0))
 
 
 class ExplicitSolids:
@@ -79,7 +89,7 @@ class ExplicitSolids:
         depth: float = 1.0,
         hourglass_fraction: float = 0.05,
     ) -> None:
-        check_solids(mesh, materials, axisymmetric, depth, hourglass_fraction)
+        check_solids(mesh, len(materials), axisymmetric, depth, hourglass_fraction)
         self.mesh = mesh
         n = len(mesh.points)
         rim = np.zeros(n, dtype=np.uint8)
@@ -105,7 +115,7 @@ class ExplicitSolids:
         self.cycle = 0
         self.time = 0.0
         self.dt = SAFETY * self.stable_step()
-        self._dt_before = self.dt
+        self._dt_before = self._first_dt = self.dt
 
     @property
     def position(self) -> Array:
@@ -140,7 +150,7 @@ class ExplicitSolids:
 
     @property
     def mass(self) -> Array:
-        """Mass of each node (n_nodes) [t]; of its ring in axisymmetry."""
+        """Mass of each node (n_nodes) [t], with what was added; of its ring in axisymmetry."""
         return self._loop.mass
 
     @property
@@ -198,6 +208,12 @@ class ExplicitSolids:
             self._prescribed[numbers, FREEDOMS.index(letter)] = value
         self._loop.prescribe(self._fixed, self._prescribed)
 
+    def release(self) -> None:
+        """Let every freedom go that fix has prescribed."""
+        self._fixed[:] = 0
+        self._prescribed[:] = 0.0
+        self._loop.prescribe(self._fixed, self._prescribed)
+
     def set_velocity(self, nodes: str | npt.ArrayLike, velocity: tuple[float, float]) -> None:
         """Give nodes a velocity (2,) [mm/s] to start from."""
         v = self.velocity
@@ -231,6 +247,31 @@ class ExplicitSolids:
     def stable_step(self) -> float:
         """Give the bound of the stable time step [s] of the cells as they are now."""
         return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))
+
+    def scale_mass(self, target_step: float) -> MassScaling:
+        """Add mass to cells whose stable step is below the target [s], take the target as the step; report the mass.
+
+        The safety factor is kept: the cells' bound becomes target_step/0.9. Mass once added stays. The kinetic energy
+        that it brings is no error of the balance.
+        """
+        if not target_step > 0:
+            raise ExplicitError(f"target_step = {target_step}: it must be above zero")
+        loop, before = self._loop, self._loop.mass_factor
+        start = self._sum(self._energies(*self._scales))
+        factor = loop.bound_frequencies() * (0.5 * target_step / SAFETY) ** 2
+        now = before * np.maximum(factor, 1.0)
+        loop.mass_factor = now
+        loop.weigh()
+        self.dt = target_step
+        if self._reference:
+            first, largest = self._reference
+            self._reference = (first + self._sum(self._energies(*self._scales)) - start, largest)
+        return self.added_mass()
+
+    def added_mass(self) -> MassScaling:
+        """Give the state of mass scaling."""
+        true, factor = self._loop.cell_mass, self._loop.mass_factor
+        return MassScaling(float(true.sum()), float(((factor - 1.0) * true).sum()), int((factor > 1.0).sum()))
 
     def advance(
         self,
@@ -270,21 +311,33 @@ class ExplicitSolids:
                 f"{self.dt:g} s is too long (the cells allow {SAFETY * self.stable_step():g} s now)"
             )
 
-    def run_to(self, end: float, *, damping: float = 0.0) -> None:
-        """Run to the time `end` [s], with a step that follows the cells' own: found anew every 10 cycles."""
+    def run_to(self, end: float, *, damping: float = 0.0, target_step: float | None = None) -> None:
+        """Run to the time `end` [s], with a step that follows the cells' own: found anew every 10 cycles.
+
+        target_step [s]: where the cells' own is shorter, mass is added as by scale_mass. Raises ExplicitError where a
+        cell is so crushed that its step is a thousandth of the first.
+        """
         if not end > self.time:
             raise ExplicitError(f"end = {end:g} s: it must lie beyond the time reached, {self.time:g} s")
         while end - self.time > 1e-9 * end:
             self.dt = SAFETY * self.stable_step()
+            if target_step is not None and self.dt < target_step * (1 - 1e-9):
+                self.scale_mass(target_step)
+            if self.dt < CRUSHED * self._first_dt:
+                raise ExplicitError(
+                    f"cell {np.argmax(self._loop.bound_frequencies())} is crushed at t = {self.time:g} s: its step is "
+                    f"{self.dt:.3g} s, that of the mesh was {self._first_dt:.3g} s at first: refine the mesh, make it "
+                    "coarser along the way that it is crushed, or give target_step"
+                )
             left = int(np.ceil((end - self.time) / self.dt * (1 - 1e-9)))
             if left <= RENEWAL:
                 self.dt = (end - self.time) / left
             self.advance(min(left, RENEWAL), damping=damping)
 
     def _energies(self, damping: float, force_scale: float, velocity_scale: float) -> _core.SolidEnergies:
-        return self._loop.energies(
-            self.dt, self._dt_before, damping=damping, force_scale=force_scale, velocity_scale=velocity_scale
-        )
+        # velocities stand half of the last step back: so long is the way to now, whatever the next step will be
+        dt = self._dt_before
+        return self._loop.energies(dt, dt, damping=damping, force_scale=force_scale, velocity_scale=velocity_scale)
 
     @staticmethod
     def _sum(e: _core.SolidEnergies) -> float:
@@ -303,7 +356,9 @@ class ExplicitSolids:
     def dump(self) -> dict[str, Array]:
         """Give everything that the next cycle depends on, beside the constructor, fix, force and walls."""
         loop = self._loop
-        walls = [[*loop.wall_offset(i), *loop.wall_force(i).ravel()] for i in range(len(self._walls))]
+        walls = [
+            [*loop.wall_offset(i), *loop.wall_impulse(i), *loop.wall_force(i).ravel()] for i in range(len(self._walls))
+        ]
         reference = self._reference or (np.nan, np.nan)
         return {
             "position": loop.position,
@@ -314,6 +369,7 @@ class ExplicitSolids:
             "rise": loop.rise,
             "hourglass": loop.hourglass,
             "cell_work": loop.cell_work,
+            "mass_factor": loop.mass_factor,
             "walls": np.array(walls),
             "scalars": np.array(
                 [self.cycle, self.time, self.dt, self._dt_before, *loop.work, *reference, *self._scales], dtype=float
@@ -328,46 +384,10 @@ class ExplicitSolids:
         loop.work = rest[:4]
         self._reference = None if np.isnan(rest[4]) else (rest[4], rest[5])
         self._scales = (rest[6], rest[7], rest[8])
-        for name in ("position", "velocity", "internal_force", "stress", "eqps", "rise", "hourglass", "cell_work"):
+        for name in dump.keys() - {"walls", "scalars"}:
             setattr(loop, name, np.ascontiguousarray(dump[name]))
+        loop.weigh()
         if len(dump["walls"]) != len(self._walls):
             raise ExplicitError(f"the dump has {len(dump['walls'])} walls, the run {len(self._walls)}: add them first")
         for i, row in enumerate(dump["walls"]):
-            loop.restore_wall(i, [float(row[0]), float(row[1])], row[2:].copy())
-
-
-def check_solids(
-    mesh: Mesh, materials: Sequence[SolidMaterial], axisymmetric: bool, depth: float, hourglass_fraction: float
-) -> None:
-    """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
-    if mesh.points.ndim != 2 or mesh.points.shape[1] != 2:
-        raise ExplicitError(f"points has shape {mesh.points.shape}: solids in the plane have (n_nodes, 2)")
-    if not np.isfinite(mesh.points).all():
-        raise ExplicitError(
-            f"node {np.argwhere(~np.isfinite(mesh.points))[0, 0]} has a coordinate that is not a number"
-        )
-    if not depth > 0:
-        raise ExplicitError(f"depth = {depth}: it must be above zero")
-    if not 0 <= hourglass_fraction <= 1:
-        raise ExplicitError(f"hourglass_fraction = {hourglass_fraction}: it must lie between 0 and 1")
-    if axisymmetric and (left := mesh.points[:, 0]).min() < -1e-9 * np.ptp(mesh.points):
-        raise ExplicitError(f"node {np.argmin(left)} has radius {left.min():g} mm: x is the radius, from the axis at 0")
-    if not mesh.blocks:
-        raise ExplicitError("the mesh has no cells")
-    for block in mesh.blocks:
-        if block.element not in ELEMENTS:
-            raise ExplicitError(f"element {block.element}: explicit solids are {' or '.join(ELEMENTS)}")
-        if not 0 <= block.material < len(materials):
-            raise ExplicitError(f"a block asks for material {block.material}: there are {len(materials)}, from 0")
-        cells = block.connectivity
-        if cells.min() < 0 or cells.max() >= len(mesh.points):
-            raise ExplicitError(f"a cell names node {cells.max()}: nodes are 0 to {len(mesh.points) - 1}")
-        corners = mesh.points[cells]
-        before, after = np.roll(corners, 1, axis=1) - corners, np.roll(corners, -1, axis=1) - corners
-        turn = after[..., 0] * before[..., 1] - after[..., 1] * before[..., 0]
-        if (turn <= 0).any():
-            cell = int(np.argwhere(turn <= 0)[0, 0])
-            raise ExplicitError(
-                f"cell {cell} of {block.element} (nodes {cells[cell].tolist()}) has no area or a corner of 180 degrees "
-                "or more: give its nodes counter-clockwise"
-            )
+            loop.restore_wall(i, row[:2].tolist(), row[2:4].tolist(), row[4:].copy())

@@ -8,42 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
-from presswork.model import Hardening, Rate
+from presswork.model import Hardening, Heating, Rate
 from presswork.procedure.explicit_input import HEAVIEST, ExplicitError
-
-START = 20.0
-"""Temperature at the start [degrees C] unless a material says otherwise."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Heating:
-    """Adiabatic heating by plastic work, and softening by 1 - T*^exponent, T* from 0 at `reference` to 1 at `melting`.
-
-    Temperatures in degrees C; heat_capacity [mm2/(s2 K)] (steel has 4.6e8, that is 460 J/(kg K)); plastic_fraction: of
-    the plastic work that becomes heat (Taylor & Quinney 1934).
-    """
-
-    melting: float
-    exponent: float
-    heat_capacity: float
-    plastic_fraction: float = 0.9
-    reference: float = START
-    start: float = START
-
-    def __post_init__(self) -> None:
-        if not self.melting > self.reference:
-            raise ExplicitError(f"melting = {self.melting}: it must be above reference = {self.reference}")
-        if not self.reference <= self.start < self.melting:
-            raise ExplicitError(f"start = {self.start}: it must lie from reference up to melting")
-        if not self.exponent > 0:
-            raise ExplicitError(f"exponent = {self.exponent}: it must be above zero")
-        if not self.heat_capacity >= 1e6:
-            raise ExplicitError(
-                f"heat_capacity = {self.heat_capacity:g} mm2/(s2 K) is below that of any metal: steel has 4.6e8, "
-                "a million times the figure in J/(kg K)"
-            )
-        if not 0 <= self.plastic_fraction <= 1:
-            raise ExplicitError(f"plastic_fraction = {self.plastic_fraction}: it must lie between 0 and 1")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +38,8 @@ class SolidMaterial:
             raise ExplicitError(
                 f"density = {self.density:g} t/mm3 is beyond any metal: steel has 7.85e-9 t/mm3, not 7850"
             )
+        if self.heating:
+            check_heating(self.heating)
 
     @property
     def wave_speed(self) -> float:
@@ -82,7 +50,7 @@ class SolidMaterial:
     @property
     def start(self) -> float:
         """Temperature at the start [degrees C]."""
-        return self.heating.start if self.heating else START
+        return self.heating.start if self.heating else Heating.start
 
     def make_law(self) -> _core.AdiabaticMises:
         """Return the compiled law."""
@@ -106,3 +74,21 @@ class SolidMaterial:
             exponent=h.exponent,
             heating=h.plastic_fraction / (self.density * h.heat_capacity),
         )
+
+
+def check_heating(heating: Heating) -> None:
+    """Raise ExplicitError for values that no run can start from."""
+    h = heating
+    if not h.melting > h.reference:
+        raise ExplicitError(f"melting = {h.melting}: it must be above reference = {h.reference}")
+    if not h.reference <= h.start < h.melting:
+        raise ExplicitError(f"start = {h.start}: it must lie from reference up to melting")
+    if not h.exponent > 0:
+        raise ExplicitError(f"exponent = {h.exponent}: it must be above zero")
+    if not h.heat_capacity >= 1e6:
+        raise ExplicitError(
+            f"heat_capacity = {h.heat_capacity:g} mm2/(s2 K) is below that of any metal: steel has 4.6e8, "
+            "a million times the figure in J/(kg K)"
+        )
+    if not 0 <= h.plastic_fraction <= 1:
+        raise ExplicitError(f"plastic_fraction = {h.plastic_fraction}: it must lie between 0 and 1")

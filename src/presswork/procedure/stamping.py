@@ -26,7 +26,7 @@ from presswork.procedure.explicit import (
     MassScaling,
     ShellOptions,
 )
-from presswork.procedure.explicit_energy import warn_of_energies
+from presswork.procedure.explicit_energy import ENERGIES, warn_of_energies
 from presswork.procedure.explicit_fields import OnePointFields
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.refinement import SplitBlank, choose_shells
@@ -44,7 +44,6 @@ SAMPLES = 10
 """Of the tools' forces in a row, at least: single cycles are noisy."""
 LOOKS = 50
 """A stage, at shells that may have to be split: once in 2 % of it."""
-ENERGIES = ("kinetic", "internal", "hourglass", "contact", "friction", "damping", "external")
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,8 @@ UNITS = {
     "stress": "MPa",
     "hydrostatic_stress": "MPa",
     "body": "1",
+    "temperature": "degrees C",
+    "velocity": "mm/s",
     "thickness": "mm",
     "thickness_strain": "1",
     "thinning": "%",

@@ -40,6 +40,8 @@ STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", 
 ONESTEP_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
 SPRINGBACK_FIELDS = ("springback", "deviation")
 """Displacement since the part was let go; distance from its shape in the tools."""
+TEMPERATURE = "temperature"
+"""Of a solid that plastic work heats."""
 _PNG_BYTES = 200_000
 
 
@@ -59,16 +61,16 @@ def plot_all(
     surface. Of dynamics and of stampings: energies against time; of a stamping the section along x, the outline from
     above with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its
     symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
-    `fields` are by default FIELDS, of a shell SHELL_FIELDS, of a stamping STAMPING_FIELDS, of a one-step run
-    ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder. sections: x, y of where a section begins [mm],
-    and its angle from x [degree]; each is drawn, and its thickness written as CSV.
+    `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a stamping
+    STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder. sections:
+    x, y of where a section begins [mm], and its angle from x [degree]; each is drawn, and its thickness written as CSV.
     Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
     """
     require_matplotlib()
     folder = result.folder / "plots" if out_dir is None else Path(out_dir)
     chosen = [-1] if steps == "last" else list(steps)
     if fields is None:
-        fields = _default_fields(result)
+        fields = default_fields(result)
         fields = [field for field in fields if field in result.field_names or field not in FORMABILITY_FIELDS]
     count = len(result.times)
     for step in chosen:
@@ -109,12 +111,15 @@ def plot_all(
     return [*paths, *_plot_interfaces(result, folder, steps)]
 
 
-def _default_fields(result: Result) -> Sequence[str]:
+def default_fields(result: Result) -> Sequence[str]:
+    """Return the fields that plot_all draws of such a result."""
     if result.is_stamping:
         return (*STAMPING_FIELDS, *(name for name in SPRINGBACK_FIELDS if name in result.field_names))
     if result.is_onestep:
         return ONESTEP_FIELDS
-    return SHELL_FIELDS if result.is_shell else FIELDS
+    if result.is_shell:
+        return SHELL_FIELDS
+    return (*FIELDS, *(name for name in (TEMPERATURE,) if name in result.field_names))
 
 
 def _draw_section(result: Result, section: tuple[float, float, float], step: int, folder: Path) -> Path:

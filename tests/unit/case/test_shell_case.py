@@ -265,3 +265,8 @@ def test_the_kind_of_case_follows_from_its_analysis(tmp_path: Path) -> None:
         read_case(path)
     assert "workpiece" in str(error.value)
     assert "strip.toml" in str(error.value)
+
+
+def test_rows_of_history_are_for_the_explicit_procedure() -> None:
+    with pytest.raises(CaseError, match=r"output.rows = 5: shells are implicit: a row an increment; remove it"):
+        build_model(ShellCase.model_validate(case(output={"rows": 5})))

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from presswork.mesh.structured import mesh_rectangle
-from presswork.model import CellBlock, Mesh
+from presswork.model import CellBlock, Heating, Mesh
 from presswork.procedure.explicit import ExplicitError
 from presswork.procedure.explicit_solids import ExplicitSolids
-from presswork.procedure.solid_material import Heating, SolidMaterial
+from presswork.procedure.solid_material import SolidMaterial
 
 STEEL = {"young": 210e3, "poisson": 0.3, "density": 7.85e-9}
 
@@ -53,7 +53,9 @@ def test_material_out_of_bounds(changes: dict[str, float], message: str) -> None
 )
 def test_heating_out_of_bounds(changes: dict[str, float], message: str) -> None:
     with pytest.raises(ExplicitError, match=message):
-        Heating(**({"melting": 1540.0, "exponent": 1.0, "heat_capacity": 4.6e8} | changes))
+        SolidMaterial(
+            **STEEL, heating=Heating(**({"melting": 1540.0, "exponent": 1.0, "heat_capacity": 4.6e8} | changes))
+        )
 
 
 def reversed_cells() -> Mesh:
@@ -118,6 +120,8 @@ def test_times_that_have_passed() -> None:
     run = start()
     with pytest.raises(ExplicitError, match="end = 0 s: it must lie beyond the time reached"):
         run.run_to(0.0)
+    with pytest.raises(ExplicitError, match=r"target_step = -1.0: it must be above zero"):
+        run.scale_mass(-1.0)
     with pytest.raises(ExplicitError, match="n = 0: advance at least one cycle"):
         run.advance(0)
 

@@ -1,0 +1,323 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Impacts and other fast motions of a solid by explicit dynamics: stages in rows of cycles, between rigid walls.
+
+It knows nothing of files: run.py records what it yields.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork import _core
+from presswork.model import FloatArray, Material, Mesh, Model, Tool, ToolMotion
+from presswork.procedure.explicit_energy import ENERGIES, EnergyBalance, warn_of_energies
+from presswork.procedure.explicit_input import ExplicitError
+from presswork.procedure.explicit_solids import FREEDOMS, ExplicitSolids, Wall
+from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
+from presswork.procedure.solid_material import SolidMaterial
+from presswork.procedure.timing import Timing
+from presswork.procedure.tool_quantities import find_way
+from presswork.results.fields import effective_stress
+from presswork.threads import available_threads
+
+STAGE, ROW, ADDED_MASS, ROWS = range(4)
+EXTENTS = ("x_min", "x_max", "y_min", "y_max")
+"""Of the workpiece [mm]."""
+ADVICE = {
+    "kinetic": "inertia counts: make the tools slower, or add less mass",
+    "hourglass": "refine the mesh, or set explicit.hourglass_stiffness higher",
+    "error": "refine the mesh where cells are crushed",
+}
+
+
+@dataclass(frozen=True)
+class RowReport:
+    """A row of cycles that has been computed."""
+
+    number: int
+    stage: str
+    fraction: float
+    """Of the stage, at the end of the row."""
+    time: float
+    cycles: int
+    step: float
+    """Mean time step [s]."""
+    energies: EnergyBalance
+    is_save_point: bool
+
+
+class ExplicitImpact:
+    """A Model with `explicit` at work."""
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        assert model.explicit is not None
+        _core.set_threads(threads or available_threads())
+        self.model, self.settings = model, model.explicit
+        self.timing = Timing("cycles")
+        self.solids = ExplicitSolids(
+            model.mesh,
+            [_solid_material(material) for material in model.materials],
+            axisymmetric=model.analysis == "axisymmetric",
+            depth=model.depth,
+            hourglass_fraction=self.settings.hourglass_stiffness,
+        )
+        self.solids.set_velocity("all", self.settings.velocity)
+        self.walls = [self.solids.add_wall(t.name, t.segments, mu=float(t.mu.max(initial=0.0))) for t in model.tools]
+        self._force = np.zeros((len(self.walls), 2))
+        self._progress = np.zeros(4)
+        self._progress[ROWS] = model.output.rows
+        if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
+            self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
+        self._begin_stage()
+
+    # --- the way through ---------------------------------------------------------------------------------------------
+
+    def advance(self) -> Iterator[RowReport]:
+        """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
+        while int(self._progress[STAGE]) < len(self.model.stages):
+            before = self.to_arrays()
+            try:
+                report = self._next_row()
+            except (ExplicitError, KeyboardInterrupt) as error:
+                self.load_arrays(before)
+                if isinstance(error, KeyboardInterrupt):
+                    raise
+                raise GaveUpError(str(error)) from error
+            yield report
+
+    def _next_row(self) -> RowReport:
+        started = perf_counter()
+        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        stage, rows, steps = self.model.stages[number], self.model.output.rows, self.model.output.steps
+        begin = sum(s.duration for s in self.model.stages[:number])
+        cycle, time = self.solids.cycle, self.solids.time
+        impulse = [wall.impulse for wall in self.walls]
+        to = begin + stage.duration * (row + 1) / rows
+        self.solids.run_to(to, damping=self.settings.damping, target_step=self.settings.target_step)
+        for i, wall in enumerate(self.walls):
+            self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
+        energies = self.solids.energies()
+        self._progress[[ROW, ADDED_MASS]] = (row + 1, self.solids.added_mass().percent)
+        if row + 1 == rows:
+            self._progress[[STAGE, ROW]] = (number + 1, 0)
+            self._begin_stage()
+        self.timing.add("cycles", started)
+        cycles = self.solids.cycle - cycle
+        return RowReport(
+            number=number * rows + row + 1,
+            stage=stage.name,
+            fraction=(row + 1) / rows,
+            time=self.solids.time,
+            cycles=cycles,
+            step=stage.duration / rows / cycles,
+            energies=energies,
+            is_save_point=(row + 1) * steps // rows > row * steps // rows,
+        )
+
+    def _begin_stage(self) -> None:
+        """Prescribe what supports and the present stage prescribe; every motion is even over the stage."""
+        self.solids.release()
+        for support in self.model.supports:
+            held = "".join(letter for letter, is_held in zip(FREEDOMS, support.fix, strict=True) if is_held)
+            self.solids.fix(support.node_set, held)
+        number = int(self._progress[STAGE])
+        if number == len(self.model.stages):
+            return
+        stage = self.model.stages[number]
+        for p in stage.prescribed:
+            self.solids.fix(p.node_set, FREEDOMS[p.component], p.value / stage.duration)
+        for wall in self.walls:
+            x, y = stage.tool_motion.get(wall.name, ToolMotion()).move
+            wall.velocity = (x / stage.duration, y / stage.duration)
+
+    def remaining(self) -> float:
+        """Return the part of the whole process still to be computed, counted in stage durations."""
+        durations = np.array([s.duration for s in self.model.stages])
+        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        if number == len(durations):
+            return 0.0
+        done = durations[:number].sum() + durations[number] * row / self.model.output.rows
+        return float(1.0 - done / durations.sum())
+
+    # --- what is recorded --------------------------------------------------------------------------------------------
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.model.title
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed mesh."""
+        return self.model.mesh
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        forces = ("stroke", "force", "force_x", "force_y", "force_z")
+        tools = [f"{tool.name}.{quantity}" for tool in self.model.tools for quantity in forces]
+        last = [*(f"{e}_energy" for e in ENERGIES), "energy_error_percent"]
+        return ["time", "stage", "increment", "cycles", *tools, *EXTENTS, "time_step", "added_mass_percent", *last]
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Rows between checkpoints."""
+        return self.model.output.checkpoint_every
+
+    @property
+    def number(self) -> int:
+        """Rows so far."""
+        return int(self._progress[STAGE]) * self.model.output.rows + int(self._progress[ROW])
+
+    def begin_log(self) -> str:
+        """Name the procedure and what it starts with."""
+        return (
+            f"explicit: {len(self.solids.equivalent_plastic_strain)} cells, stable step "
+            f"{self.solids.stable_step():.3g} s, added mass {self._progress[ADDED_MASS]:.3g} %"
+        )
+
+    def log_lines(self, report: RowReport) -> list[str]:
+        """Say where the row ended."""
+        e = report.energies
+        return [
+            f"row {report.number}, stage {report.stage} at {report.fraction:.4f}, {report.cycles} cycles of "
+            f"{report.step:.4g} s, kinetic {e.kinetic:.3g}, internal {e.internal:.3g}, hourglass {e.hourglass:.3g} "
+            f"N mm, balance off by {e.error_percent:.2g} %"
+        ]
+
+    def progress_text(self, report: RowReport) -> str:
+        """Name stage, cycle and time."""
+        return f"{report.stage}: cycle {self.solids.cycle}, {1e6 * report.time:.4g} us"
+
+    def row(self, report: RowReport) -> Row:
+        """Return the row of the history; forces are means over it."""
+        row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
+        for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
+            row |= self._measure(tool, wall, mean)
+        low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
+        return {
+            **row,
+            **dict(zip(EXTENTS, (float(v) for v in (low[0], high[0], low[1], high[1])), strict=True)),
+            "time_step": report.step,
+            "added_mass_percent": float(self._progress[ADDED_MASS]),
+            **{f"{e}_energy": getattr(report.energies, e) for e in ENERGIES},
+            "energy_error_percent": report.energies.error_percent,
+        }
+
+    def _measure(self, tool: Tool, wall: Wall, mean: FloatArray) -> Row:
+        """Return stroke and force of the workpiece on the whole tool, as tool_quantities does."""
+        force = mean.copy()
+        for normal in (0, 1):
+            if tool.mirrored_across[normal]:
+                force[normal] = 0.0
+                force[1 - normal] *= 2.0
+        way = find_way(self.model, tool)
+        stroke, against = (0.0, np.hypot(*force)) if way is None else (wall.displacement @ way, -force @ way)
+        values = {"stroke": stroke, "force": against, "force_x": force[0], "force_y": force[1], "force_z": 0.0}
+        return {f"{tool.name}.{name}": float(value) for name, value in values.items()}
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state."""
+        solids, model = self.solids, self.model
+        n = len(model.mesh.points)
+        contact = sum((wall.nodal_force for wall in self.walls), start=np.zeros((n, 2)))
+        return Snapshot(
+            time=solids.time,
+            point_data={
+                "displacement": np.column_stack([solids.position - model.mesh.points, np.zeros(n)]),
+                "velocity": np.column_stack([solids.velocity, np.zeros(n)]),
+                "contact_force": np.column_stack([contact, np.zeros(n)]),
+            },
+            cell_data=self._cell_fields(),
+            tools={t.name: t.segments for t in model.tools},
+            tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
+            tool_displacement={wall.name: wall.displacement for wall in self.walls},
+            tool_angle={t.name: 0.0 for t in model.tools},
+            info={
+                "title": model.title,
+                "analysis": model.analysis,
+                "depth": model.depth,
+                "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
+                "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
+            },
+        )
+
+    def _cell_fields(self) -> dict[str, FloatArray]:
+        stress = self.solids.stress
+        fields = {
+            "equivalent_plastic_strain": self.solids.equivalent_plastic_strain,
+            "effective_stress": effective_stress(stress),
+            "stress": np.column_stack([stress, np.zeros((len(stress), 2))]),
+            "hydrostatic_stress": stress[:, :3].mean(axis=1),
+        }
+        if any(material.heating for material in self.model.materials):
+            fields["temperature"] = self.solids.temperature
+        return fields
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array that the next row depends on."""
+        return {"progress": self._progress.copy(), **self.solids.dump()}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+        own = self.to_arrays()
+        if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
+            raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
+        rows = int(arrays["progress"][ROWS])
+        if rows != self.model.output.rows:
+            raise ValueError(f"the checkpoint is of a run with output.rows = {rows}, on which its steps depend")
+        self._progress = np.array(arrays["progress"], dtype=float)
+        self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name != "progress"})
+        self._begin_stage()
+
+    def meta(self) -> Meta:
+        """Return nothing: the arrays hold all."""
+        return {}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up nothing."""
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        fields = {name: values for name, values in self._cell_fields().items() if values.ndim == 1}
+        mass = self.solids.added_mass()
+        speed = self.solids.mass @ self.solids.velocity / self.solids.mass.sum()
+        if self.model.analysis == "axisymmetric":
+            speed[0] = 0.0  # of the whole ring
+        flies = any(self.settings.velocity)
+        advice = {name: text for name, text in ADVICE.items() if not (flies and name == "kinetic")}
+        names = [t.name for t in self.model.tools]
+        n_cells = len(fields["effective_stress"])
+        return {
+            "increments": self.number,
+            "cycles": self.solids.cycle,
+            "work": f"{self.solids.cycle} cycles of {n_cells} cells",
+            "freedoms": 2 * len(self.model.mesh.points),
+            "extremes": {name: [float(v.min()), float(v.max())] for name, v in fields.items()},
+            "extent_mm": {name: float(history[name][-1]) for name in EXTENTS} if len(history["time"]) else {},
+            "centre_velocity_mm_s": [float(v) for v in speed],
+            "mass": {"workpiece_t": mass.mass, "added_percent": mass.percent},
+            "energy": {e: float(history[f"{e}_energy"][-1]) for e in ENERGIES} if len(history["time"]) else {},
+            "time_simulated": self.solids.time,
+            "warnings": [
+                *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),
+                *warn_of_energies(history, advice),
+            ],
+        }
+
+
+def _solid_material(material: Material) -> SolidMaterial:
+    return SolidMaterial(
+        young=material.young,
+        poisson=material.poisson,
+        density=material.density,
+        hardening=material.hardening,
+        rate=material.rate,
+        heating=material.heating,
+    )

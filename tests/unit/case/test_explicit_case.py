@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cases of solids by the explicit procedure: what they build, and what they refuse."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from presswork.case import Case, CaseError, build_model, describe
+from presswork.model import ExplicitSolid, Heating, Model
+
+BAR: dict[str, Any] = {
+    "title": "bar on an anvil",
+    "analysis": "axisymmetric",
+    "procedure": "explicit",
+    "workpiece": {"material": "steel", "element": "quad4_1pt", "velocity": [0, "-200 m/s"],
+                  "mesh": {"size": [3, 30], "cells": [3, 30]}},
+    "materials": {"steel": {"young": "207 GPa", "poisson": 0.3, "density": "7850 kg/m^3",
+                            "hardening": {"law": "linear", "yield_stress": 800, "modulus": 500},
+                            "heating": {"melting": 1540, "exponent": 1.1, "heat_capacity": "460 J/(kg*K)"}}},
+    "tools": {"anvil": {"profile": [[-1, 0], [20, 0]], "contact": "coulomb", "mu": 0.1}},
+    "boundary": {"axis": {"set": "left", "fix": ["x"]}},
+    "stages": [{"name": "impact", "duration": "50 us"}],
+}  # fmt: skip
+
+
+def build(**changes: Any) -> Model:
+    """Build the bar with values changed: dots in a key are written as double underscores; None removes a key."""
+    data = copy.deepcopy(BAR)
+    for path, value in changes.items():
+        *tables, key = path.split("__")
+        table: Any = data
+        for name in tables:
+            table = table[int(name)] if isinstance(table, list) else table.setdefault(name, {})
+        if value is None:
+            del table[key]
+        else:
+            table[key] = value
+    model = build_model(Case.model_validate(data))
+    assert isinstance(model, Model)
+    return model
+
+
+def test_the_model_has_what_the_case_says() -> None:
+    model = build(explicit={"target_step": "20 ns", "damping": 100}, output={"rows": 50, "steps": 5})
+    assert model.explicit == ExplicitSolid((0.0, -2e5), pytest.approx(2e-8), 100.0)
+    steel = model.materials[0]
+    assert steel.density == pytest.approx(7.85e-9)
+    assert steel.heating == Heating(melting=1540.0, exponent=1.1, heat_capacity=pytest.approx(4.6e8))
+    assert (model.output.rows, model.output.steps) == (50, 5)
+    assert build(materials__steel__heating__reference=100).materials[0].heating.start == 100.0
+
+
+def test_description_says_how_it_starts_and_how_long_it_takes() -> None:
+    text = describe(build())
+    assert "the workpiece starts at (0, -200000) mm/s, density 7.85e-09 t/mm3" in text
+    assert "tool anvil stands still" in text
+    assert "heated by 0.9 of its plastic work from 20 degrees C, melts at 1540" in text
+    # 1 mm cells, waves of 5.96 km/s
+    assert "time steps: about 1.5e-07 s at first, cells that are flattened need shorter ones; so 3.3e+02 cycles" in text
+    assert "about 2e-07 s at first, by adding mass" in describe(build(explicit__target_step=2e-7))
+    assert "solver" not in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "messages"),
+    [
+        ({"workpiece__element": "quad4_fbar"}, ["workpiece.element", "no such element", "take quad4_1pt or tri3"]),
+        ({"materials__steel__density": None}, ["materials.steel.density", "missing key", "7850 kg/m^3"]),
+        ({"materials__steel__density": 7850}, ["materials.steel.density", "7850 t/mm^3 is the density of no metal"]),
+        ({"tools__anvil__contact": "sticking", "tools__anvil__mu": None},
+         ["tools.anvil.contact", "no such law", "take frictionless or coulomb"]),
+        ({"tools__anvil__mu": 3}, ["tools.anvil.mu", "expected a value <= 2"]),
+        ({"tools__anvil__profile": [[-1, 0], {"to": [20, 0], "mu": 0.3}]},
+         ["tools.anvil.profile.1.mu", "one coefficient of friction", "make it two tools"]),
+        ({"tools__anvil__spring": {"stiffness": 1, "direction": [0, 1]}}, ["tools.anvil.spring", "rests on no spring"]),
+        ({"stages__0__duration": None}, ["stages.0.duration", "missing key", "80 us"]),
+        ({"stages__0__force": [{"set": "top", "value": [0, 1]}]}, ["stages.0.force", "no loads"]),
+        ({"stages__0__pressure": [{"set": "top", "value": 1}]}, ["stages.0.pressure", "no loads"]),
+        ({"stages__0__tools": {"anvil": {"force": 5, "direction": [0, 1]}}},
+         ["stages.0.tools.anvil.force", "can be moved only"]),
+        ({"stages__0__tools": {"anvil": {"turn": 5}}}, ["stages.0.tools.anvil.turn", "can be moved only"]),
+        ({"solver": {"max_iterations": 5}}, ["solver.max_iterations", "is for the implicit procedure", "[explicit]"]),
+        ({"output": {"every": 5}}, ["output.every", "is for the implicit procedure"]),
+        ({"output": {"rows": 5, "steps": 10}}, ["output.steps", "no more than rows = 5"]),
+        ({"contacts": {"own": {"between": ["workpiece", "workpiece"], "contact": "frictionless"}}},
+         ["contacts.own", "no contact of bodies"]),
+        ({"workpiece__velocity": None}, ["stages.0", "moves nothing at all"]),
+        ({"workpiece__velocity": [0, "5 kg"]}, ["workpiece.velocity", "a velocity"]),
+        ({"explicit__hourglass_stiffness": 2}, ["explicit.hourglass_stiffness", "<= 1"]),
+        ({"materials__steel__heating__heat_capacity": 460},
+         ["materials.steel.heating.heat_capacity", "460 J/(kg*K)"]),
+        ({"materials__steel__heating__melting": 10}, ["materials.steel.heating.melting", "not above reference = 20"]),
+        ({"materials__steel__heating__start": 1600}, ["heating.start", "not from reference = 20 up to melting"]),
+        ({"procedure": "implicit", "stages__0__tools": {"anvil": {"move": [0, 1]}}, "output": {"rows": 9}},
+         ["workpiece.velocity", "materials.steel.heating", "output.rows", "is for the explicit",
+          'set procedure = "explicit"']),
+        ({"procedure": "implict"}, ["procedure", "unknown choice", "did you mean `implicit`?"]),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_done_is_refused(changes: dict[str, Any], messages: list[str]) -> None:
+    with pytest.raises(CaseError) as caught:
+        build(**changes)
+    for message in messages:
+        assert message in str(caught.value)
