@@ -53,6 +53,8 @@ class StampingMaterial(ShellMaterial):
                 'plain numbers are t/mm^3; with a unit: "7850 kg/m^3", which is 7.85e-9',
                 key="density",
             )
+        if not LIGHTEST < self.find_density() < HEAVIEST:
+            raise fault("Young's modulus of no metal", 'plain numbers are MPa: "210 GPa" is 210e3', key="young")
         return self
 
     def find_density(self) -> float:

@@ -78,6 +78,7 @@ def warn_of_energies(history: Mapping[str, NDArray[Any]]) -> list[str]:
     advice = {
         "kinetic": "inertia counts: make the tools slower, or add less mass",
         "hourglass": "refine the mesh where it is bent sharply",
+        "damping": "set explicit.damping lower, or make the tools slower",
     }
     warnings = []
     for name, remedy in advice.items():
@@ -86,7 +87,7 @@ def warn_of_energies(history: Mapping[str, NDArray[Any]]) -> list[str]:
         if share[worst] > WORTH_A_WARNING:
             at = history["time"][formed][worst]
             warnings.append(f"{name} energy reached {share[worst]:.3g} % of the internal (t = {at:.4g} s): {remedy}")
-    error = history["energy_error_percent"]
+    error = history["energy_error_percent"][formed]
     if np.abs(error).max() > WORTH_A_WARNING:
         largest = float(error[np.argmax(np.abs(error))])
         warnings.append(f"the energy balance is off by {largest:.3g} %: set explicit.safety lower")
