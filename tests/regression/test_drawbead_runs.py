@@ -129,3 +129,23 @@ def test_what_closes_the_bead_is_taken_off_the_holder(tmp_path) -> None:
     stages = [{"name": "draw", "tools": {"punch": {"stroke": 1.5}, "holder": {"force": 8000}}}]
     history = run(CUP, tmp_path / "out", beads=beads, stages=stages).history
     assert history["holder.force"][-1] == pytest.approx(8000 - 10 * (120 + 30 * np.pi), rel=0.02)
+
+
+def test_a_holder_waits_for_its_stage_and_its_lift_opens_the_bead(tmp_path) -> None:
+    """Pushed from the second stage on it must stand still in the first; the bead holds until the holder is lifted."""
+    stages = [
+        {"name": "touch", "velocity": 5000, "tools": {"punch": {"stroke": 1.5}}},
+        {"name": "draw", "velocity": 5000, "tools": {"punch": {"stroke": 2.5}, "holder": {"force": 8000}}},
+        {"name": "open", "velocity": 5000, "tools": {"holder": {"stroke": -2}}},
+    ]
+    history = run(CUP, tmp_path, stages=stages, output={"rows": 20, "steps": 1}).history
+    touch, draw, opened = (history["stage"] == name for name in ("touch", "draw", "open"))
+    assert (history["holder.stroke"][touch] == 0.0).all()
+    assert history["punch.stroke"][touch][-1] == pytest.approx(1.5, rel=1e-9)
+    assert history["holder.force"][draw][-1] == pytest.approx(8000, rel=0.1)
+    (bead,) = (name for name in history if name.startswith("bead") and name.endswith(".force"))
+    assert history[bead][draw][-1] > 0.5 * 60 * (4 * 30 + 2 * np.pi * 15)
+    after_ramp = history[bead][opened][3:]  # the force leaves within the first tenth, two rows
+    assert len(after_ramp) == 17
+    assert (after_ramp == 0.0).all()
+    assert history["holder.stroke"][-1] - history["holder.stroke"][draw][-1] == pytest.approx(-2, abs=1e-9)

@@ -50,7 +50,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Result:
 @pytest.fixture(scope="module")
 def torn(tmp_path_factory: pytest.TempPathFactory) -> Result:
     folder = tmp_path_factory.mktemp("cup") / "torn"
-    return run_model(build_model(cup(4e5, 12, 0.3, forming_limit=KEELER)), folder, threads=1).result
+    return run_model(build_model(cup(2.5e5, 12, 0.3, forming_limit=KEELER)), folder, threads=1).result
 
 
 def zones_of(result: Result, inside: float, outside: float) -> set[str]:

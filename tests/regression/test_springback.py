@@ -19,6 +19,7 @@ from presswork.procedure.implicit import ImplicitProcedure
 from presswork.procedure.springback import hold_rigidly, make_springback_model
 from presswork.run import run_model
 from presswork.view.all_plots import plot_all
+from presswork.view.style import is_let_go
 
 YOUNG, YIELD, THICKNESS, LENGTH = 206e3, 200.0, 1.0, 20.0
 CURVATURE = 12 * YIELD / (YOUNG * THICKNESS)
@@ -120,6 +121,7 @@ def test_what_is_recorded_of_springback(bent) -> None:
 
 def test_springback_is_drawn(bent, tmp_path) -> None:
     assert "shell_springback_003.png" in [p.name for p in plot_all(bent, tmp_path)]
+    assert [is_let_go(bent, step) for step in range(4)] == [False, False, False, True]
 
 
 @pytest.mark.parametrize("stop_after", [20, 22])

@@ -15,6 +15,7 @@ from presswork.model_stamping import StampingModel
 from presswork.post import cut_sheet, judge_part, measure_draw_in, trace_outline
 from presswork.run import run_model
 from presswork.view.all_plots import plot_all
+from presswork.view.style import describe_step
 
 TOOL = {"shape": "rectangular", "mu": 0.1}
 
@@ -112,6 +113,7 @@ def test_lines_verdicts_and_pictures_are_those_of_the_trimmed_part(pan, tmp_path
     assert sum(zones.values()) == pan.summary["trim"]["cells"]
     written = [path.name for path in plot_all(pan, tmp_path, fields=["springback"])]
     assert {"shell_springback_003.png", "section_003.png", "forming_limit_003.png", "draw_in.png"} <= set(written)
+    assert describe_step(pan, 3) == f"{describe_step(pan, 2)}, after springback"
 
 
 @pytest.mark.parametrize("stop_after", [4, 5, 6])

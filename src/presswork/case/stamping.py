@@ -12,7 +12,7 @@ from presswork import model_stamping
 from presswork.case.bead import Bead
 from presswork.case.blank import Blank
 from presswork.case.case_file import CaseFile
-from presswork.case.explicit_solid import require_density
+from presswork.case.explicit_solid import HEAVIEST, LIGHTEST, require_density
 from presswork.case.part import Part
 from presswork.case.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.shell import ShellBoundary, ShellDisplacement
@@ -47,6 +47,8 @@ class StampingMaterial(ShellMaterial):
     @model_validator(mode="after")
     def _check_density(self) -> Self:
         require_density(self.density)
+        if not LIGHTEST < self.find_density() < HEAVIEST:
+            raise fault("Young's modulus of no metal", 'plain numbers are MPa: "210 GPa" is 210e3', key="young")
         return self
 
     def find_density(self) -> float:

@@ -18,11 +18,16 @@ from presswork.mesh.tool_file import TriangulatedTool
 from presswork.model import FloatArray, Mesh
 from presswork.model_stamping import StampingStage as StageModel
 from presswork.model_stamping import StampingTool
+from presswork.sheet_law import make_sheet_law
 
 MOST_CELLS = 5_000_000
 KINDS = ("punch", "die", "holder")
 CLEAR = 0.01
 """Part of the thickness by which a tool may start in the blank."""
+FASTEST = 0.1
+"""Part of the wave speed at which tools may move."""
+STRONGEST = 0.1
+"""Part of Young's modulus: about the strength of a crystal without defects."""
 
 
 def check_names(case: StampingCase) -> list[Problem]:
@@ -180,6 +185,37 @@ def check_target_step(case: StampingCase, stages: tuple[StageModel, ...]) -> lis
     return [Problem("explicit.target_step", fault, "take a few times the step without it, about 1 us", target)]
 
 
+def check_speeds(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Problem]:
+    """Return the problems of explicit stages in which something moves too fast for the sheet to follow."""
+    if case.procedure != "explicit":
+        return []
+    material = case.materials[case.blank.material]
+    sound = float(np.sqrt(material.young / material.find_density()))
+    problems = []
+    for index, (given, stage) in enumerate(zip(case.stages, stages, strict=True)):
+        ways = [abs(action.stroke) for action in stage.actions.values() if action.force is None]
+        farthest = max([*ways, *(abs(each.value) for each in stage.prescribed)], default=0.0)
+        speed = farthest / (stage.duration - stage.ramp)
+        if speed <= FASTEST * sound:
+            continue
+        key = "duration" if given.duration is not None else "velocity"
+        fault = f"{farthest:.4g} mm at {speed:.3g} mm/s: waves in the sheet, of {sound:.2g} mm/s, cannot spread it"
+        remedy = 'plain numbers are mm/s and s; "2 m/s" is usual, and slow enough for inertia to be small'
+        problems.append(Problem(f"stages.{index}.{key}", fault, remedy, getattr(given, key)))
+    return problems
+
+
+def check_strength(case: StampingCase) -> list[Problem]:
+    """Return a problem where the sheet starts to flow at a stress that no metal bears."""
+    name = case.blank.material
+    material = case.materials[name]
+    strength = float(make_sheet_law(material.to_model(name)).flow_stress(np.zeros(1))[0][0])
+    if strength <= STRONGEST * material.young:
+        return []
+    fault = f"the sheet yields at {strength:.4g} MPa, but Young's modulus is {material.young:.4g} MPa"
+    return [Problem(f"materials.{name}.hardening", fault, "plain numbers are MPa; give other units in words")]
+
+
 def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
     """Return the problems of the meshed blank and the placed tools."""
     problems = []
@@ -231,4 +267,9 @@ def _check_clear(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem 
     )
     given = case.tools[tool.name].position
     key = f"tools.{tool.name}.position" if given is not None else f"tools.{tool.name}"
-    return Problem(key, text, "move it off, or leave position out: then it just touches the blank")
+    return Problem(key, text, "move it off, or leave position out: then it just touches the blank", _written(given))
+
+
+def _written(position: tuple[float, float, float] | None) -> list[float] | None:
+    """Return a position as a case file has it."""
+    return None if position is None else list(position)

@@ -37,6 +37,7 @@ def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...
         return problems
     problems = [*_check_holders(case, tools), *_check_forces(case, mesh, tools)]
     problems += [p for tool in tools if (p := _check_pushed(case, mesh, tool))]
+    problems += [p for tool in tools if (p := _check_reach(case, mesh, tool))]
     moved = {tool.name: _strokes(case, tool.name) for tool in tools}
     for one, other in itertools.permutations(tools, 2):
         if (one.kind, other.kind) in (("punch", "die"), ("punch", "holder")):
@@ -103,11 +104,38 @@ def _check_pushed(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem
     """Return a problem where a tool that is pushed starts away from the blank."""
     if not _is_pushed(case, tool.name):
         return None
-    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0] - 0.5 * case.blank.thickness
-    if gap.min() <= case.blank.thickness:
+    gap = _gap(case, mesh, tool)
+    if gap <= case.blank.thickness:
         return None
-    fault = f"the tool is pushed by a force, but starts {gap.min():.4g} mm off the blank, which it would hit"
-    return Problem(f"tools.{tool.name}.position", fault, "leave position out: then it just touches the blank")
+    fault = f"the tool is pushed by a force, but starts {gap:.4g} mm off the blank, which it would hit"
+    remedy = "leave position out: then it just touches the blank"
+    given = case.tools[tool.name].position
+    return Problem(f"tools.{tool.name}.position", fault, remedy, list(given) if given is not None else None)
+
+
+def _check_reach(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where a tool placed off the blank never comes to it, whatever moves."""
+    given = case.tools[tool.name].position
+    if given is None or any(_is_pushed(case, name) for name in (tool.name, *_names_of(case, "die"))):
+        return None
+    gap = _gap(case, mesh, tool)
+    ways = {name: max([0.0, *_strokes(case, name)]) for name in case.tools}
+    lifted = sum(abs(e.value) for s in case.stages for e in s.displacement if e.component == "z")
+    if gap <= sum(ways.values()) + lifted:
+        return None
+    fault = f"the {tool.kind} starts {gap:.4g} mm off the blank and moves {ways[tool.name]:.4g} mm: it never touches it"
+    remedy = "leave position out: then it just touches the blank; or give it a longer stroke"
+    return Problem(f"tools.{tool.name}.position", fault, remedy, list(given))
+
+
+def _names_of(case: StampingCase, kind: str) -> list[str]:
+    return [name for name, tool in case.tools.items() if tool.kind == kind]
+
+
+def _gap(case: StampingCase, mesh: Mesh, tool: StampingTool) -> float:
+    """Return what lies between a tool and the blank's surface at the start [mm]."""
+    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0]
+    return float(gap.min()) - 0.5 * case.blank.thickness
 
 
 def _check_holders(case: StampingCase, tools: tuple[StampingTool, ...]) -> list[Problem]:

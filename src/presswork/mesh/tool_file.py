@@ -181,7 +181,7 @@ def _say_rims(points: FloatArray, rims: list[IntArray], closed: bool, notes: lis
         text = f"the surface has an open rim ({loops[0]})"
     if closed:
         raise MeshError(text, "close the holes in the CAD program, or say that the surface may be open")
-    notes.append(text)
+    notes.append(text if len(rims) == 1 else f"{text}: the sheet passes through those that are holes")
 
 
 def _turn_outwards(

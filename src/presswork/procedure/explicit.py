@@ -83,7 +83,8 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         x = np.array(points, dtype=float)
         cells = with_four_nodes(np.array(connectivity, dtype=np.int32))
         sheet = np.broadcast_to(np.asarray(thickness, dtype=float), len(cells)).copy()
-        check_shells(x, cells, sheet, density)
+        axes = np.broadcast_to(np.asarray(axis, dtype=float), (len(cells), 3))
+        check_shells(x, cells, sheet, density, axes)
         curve = order_along_curve(x[cells].mean(axis=1))
         triangular = is_triangle(cells)
         kinds = [(part, n) for n in (4, 3) if len(part := curve[triangular[curve] == (n == 3)])]
@@ -95,7 +96,6 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         self._nodes = np.concatenate([used, np.setdiff1d(np.arange(len(x)), used)])
         place = np.empty(len(x), dtype=np.int32)
         place[self._nodes] = np.arange(len(x))
-        axes = np.broadcast_to(np.asarray(axis, dtype=float), (len(cells), 3))
         self.start, self.connectivity, self.axis, self.options = x, cells, axes, options
         height, weight = layer_rule(options.n_points, options.rule)
         self._loop = LOOPS[precision](x[self._nodes])

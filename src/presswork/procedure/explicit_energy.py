@@ -74,6 +74,7 @@ class MassScaling:
 ADVICE = {
     "kinetic": "inertia counts: make the tools slower, or add less mass",
     "hourglass": "refine the mesh where it is bent sharply",
+    "damping": "set explicit.damping lower, or make the tools slower",
     "error": "set explicit.safety lower",
 }
 """Of a stamping, on what is out of hand."""
@@ -86,7 +87,7 @@ def warn_of_energies(history: Mapping[str, NDArray[Any]], advice: Mapping[str, s
         return []
     formed = internal >= FORMED * internal.max()
     warnings = []
-    for name in (name for name in ("kinetic", "hourglass") if name in advice):
+    for name in (name for name in ("kinetic", "hourglass", "damping") if name in advice):
         share = 100.0 * history[f"{name}_energy"][formed] / internal[formed]
         worst = int(np.argmax(share))
         if share[worst] > WORTH_A_WARNING:
@@ -94,7 +95,7 @@ def warn_of_energies(history: Mapping[str, NDArray[Any]], advice: Mapping[str, s
             warnings.append(
                 f"{name} energy reached {share[worst]:.3g} % of the internal (t = {at:.4g} s): {advice[name]}"
             )
-    error = history["energy_error_percent"]
+    error = history["energy_error_percent"][formed]
     if np.abs(error).max() > WORTH_A_WARNING:
         largest = float(error[np.argmax(np.abs(error))])
         warnings.append(f"the energy balance is off by {largest:.3g} %: {advice['error']}")

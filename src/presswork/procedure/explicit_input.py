@@ -31,8 +31,11 @@ def is_triangle(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
     return np.asarray(cells[:, 2] == cells[:, 3])
 
 
-def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float) -> None:
-    """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
+def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float, axes: Array) -> None:
+    """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from.
+
+    axes: direction of the law's x in each shell (n, 3).
+    """
     if points.ndim != 2 or points.shape[1] != 3:
         raise ExplicitError(f"points has shape {points.shape}: it must be (n_nodes, 3)")
     if not np.isfinite(points).all():
@@ -63,6 +66,14 @@ def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, 
         raise ExplicitError(
             f"shell {shell} (nodes {cells[shell].tolist()}) is folded or without area at node {cells[shell, corner]}: "
             "give its nodes in turn round it, all corners below 180 degrees"
+        )
+    along = (normal * axes).sum(axis=1)
+    stands = ~(along**2 < (1 - 1e-9) * (normal**2).sum(axis=1) * (axes**2).sum(axis=1))
+    if stands.any():
+        shell = int(np.argmax(stands))
+        raise ExplicitError(
+            f"axis = {axes[shell].tolist()} is no direction in shell {shell} (nodes {cells[shell].tolist()}), but "
+            "normal to it or zero: turn it into the sheet"
         )
 
 

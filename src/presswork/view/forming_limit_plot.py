@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _GREY = "0.35"
+_LABEL = 0.3
+"""Part of the diagram's width that the name of a strain path takes at most."""
 
 
 def plot_forming_limit(
@@ -49,7 +51,8 @@ def plot_forming_limit(
     for slope, text in ((-(1 + r) / r, f"tension, r = {r:.3g}"), (-1.0, "thickens"), (1.0, "balanced")):
         ax.plot([0.0, top / slope], [0.0, top], color="0.75", linewidth=0.8, zorder=0)
         end = min(top, slope * (left if slope < 0 else right))
-        side = "left" if slope < 0 else "right"
+        fits = 0.97 * end / slope > left + _LABEL * (right - left)  # left of its line
+        side = "right" if fits else "left"
         ax.annotate(text, (0.97 * end / slope, 0.97 * end), color="0.5", fontsize=7, ha=side, va="top")
     ax.set_xlim(left, right)
     ax.set_ylim(min(0.0, float(major.min())), top)

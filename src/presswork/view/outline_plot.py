@@ -44,7 +44,8 @@ def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None
     clean_axes(upper)
     rows = measure_draw_in_around(result, step)
     lower.plot(rows[:, 0], rows[:, 1], color="C3", linewidth=1.6)
-    lower.set(xlabel="angle from x [degree]", ylabel="draw-in [mm]")
+    is_cut = result.mesh_at(step) is not result.mesh
+    lower.set(xlabel="angle from x [degree]", ylabel="inside the blank [mm]" if is_cut else "draw-in [mm]")
     lower.xaxis.set_major_locator(MultipleLocator(15 if np.ptp(rows[:, 0]) <= 90 else 45))
     lower.margins(x=0.0)
     clean_axes(lower)

@@ -10,7 +10,7 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.post.section import ORIGIN, cut_sheet, cut_tool, measure_draw_in
 from presswork.results import Result, ResultError
-from presswork.view.style import clean_axes, describe_step, new_figure, require_matplotlib
+from presswork.view.style import clean_axes, describe_step, is_let_go, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -62,7 +62,7 @@ def plot_section(
     upper.set_xlabel(f"distance from {beginning} [mm]")
     upper.set_ylabel("z [mm]")
     if result.surfaces:
-        upper.legend(frameon=False, fontsize="small", loc="center left")
+        upper.legend(frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
     title = str(result.info.get("title", "")).strip()
     upper.set_title(f"{title}\n{describe_step(result, step)}, section at {angle:g} degrees", fontsize="medium")
     lower.plot(sheet.way, result.field("thickness_strain", step)[sheet.cell], ".-", linewidth=1.2, markersize=3)
@@ -75,11 +75,15 @@ def plot_section(
 
 
 def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
-    """Draw how far the blank's edge has come in along x, y and the diagonal against the stroke, until it is cut."""
+    """Draw how far the blank's edge has come in along x, y and the diagonal against the stroke.
+
+    Steps after the part was cut or let go are left out.
+    """
     require_matplotlib()
     figure = new_figure(6.4, 4.2) if figure is None else figure
     ax = figure.subplots()
     steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
+    steps = [step for step in steps if not is_let_go(result, step)]
     way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
     tool = max(way, key=lambda name: way[name])
     stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]

@@ -158,17 +158,19 @@ def _normals(outlines: list[FloatArray]) -> FloatArray:
 
 def _frame(ax: Axes3D, low: FloatArray, high: FloatArray) -> None:
     """Set limits and labels, with the same scale along all axes."""
+    from matplotlib.ticker import MaxNLocator
+
     size = high - low
     margin = 0.03 * float(size.max())
     ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     ax.set_zlim(low[2] - margin, high[2] + margin)
     ax.set_box_aspect(size + 2 * margin)
-    ax.set_xlabel("x [mm]")
-    ax.set_ylabel("y [mm]")
+    ax.set_xlabel("x [mm]", labelpad=8)
+    ax.set_ylabel("y [mm]", labelpad=8)
     ax.set_zlabel("z [mm]")
     ax.tick_params(labelsize="x-small")
-    ax.locator_params(nbins=5)
-    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+    for axis, part in zip((ax.xaxis, ax.yaxis, ax.zaxis), size / size.max(), strict=True):
+        axis.set_major_locator(MaxNLocator(int(np.clip(10 * part, 1, 5))))  # where an axis is short, numbers collide
         axis.pane.set_alpha(0.0)
     ax.grid(visible=False)
 

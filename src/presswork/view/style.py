@@ -77,13 +77,19 @@ def find_turning_tool(result: Result) -> str | None:
     return tool if tool is not None and angles[tool] > 0 else None
 
 
+def is_let_go(result: Result, step: int) -> bool:
+    """Say whether the part has sprung back by this step."""
+    return "springback" in result.field_names and bool(result.field("springback", step).any())
+
+
 def describe_step(result: Result, step: int) -> str:
     """Return what tells a step from others: a roll's angle, stroke and reduction, or the time if no tool moves."""
     if result.surfaces:
         way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
         tool = max(way, key=lambda name: way[name])
         if way[tool] > 0:
-            return f"{tool} stroke {np.linalg.norm(result.surface_displacement(tool, step)):.2f} mm"
+            stroke = f"{tool} stroke {np.linalg.norm(result.surface_displacement(tool, step)):.2f} mm"
+            return f"{stroke}, after springback" if is_let_go(result, step) else stroke
     if (roll := find_turning_tool(result)) is not None:
         return f"{roll} turned by {abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
     progress = measure_progress(result, step)

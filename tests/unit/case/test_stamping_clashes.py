@@ -58,12 +58,30 @@ def refuse(fragments: list[str], *changes: tuple[str, object]) -> None:
     ("stages.0.tools.holder.force", 0, ["stages.0.tools.holder.force", "cannot close"]),
     ("stages.0.tools.holder.force", "10 MN", ["stages.0.tools.holder.force", "the sheet yields at 200 MPa", "10 kN"]),
     ("tools.holder.position", [0, 0, 30], ["tools.holder.position", "pushed", "starts 29.6 mm off the blank"]),
+    ("tools.punch.position", [0, 0, 1e9],
+     ["tools.punch.position = [0.0, 0.0, 1000000000.0]", "starts 1e+09 mm off the blank and moves 20 mm", "longer"]),
+    ("tools.die.position", [0, 0, -40], ["tools.die.position", "the die starts 39.6 mm off", "never touches it"]),
+    ("tools.punch.position", [0, 0, -5], ["tools.punch.position = [0.0, 0.0, -5.0]", "starts in the blank", "move it"]),
+    ("stages.0.velocity", 2e6, ["stages.0.velocity = 2000000.0", "waves in the sheet", '"2 m/s" is usual']),
+    ("stages.0.duration", 1e-9, ["stages.0.duration = 1e-09", "20 mm at 2.22e+10 mm/s", "numbers are mm/s and s"]),
+    ("materials.steel.young", 206, ["materials.steel.young = 206", "of no metal", '"210 GPa"']),
+    ("materials.steel.young", "206000 GPa", ["materials.steel.young", "of no metal", '"210 GPa"']),
+    ("materials.steel.hardening.yield_stress", 200e6,
+     ["materials.steel.hardening", "yields at 2e+08 MPa", "Young's modulus is 2.06e+05 MPa", "plain numbers are MPa"]),
     ("tools.die.mu", 1.4, ["tools.die.mu", "< 1"]),
     ("materials.steel.forming_limit", {"law": "keeler"}, ["forming_limit.thickness", "forming_limit.n", "missing key"]),
     ("materials.steel.forming_limit", {"law": "points", "points": [[0, 0.3]]}, ["forming_limit.points", "two points"]),
 ])  # fmt: skip
 def test_bad_input_is_named(path, value, fragments) -> None:
     refuse(fragments, (path, value))
+
+
+def test_a_punch_off_the_blank_may_come_to_it_by_its_own_way_or_the_die_s() -> None:
+    """30 mm off: 31 mm of stroke are enough, and so are 20 mm of its own and 12 mm of a die that lifts the blank."""
+    high, held = ("tools.punch.position", [0, 0, 30.4]), ("stages.0.tools.holder.force", 1e4)
+    build(high, held, ("stages.0.tools.punch.stroke", 31))
+    build(high, held, ("stages.0.tools.die", {"stroke": 12}))
+    refuse(["tools.punch.position", "30 mm off"], high, held, ("stages.0.tools.die", {"stroke": 9}))
 
 
 def test_a_holder_must_come_near_the_sheet_and_leave_it_its_thickness() -> None:

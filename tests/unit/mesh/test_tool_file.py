@@ -108,6 +108,7 @@ def test_die_face_is_turned_towards_the_sheet(stl: Path) -> None:
     path = write_stl(stl, points, triangles[:, ::-1])
     tool, notes = read_tool(path, facing=(0.0, 0.0, 1.0))
     assert "2 open rims" in notes[0]
+    assert notes[0].endswith("the sheet passes through those that are holes")
     assert notes[1] == f"the normals of {len(triangles)} facets point into the metal: turned over"
     above = np.array([[40.0, 0.0, 0.5], [40.0, 0.0, -0.5]])
     np.testing.assert_allclose(tool.surface(5.0).nearest(above)[0], [0.5, -0.5], atol=1e-9)

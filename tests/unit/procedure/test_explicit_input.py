@@ -42,7 +42,8 @@ def build(**changes: object) -> ExplicitShells:
         ({"connectivity": [[0, 1, 4, 3], [1, 2, 2, 4]]}, "shell 1 .* is folded or without area"),
         ({"connectivity": [[0, 1, 4], [0, 1, 2]]}, r"shell 1 \(nodes \[0, 1, 2, 2\]\) is folded or without area"),
         ({"precision": "half"}, "precision = 'half': give 'double' or 'single'"),
-        ({"axis": (0.0, 0.0, 1.0)}, "axis of its material is normal to it"),
+        ({"axis": (0.0, 0.0, 1.0)}, r"axis = \[0.0, 0.0, 1.0\] is no direction in shell 0"),
+        ({"axis": [[1, 0, 0], [0, 0, 0]]}, r"axis = .* shell 1 \(nodes \[1, 2, 5, 4\]\), but normal to it or zero"),
     ],
 )
 def test_bad_shells(changes: dict[str, object], message: str) -> None:
