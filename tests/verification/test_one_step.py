@@ -205,7 +205,7 @@ def test_slivers_of_cad_facets_give_the_cup_its_blank():
 
 @pytest.mark.parametrize("width", [0.0, 5e-4])
 def test_cad_facets_read_from_a_file_give_the_blank_of_the_cup(width, tmp_path):
-    """The same facets, bare or with a rim of slivers: read, halved, their slivers collapsed; corners of the 72-gon."""
+    """The same facets, bare or with a rim of slivers: read, halved, their slivers collapsed."""
     points, triangles = cad_facets(72)
     if width:
         rim, n = np.arange(len(points) - 72, len(points)), len(points)
