@@ -19,6 +19,7 @@ from presswork.case.onestep import OneStepCase, build_onestep_model
 from presswork.examples import copy_example, list_examples
 from presswork.material.commands import add_commands as add_material_commands
 from presswork.mesh import MeshError
+from presswork.mesh.part_file import UndercutError
 from presswork.model_onestep import OneStepModel
 from presswork.model_stamping import AnyModel
 from presswork.onestep.commands import add_commands as add_onestep_commands
@@ -49,12 +50,29 @@ Settings = Annotated[
 ]
 
 
-def _load(case_file: Path, settings: list[str] | None) -> AnyModel | OneStepModel:
+def _load(case_file: Path, settings: list[str] | None, folder: Path | None = None) -> AnyModel | OneStepModel:
+    """Build the model of a case file. folder: for a picture of what is refused, if that can be drawn."""
     try:
         case = read_case(case_file, overrides=settings or [])
         return build_onestep_model(case) if isinstance(case, OneStepCase) else build_model(case)
     except CaseError as error:
-        raise _refuse(str(error)) from error
+        raise _refuse(f"{error}{_picture_undercut(error, folder)}") from error
+
+
+def _picture_undercut(error: CaseError, folder: Path | None) -> str:
+    """Draw the part that is refused for its undercut; return where, as the end of the message."""
+    cause = error.__cause__
+    if folder is None or not isinstance(cause, UndercutError):
+        return ""
+    from presswork.view.part_plot import draw_undercut
+
+    path = folder / "undercut.png"
+    try:
+        folder.mkdir(exist_ok=True)
+        draw_undercut(cause.points, cause.triangles, cause.over, path)
+    except (ImportError, OSError, OutputError) as failure:
+        return f"; no picture: {failure}"
+    return f"; {path} shows where"
 
 
 def _refuse(message: str) -> typer.Exit:
@@ -76,8 +94,8 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
 ) -> None:
     """Compute a case and draw its pictures."""
-    model = _load(case, set_)
     folder = output or case.with_suffix("")
+    model = _load(case, set_, folder)
     if isinstance(model, OneStepModel):
         if resume:
             raise _refuse("a one-step run takes seconds and leaves nothing to resume; run it anew with --overwrite")
@@ -251,7 +269,7 @@ def schema(
 
 add_commands(app)
 add_material_commands(app)
-add_onestep_commands(app, lambda result: _draw(result, None))
+add_onestep_commands(app, lambda result: _draw(result, None), _picture_undercut)
 
 
 def _print_version(wanted: bool) -> None:

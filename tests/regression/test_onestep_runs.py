@@ -4,6 +4,7 @@
 import sys
 from pathlib import Path
 
+import matplotlib.image
 import meshio
 import numpy as np
 import pytest
@@ -215,3 +216,56 @@ def test_a_case_that_cannot_be_written_is_refused_before_computing(part, tmp_pat
     assert done.exit_code == 2
     assert said in done.output
     assert not (tmp_path / "out").exists()
+
+
+def trough(lean: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a trough along y whose walls lean out by so much [mm], of triangles."""
+    x = np.array([-40.0, -20.0 - lean, -20.0, 20.0, 20.0 + lean, 40.0])
+    points = np.array([[a, b, c] for a, c in zip(x, [10.0, 10.0, 0.0, 0.0, 10.0, 10.0], strict=True) for b in (0, 30)])
+    index = np.arange(12).reshape(6, 2)
+    quads = np.stack([index[:-1, 0], index[1:, 0], index[1:, 1], index[:-1, 1]], axis=-1)
+    return points, quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+
+
+def write_stl(path: Path, lean: float = 5.0, scale: float = 1.0, *, binary: bool = True) -> Path:
+    points, triangles = trough(lean)
+    meshio.Mesh(points * scale, [("triangle", triangles)]).write(path, binary=binary)
+    return path
+
+
+def test_an_undercut_leaves_a_picture(tmp_path):
+    done = run(write_stl(tmp_path / "part.stl", -5.0), *SHEET, "--output", tmp_path / "out")
+    assert done.exit_code == 2
+    assert "undercut" in done.output
+    picture = tmp_path / "out" / "undercut.png"
+    assert str(picture) in done.output
+    assert matplotlib.image.imread(picture).shape[0] > 300
+    red, green = (matplotlib.image.imread(picture)[..., k] for k in (0, 1))
+    assert (red > green + 0.3).mean() > 0.005, "what is undercut is red"
+
+
+@pytest.mark.parametrize(
+    ("binary", "keep", "said"),
+    [(True, 0.5, "cut short"), (False, 0.5, "cut short"), (True, 0.0, "the file is empty")],
+)
+def test_a_truncated_stl_is_refused(tmp_path, binary, keep, said):
+    path = write_stl(tmp_path / "part.stl", binary=binary)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(keep * len(content))])
+    done = run(path, *SHEET)
+    assert done.exit_code == 2
+    assert said in done.output
+    assert "part.path = " in done.output
+
+
+def test_a_part_of_a_twentieth_of_a_millimetre_is_refused(tmp_path):
+    done = run(write_stl(tmp_path / "part.stl", scale=0.05 / 80), *SHEET)
+    assert done.exit_code == 2
+    assert 'part.unit = "mm"' in done.output
+
+
+def test_missing_thickness_is_named(part):
+    done = run(part, "--material", "dc04")
+    assert done.exit_code == 2
+    assert "--thickness" in done.output
+    assert "--material" not in done.output

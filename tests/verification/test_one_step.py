@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The one-step solver against closed forms and an axisymmetric solution by other means."""
 
+import meshio
 import numpy as np
 import pytest
 from one_step_problems import (
@@ -15,7 +16,9 @@ from one_step_problems import (
     steel,
 )
 
-from presswork.mesh.part_file import refine_edges
+from presswork.mesh.part_file import read_part, refine_edges
+from presswork.mesh.remesh import POOR
+from presswork.mesh.triangles import triangle_quality
 from presswork.onestep import solve_one_step
 from presswork.procedure.one_step_part import OneStepError
 
@@ -198,6 +201,27 @@ def test_slivers_of_cad_facets_give_the_cup_its_blank():
     radius = np.linalg.norm(rim - rim.mean(axis=0), axis=1)
     wanted = solve_of_revolution(cup_profile(25.0, 5.0, 18.0, 40.0, 0.25), flow_stress)[-1]
     assert radius == pytest.approx(np.full(len(radius), wanted), rel=4e-3)
+
+
+@pytest.mark.parametrize("width", [0.0, 5e-4])
+def test_cad_facets_read_from_a_file_give_the_blank_of_the_cup(width, tmp_path):
+    """The same facets, bare or with a rim of slivers: read, halved, their slivers collapsed."""
+    points, triangles = cad_facets(72)
+    if width:
+        rim, n = np.arange(len(points) - 72, len(points)), len(points)
+        points = np.concatenate([points, points[rim] * [1.0 + width / 40.0, 1.0 + width / 40.0, 1.0]])
+        after, out, beyond = np.roll(rim, -1), n + np.arange(72), n + np.roll(np.arange(72), -1)
+        strip = np.concatenate([np.stack([rim, out, beyond], axis=1), np.stack([rim, beyond, after], axis=1)])
+        triangles = np.concatenate([triangles, strip])
+    meshio.Mesh(points, [("triangle", triangles)]).write(tmp_path / "cup.stl", binary=True)
+    part, notes = read_part(tmp_path / "cup.stl", element_size=5.0)
+    assert "collapsed" in notes[-1]
+    assert triangle_quality(part.points, part.triangles).min() >= POOR
+    result = solve_one_step(make_model(part.points, part.triangles, NO_QUADS))
+    rim = result.blank[part.rims[0]]
+    middle = 0.5 * (rim.min(axis=0) + rim.max(axis=0))
+    wanted = solve_of_revolution(cup_profile(25.0, 5.0, 18.0, 40.0, 0.25), flow_stress)[-1]
+    assert np.linalg.norm(rim - middle, axis=1) == pytest.approx(np.full(len(rim), wanted), rel=1e-3)
 
 
 def test_a_part_too_deep_for_its_sheet_is_refused_where_it_tears():

@@ -13,6 +13,7 @@ from presswork.mesh.addendum import widen
 from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
+from presswork.mesh.remesh import POOR, RIM, SURFACE, mend_slivers
 from presswork.mesh.topology import count_corners
 from presswork.mesh.triangles import (
     double_areas,
@@ -21,8 +22,10 @@ from presswork.mesh.triangles import (
     find_rims,
     find_triangle_parts,
     find_turned,
+    flip_caps,
     merge_points,
     pair_triangles,
+    triangle_quality,
 )
 from presswork.model import BoolArray, FloatArray, IntArray
 
@@ -30,7 +33,22 @@ SMALLEST, LARGEST = 1.0, 1e4
 """Diagonals of parts that are believed [mm]."""
 STEEPEST = 1.0
 """Degrees by which a wall may lean over the vertical before it is an undercut."""
+DEAD = 0.02
+"""Quality below which slivers are collapsed before long edges are halved."""
 _UNITS = {"m": 1e3, "inch": 25.4, "cm": 10.0, "mm": 1.0}
+
+
+class UndercutError(MeshError):
+    """A part that cannot be drawn along the direction, and where."""
+
+    def __init__(self, fault: str, remedy: str, points: FloatArray, triangles: IntArray, over: BoolArray) -> None:
+        super().__init__(fault, remedy)
+        self.points = points
+        """In the press's axes (n_points, 3) [mm]."""
+        self.triangles = triangles
+        """(n, 3), of quadrilaterals two each."""
+        self.over = over
+        """Which of them lie under the part (n,)."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +77,8 @@ def read_part(
     """Read a part; return it and notes on what was changed.
 
     scale: factor of the file's coordinates to mm. draw_direction: the punch's way in the file's axes, as "-z".
-    element_size: edges of triangles that are longer are cut in halves [mm]; quadrilaterals stay. addendum: width of a
-    level flange that is added round the part [mm], but for symmetry planes x = 0 | y = 0.
+    element_size: edges of triangles that are longer are cut in halves [mm], slivers collapsed; quadrilaterals stay.
+    addendum: width of a level flange that is added round the part [mm], but for symmetry planes x = 0 | y = 0.
     Points that coincide are merged, cells without area dropped, cells wound against most of the part turned over.
     Raises MeshError for what is no single open sheet, and for undercuts.
     """
@@ -79,14 +97,13 @@ def read_part(
     if addendum:
         points, cells = _widen(points, cells, addendum, symmetry)
         notes.append(f"a level flange {addendum:.4g} mm wide was added to the part's outline")
+    for rim in _sorted_rims(points, cells)[1:]:
+        if len(rim) == 3:
+            notes.append(
+                f"a hole of three edges near {place(points[rim].mean(axis=0))} is kept: is a triangle missing?"
+            )
     if element_size is not None:
-        before = len(cells[0])
-        points, triangles = refine_edges(points, cells[0], element_size) if before else (points, cells[0])
-        if len(cells[1]) and len(points) > cells[1].max() + 1 and len(triangles) > before:
-            raise MeshError("a mesh of triangles and quadrilaterals cannot be refined", "leave element_size out")
-        if len(triangles) > before:
-            notes.append(f"edges over {element_size:.4g} mm were halved: {before} triangles became {len(triangles)}")
-        cells = (triangles, cells[1])
+        points, cells = _refine(points, cells, element_size, notes)
     return PartMesh(points, *cells, _sorted_rims(points, cells)), tuple(notes)
 
 
@@ -140,6 +157,13 @@ def _as_triangles(cells: Cells) -> IntArray:
 
 def _drop_flat(points: FloatArray, cells: Cells, tolerance: float, notes: list[str]) -> Cells:
     flat = find_flat(points, cells[0], tolerance)
+    ends = np.sort(cells[0], axis=1)
+    in_line = flat & (ends[:, 1:] != ends[:, :-1]).all(axis=1)
+    if in_line.any() and not (flat & ~in_line).any():  # left out, they would leave a slit between their neighbours
+        cells = flip_caps(points, cells[0], tolerance), cells[1]
+        flat = find_flat(points, cells[0], tolerance)
+        if in_line.sum() > flat.sum():
+            notes.append(f"{int(in_line.sum() - flat.sum())} triangles with their corners in line: diagonals flipped")
     q = cells[1]
     corners = np.sort(q, axis=1)
     if (corners[:, 1:] == corners[:, :-1]).any() or find_flat(
@@ -220,11 +244,14 @@ def _check_undercut(points: FloatArray, cells: Cells) -> None:
         worst = int(np.argmin(areas[:, 2] / size))
         lean = float(np.degrees(np.arcsin(-areas[worst, 2] / size[worst])))
         share = 100.0 * float(size[over].sum() / size.sum())
-        raise MeshError(
+        raise UndercutError(
             f"{share:.2g} % of the part is an undercut: seen along the draw direction it lies under itself, most near "
             f"{place(points[triangles[worst]].mean(axis=0))} (in the press's axes), where it leans {lean:.0f} degrees "
             "over the vertical",
             "choose another draw direction, or unfold what a later stage bends",
+            points,
+            triangles,
+            over,
         )
 
 
@@ -249,6 +276,29 @@ def _widen(points: FloatArray, cells: Cells, width: float, symmetry: tuple[bool,
     if len(cells[1]):
         return points, (cells[0], np.concatenate([cells[1], flange]))
     return points, (_as_triangles((cells[0], flange)), cells[1])
+
+
+def _refine(points: FloatArray, cells: Cells, size: float, notes: list[str]) -> tuple[FloatArray, Cells]:
+    """Halve long edges, and mend slivers in a part of triangles alone: the dead ones first, lest they be halved."""
+    triangles, quads = cells
+    if len(quads):
+        if not len(triangles) or len(refine_edges(points, triangles, size)[1]) == len(triangles):
+            return points, cells
+        raise MeshError("a mesh of triangles and quadrilaterals cannot be refined", "leave element_size out")
+    points, triangles, *dead = mend_slivers(points, triangles, size, below=DEAD, may_cut=False)
+    before = len(triangles)
+    points, triangles = refine_edges(points, triangles, size)
+    if len(triangles) > before:
+        notes.append(f"edges over {size:.4g} mm were halved: {before} triangles became {len(triangles)}")
+    points, triangles, *poor = mend_slivers(points, triangles, size)
+    collapsed, flipped = dead[0] + poor[0], dead[1] + poor[1]
+    if collapsed or flipped:
+        left = int((triangle_quality(points, triangles) < POOR).sum())
+        notes.append(
+            f"slivers: {collapsed} collapsed, {flipped} diagonals flipped, at most {SURFACE * size:.2g} mm off the "
+            f"surface and {RIM * size:.2g} mm off its rims; {len(triangles)} triangles, {left or 'none'} a sliver"
+        )
+    return points, (triangles, quads)
 
 
 def refine_edges(points: FloatArray, triangles: IntArray, size: float) -> tuple[FloatArray, IntArray]:

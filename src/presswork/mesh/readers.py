@@ -84,6 +84,8 @@ def read_raw(path: Path) -> RawMesh:
     if not path.is_file():
         near = sorted(entry.name for entry in path.parent.glob("*") if entry.suffix.lower() in readers)[:5]
         raise MeshError(f"no such file ({path})", f"mesh files there: {', '.join(near) or 'none'}")
+    if not path.stat().st_size:
+        raise MeshError("the file is empty", "write it again from the mesher")
     try:
         return reader(path)
     except MeshError:

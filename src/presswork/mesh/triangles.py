@@ -46,12 +46,39 @@ def double_areas(points: FloatArray, triangles: IntArray) -> FloatArray:
     return np.asarray(np.cross(b - a, c - a), dtype=float)
 
 
+def triangle_quality(points: FloatArray, triangles: IntArray) -> FloatArray:
+    """Return 4 sqrt(3) area over the sum of the squared sides (n,): 1 with equal sides, 0 without area."""
+    corners = points[triangles]
+    squares = ((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=(1, 2))
+    sizes = np.linalg.norm(double_areas(points, triangles), axis=1)
+    return np.asarray(2.0 * np.sqrt(3.0) * sizes / np.maximum(squares, 1e-300))
+
+
 def find_flat(points: FloatArray, triangles: IntArray, tolerance: float) -> BoolArray:
     """Say which triangles have no area: less high over their longest side than the tolerance [mm]."""
     corners = points[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     flat: BoolArray = np.linalg.norm(double_areas(points, triangles), axis=1) <= tolerance * longest
     return flat
+
+
+def distance_to_segments(x: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the distance of each point from its segment a b; all (n, 3) [mm]."""
+    along = b - a
+    share = ((x - a) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-300)
+    return np.asarray(np.linalg.norm(x - a - np.clip(share, 0.0, 1.0)[:, None] * along, axis=1))
+
+
+def distance_to_triangles(x: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Return the distance of each point from its triangle; all (n, 3) [mm]."""
+    normal = np.cross(b - a, c - a)
+    size = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+    inside = np.ones(len(x), dtype=bool)
+    for start, end in ((a, b), (b, c), (c, a)):
+        inside &= (np.cross(end - start, x - start) * normal).sum(axis=1) >= 0.0
+    to_plane = np.abs(((x - a) * normal).sum(axis=1)) / size
+    to_sides = np.min([distance_to_segments(x, *side) for side in ((a, b), (b, c), (c, a))], axis=0)
+    return np.asarray(np.where(inside, to_plane, to_sides))
 
 
 def flip_caps(points: FloatArray, triangles: IntArray, tolerance: float) -> IntArray:

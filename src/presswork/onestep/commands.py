@@ -42,8 +42,8 @@ def _refuse(message: str, status: int = _BAD_INPUT) -> NoReturn:
     raise typer.Exit(status)
 
 
-def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
-    """Add the command. draw: draws the pictures of results."""
+def add_commands(app: typer.Typer, draw: Callable[[Result], None], explain: Callable[[CaseError, Path], str]) -> None:
+    """Add the command. draw: draws the pictures of results; explain: draws what is refused and says where that is."""
 
     @app.command()
     def onestep(
@@ -78,6 +78,7 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
         """Find the flat blank of a finished part: outline, thinning, formability, punch force."""
         if part.suffix == ".toml":
             _refuse_options(context)
+        folder = output or part.with_suffix("")
         model = _load(
             part, material, thickness,
             {"holder_force": _plain(bhf), "mu": mu},
@@ -87,8 +88,8 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None]) -> None:
                 "element_size": None if element_size is None else _plain(element_size),
             },
             rolling,
+            lambda error: explain(error, folder),
         )  # fmt: skip
-        folder = output or part.with_suffix("")
         try:
             if write_case is not None:
                 check_case_path(write_case, overwrite=overwrite)
@@ -163,13 +164,16 @@ def _load(
     process: dict[str, Any],
     file: dict[str, Any],
     rolling: str,
+    explain: Callable[[CaseError], str],
 ) -> OneStepModel:
     """Build the model of a case file, or of a part's file and options."""
     try:
         if part.suffix == ".toml":
             return build_onestep_model(OneStepCase.from_toml(part))
         if material is None or thickness is None:
-            _refuse("give --material and --thickness, e.g. --material dc04 --thickness '0.8 mm'")
+            given = {"--material": (material, "dc04"), "--thickness": (thickness, "'0.8 mm'")}
+            missing = [f"{name} {example}" for name, (value, example) in given.items() if value is None]
+            _refuse(f"of the blank there is missing, for example, {' '.join(missing)}")
         name = Path(material).stem
         data: dict[str, Any] = {
             "title": part.stem,
@@ -181,7 +185,7 @@ def _load(
         }
         return build_onestep_model(OneStepCase.from_data(data))
     except CaseError as error:
-        _refuse(str(error))
+        _refuse(f"{error}{explain(error)}")
 
 
 def _plain(text: str) -> float | str:

@@ -65,7 +65,7 @@ def plot_shell(
         low, high = np.minimum(low, (points * sign).min(axis=0)), np.maximum(high, (points * sign).max(axis=0))
     if result.surfaces:
         _draw_tools(ax, result, step, low, high)
-    _frame(ax, low, high)
+    frame_axes(ax, low, high)
     if field == ZONE_FIELD and values is not None:
         _add_zone_legend(figure, values)
     elif field is not None and values is not None:
@@ -156,7 +156,7 @@ def _normals(outlines: list[FloatArray]) -> FloatArray:
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
 
 
-def _frame(ax: Axes3D, low: FloatArray, high: FloatArray) -> None:
+def frame_axes(ax: Axes3D, low: FloatArray, high: FloatArray) -> None:
     """Set limits and labels, with the same scale along all axes."""
     from matplotlib.ticker import MaxNLocator
 
