@@ -154,7 +154,7 @@ def draw_picture(path: str, hats: dict[str, Hat]) -> None:
 
 if __name__ == "__main__":
     runs = [(4, 2, 9), (2.8, 2, 9), (2, 2, 9), (1.4, 2, 9), (1, 2, 9), (0.7, 2, 9),
-            (1, 5, 9), (1, 1, 9), (2, 5, 9), (2, 1, 9), (1, 2, 5), (1, 2, 7), (1, 2, 15)]  # fmt: skip
+            (1, 5, 9), (1, 1, 9), (0.7, 5, 9), (2, 5, 9), (2, 1, 9), (1, 5, 5), (1, 5, 7), (1, 5, 15)]  # fmt: skip
     print("shell [mm], m/s, points: bottom-wall, wall-flange [degree], curl, rise of the end [mm], kinetic, tension")
     for size, speed, points in runs:
         hat = draw_strip(size, speed, points)
