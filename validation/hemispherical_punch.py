@@ -14,7 +14,11 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-from punch_stretching import Profile, stretch, stretch_solids
+from punch_stretching import EXAMPLE, Profile, stretch, stretch_solids
+
+from presswork.case import StampingCase, build_model
+from presswork.model_stamping import StampingModel
+from presswork.procedure.stamping import ExplicitStamping
 
 FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.005")
 ZONES = ((0.0, 5.0), (5.0, 20.0), (20.0, 35.0), (35.0, 50.0), (50.0, 60.0))
@@ -22,6 +26,14 @@ ZONES = ((0.0, 5.0), (5.0, 20.0), (20.0, 35.0), (35.0, 50.0), (50.0, 60.0))
 SIZE = 2.5
 SPEEDS = (10, 3, 1)
 """Of the punch [m/s]."""
+FORCES = np.array([10, 20, 30, 40, 50, 60, 70], float)
+PUBLISHED = np.array([10.6, 15.4, 20.0, 24.7, 28.2, 33.0, 37.4])
+"""Travel of the punch [mm] at FORCES [kN] without friction: references "SOURCE_EXTERNE" of code_aster's ssnv501a.comm.
+
+Its load is a pressure of t x 12.33 MPa on the punch's back of radius 50.8 mm, so t x 99.96 kN.
+"""
+CODE_ASTER = np.array([9.977, 15.091, 19.344, 23.595, 27.622, 32.000, 37.054])
+"""Its own, by axisymmetric solids on a coarse mesh [mm]."""
 
 
 def explicit(mu: float, speed: float = 3, thickness: float = 1.0) -> Profile:
@@ -32,6 +44,18 @@ def explicit(mu: float, speed: float = 3, thickness: float = 1.0) -> Profile:
 def implicit(mu: float, *, fine: bool = True, thickness: float = 1.0) -> Profile:
     """Stretch by the implicit procedure, with stiffer contact and shorter increments or with its defaults."""
     return stretch("implicit", mu, SIZE, *(FINE if fine else ()), thickness=thickness)
+
+
+def travel_at_forces(size: float = SIZE) -> np.ndarray:
+    """Return the travel of the punch [mm] at FORCES by explicit dynamics, without friction."""
+    keys = ["tools.punch.mu=0", "tools.die.mu=0", f"blank.element_size={size}", "stages.0.tools.punch.stroke=42",
+            "output.rows=200", "output.steps=1"]  # fmt: skip
+    model = build_model(StampingCase.from_toml(EXAMPLE, keys))  # type: ignore[arg-type]
+    assert isinstance(model, StampingModel)
+    run = ExplicitStamping(model, threads=1)
+    rows = [run.row(report) for report in run.advance()]  # type: ignore[arg-type]
+    force = np.array([row["punch.force"] for row in rows[:-1]], float)
+    return np.interp(1e3 * FORCES, force, np.array([row["punch.stroke"] for row in rows[:-1]], float))
 
 
 def differences(one: Profile, other: Profile, name: str) -> list[float]:
@@ -84,5 +108,8 @@ if __name__ == "__main__":
         print("  ", *(f"{v:+.2f}" for v in beside_solids(reference, stretch_solids(friction))))
     thin = beside_solids(implicit(0.0, thickness=0.25), stretch_solids(0.0, 0.25, 480))
     print("   a quarter as thick, frictionless:", *(f"{v:+.2f}" for v in thin))
+    print("travel without friction at", *(f"{f:.0f}" for f in FORCES), "kN [mm]:")
+    for label, travel in (("explicit", travel_at_forces()), ("published", PUBLISHED), ("code_aster", CODE_ASTER)):
+        print(f"  {label:10s}", *(f"{v:6.2f}" for v in travel))
     if len(sys.argv) > 1:
         draw(sys.argv[1])

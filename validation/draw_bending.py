@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draw bending of a strip (NUMISHEET'93, mild steel): what its springback converges to, and the theory of its wall.
+
+    python validation/draw_bending.py [docs/img/draw_bending.png]
+
+draws a slice of the strip with shells of several sizes, at several speeds and with several points through the
+thickness, five minutes, and prints the angles of wall and flange after springback and the radius of the wall's curl.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from presswork.case import StampingCase, build_model
+from presswork.run import run_model
+
+LENGTH, THICKNESS, EDGE, STROKE, MU, HOLDER = 350.0, 0.78, 5.0, 70.0, 0.144, 70.0
+"""Of the benchmark [mm]; HOLDER: 2.45 kN on 35 mm [N/mm]. Punch 50 mm, die opening 52 mm."""
+YOUNG, POISSON, K, E0, N, R00, R90 = 206e3, 0.3, 565.32, 0.007117, 0.2589, 1.79, 2.27
+"""Of its mild steel, as in the library."""
+WALL = (40.0, 80.0)
+"""Of the blank, from its middle [mm]: drawn over the die's shoulder and off it again, whatever the mesh."""
+
+
+@dataclass(frozen=True)
+class Hat:
+    """Half the strip, from its middle outwards."""
+
+    formed: np.ndarray
+    """Nodes (n, 2) before springback, x and z [mm]."""
+    free: np.ndarray
+    """After springback."""
+    along: np.ndarray
+    """Where they are on the blank (n,) [mm]."""
+    tension: float
+    """Mean punch force over the second half of the stroke, per width and wall [N/mm]."""
+    kinetic: float
+    """Largest kinetic over internal energy while drawing, after a tenth of the stroke."""
+
+    def slope(self, start: float, end: float) -> float:
+        """Angle of the free strip between two places of the blank from the horizontal [degree], 0 to 180."""
+        place = np.column_stack([np.interp((start, end), self.along, self.free[:, i]) for i in (0, 1)])
+        return float(np.degrees(np.arctan2(*(place[1] - place[0])[::-1])))
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Between bottom and wall beside the punch, and between wall beside the die and flange; 90 as drawn."""
+        return 180.0 - self.slope(35, 45), 180.0 + self.slope(130, 170) - self.slope(75, 85)
+
+    @property
+    def curl(self) -> float:
+        """Radius of the wall [mm], by least squares."""
+        wall = (self.along > WALL[0]) & (self.along < WALL[1])
+        x, z = self.free[wall].T
+        (a, b, c), *_ = np.linalg.lstsq(np.column_stack([x, z, np.ones_like(x)]), x**2 + z**2, rcond=None)
+        return float(np.sqrt(c + 0.25 * (a**2 + b**2)))
+
+
+@cache
+def draw_strip(size: float, speed: float, points: int = 9) -> Hat:
+    """Draw a slice one shell wide [mm] at a speed [m/s], and let it go."""
+
+    def tool(kind: str, width: float) -> dict[str, Any]:
+        return {"kind": kind, "shape": "strip", "width": width, "edge_radius": EDGE, "mu": MU}
+
+    case = {
+        "title": "draw bending of a slice",
+        "analysis": "stamping",
+        "blank": {"shape": "rectangle", "size": [LENGTH, 2 * size], "thickness": THICKNESS, "element_size": size,
+                  "points": points, "material": "numisheet93_mild_steel", "symmetry": ["x", "y"]},
+        "boundary": {"slice": {"set": "top", "hold": "symmetry_y"}},
+        "tools": {"punch": tool("punch", 50), "die": tool("die", 52), "holder": tool("holder", 52)},
+        "stages": [{"name": "draw", "velocity": f"{speed} m/s",
+                    "tools": {"punch": {"stroke": STROKE}, "holder": {"force": f"{HOLDER * 2 * size} N"}}}],
+        "springback": {},
+        "output": {"steps": 1, "rows": 100},
+    }  # fmt: skip
+    model = build_model(StampingCase.model_validate(case))
+    with tempfile.TemporaryDirectory() as scratch:
+        outcome = run_model(model, Path(scratch) / "out")
+        assert outcome.status == "completed", outcome.reason
+        result = outcome.result
+        formed, free, history = result.points(-2), result.points(-1), result.history
+    start = model.mesh.points
+    row = np.flatnonzero(start[:, 1] < 1e-9)
+    row = row[np.argsort(start[row, 0])]
+    drawn = history["stage"] == "draw"
+    stroke, force = history["punch.stroke"][drawn], history["punch.force"][drawn]
+    late = (stroke > 0.5 * STROKE) & (stroke < 0.97 * STROKE)
+    ratio = (history["kinetic_energy"][drawn] / history["internal_energy"][drawn])[stroke > 0.1 * STROKE]
+    tension = force[late].mean() / (2 * 2 * size)
+    return Hat(formed[row][:, [0, 2]], free[row][:, [0, 2]], start[row, 0], float(tension), float(ratio.max()))
+
+
+def curl_by_theory(tension: float, layers: int = 201, steps: int = 150) -> float:
+    """Return the radius [mm] of a sheet in plane strain bent round the shoulder and straightened under tension [N/mm].
+
+    Layers stay plane and under no stress across; Hill 1948, isotropic hardening, the sheet thins by its mean strain;
+    springback by M/(E' I). No element, no contact, no dynamics. The sheet is taken to fit the shoulder.
+    """
+    h = R00 / (1 + R00)
+    ratio = 1 / np.sqrt(1 - h**2 / (h + h / R90))
+    modulus = YOUNG / (1 - POISSON**2)
+    height = THICKNESS * ((np.arange(layers) + 0.5) / layers - 0.5)
+    stress, plastic, mean, before = np.zeros(layers), np.zeros(layers), 0.0, 0.0
+
+    def update(strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        trial = stress + modulus * strain
+        flow = np.zeros(layers)
+        for _ in range(6):
+            base = E0 + plastic + ratio * flow
+            excess = np.abs(trial) - modulus * flow - ratio * K * base**N
+            flow = np.maximum(flow + excess / (modulus + ratio**2 * K * N * base ** (N - 1)), 0.0)
+        return np.sign(trial) * (np.abs(trial) - modulus * flow), plastic + ratio * flow
+
+    tightest = 1 / (EDGE + 0.5 * THICKNESS)
+    bend = np.linspace(0, tightest, steps + 1)[1:]
+    for number, curvature in enumerate([*bend, *(tightest - bend)], 1):
+        thinned = np.exp(-mean)
+        bending = (curvature - before) * height * thinned
+        pull = tension * min(1.0, number / 10) / (THICKNESS * thinned)
+        more = brentq(lambda e, b=bending, p=pull: update(e + b)[0].mean() - p, -0.05, 0.05, xtol=1e-12)
+        stress, plastic = update(more + bending)
+        mean, before = mean + more, curvature
+    moment = (stress * height).mean() * THICKNESS * np.exp(-2 * mean)
+    return float(-modulus * (THICKNESS * np.exp(-mean)) ** 3 / 12 / moment)
+
+
+def draw_picture(path: str, hats: dict[str, Hat]) -> None:
+    """Draw the free strips."""
+    from presswork.view.style import clean_axes, new_figure
+
+    figure = new_figure(6.0, 4.0)
+    axes = figure.add_subplot()
+    last = next(reversed(hats.values()))
+    axes.plot(*last.formed.T, "k--", linewidth=0.8, label="as drawn")
+    for name, hat in hats.items():
+        axes.plot(*hat.free.T, linewidth=1.1, label=name)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("z [mm]")
+    axes.legend(frameon=False, fontsize=7)
+    clean_axes(axes)
+    figure.savefig(path, dpi=130)
+
+
+if __name__ == "__main__":
+    runs = [(4, 2, 9), (2.8, 2, 9), (2, 2, 9), (1.4, 2, 9), (1, 2, 9), (0.7, 2, 9),
+            (1, 5, 9), (1, 1, 9), (0.7, 5, 9), (2, 5, 9), (2, 1, 9), (1, 5, 5), (1, 5, 7), (1, 5, 15)]  # fmt: skip
+    print("shell [mm], m/s, points: bottom-wall, wall-flange [degree], curl, rise of the end [mm], kinetic, tension")
+    for size, speed, points in runs:
+        hat = draw_strip(size, speed, points)
+        print(f"{size:8.1f} {speed:6} {points:6} {hat.angles[0]:12.2f} {hat.angles[1]:12.2f} {hat.curl:18.1f} "
+              f"{hat.free[-1, 1] - hat.formed[-1, 1]:14.2f} {100 * hat.kinetic:10.2f} % {hat.tension:8.1f}",
+              flush=True)  # fmt: skip
+    print(*(f"theory under {t} N/mm: {curl_by_theory(t):.1f} mm;" for t in (10, 35, 50)))
+    if len(sys.argv) > 1:
+        draw_picture(sys.argv[1], {f"shells of {s} mm": draw_strip(s, 2) for s in (4, 2, 1, 0.7)})
