@@ -171,7 +171,7 @@ def draw_picture(path: str, rims: dict[str, Rim]) -> None:
 
 
 if __name__ == "__main__":
-    cups = {name: draw_cup(name) for name in ("isotropic", "aluminium", "turned", "steel", "aa6016_t4", "aa2090_t3")}
+    cups = {name: draw_cup(name) for name in ("isotropic", "aluminium", "turned", "steel", "aa6016_t4")}
     print(f"constant area: {height_by_constant_area():.2f} mm; heights at 0, 45, 90 degrees [mm]")
     for name, rim in cups.items():
         print(f"{name:10s}", *(f"{rim.at(a):6.2f}" for a in (0, 45, 90)), f"mean {rim.height.mean():.2f},",
