@@ -13,6 +13,7 @@ import pytest
 from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.procedure.explicit import ExplicitShells
+from presswork.results import OutputError
 from presswork.run import run_model
 from presswork.view.all_plots import plot_all
 
@@ -130,6 +131,9 @@ def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(pulled, tmp_p
             raise KeyboardInterrupt
 
     assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
+    other_rows = replace(model, output=replace(model.output, rows=model.output.rows + 10))
+    with pytest.raises(OutputError, match=r"a run with output.rows = \d+, on which its steps depend; use --overwrite"):
+        run_model(other_rows, tmp_path / "part", resume=True)
     assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
     for other in ("two", "part"):
         assert (tmp_path / other / "history.csv").read_bytes() == (pulled.folder / "history.csv").read_bytes()

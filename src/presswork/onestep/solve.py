@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
+from presswork.mesh.addendum import ON_PLANE
 from presswork.mesh.triangles import find_rims
 from presswork.model import BoolArray, FloatArray, IntArray
 from presswork.model_onestep import OneStepModel
@@ -32,8 +33,6 @@ from presswork.procedure.one_step_part import OneStepError, prepare_part
 _SETTLED = 0.01
 """Change of friction under the holder, and at the radii, from pass to pass over its sum that no longer matters."""
 _MOST_PASSES = 6
-ON_PLANE = 1e-4
-"""Distance from a symmetry plane, over the part's size, at which a node lies on it."""
 _TYPICAL_STRAIN = 0.1
 
 

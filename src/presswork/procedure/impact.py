@@ -20,6 +20,7 @@ from presswork.procedure.explicit_energy import ENERGIES, EnergyBalance, warn_of
 from presswork.procedure.explicit_input import ExplicitError
 from presswork.procedure.explicit_solids import FREEDOMS, ExplicitSolids, Wall
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
+from presswork.procedure.rows import remaining_in_rows, require_rows
 from presswork.procedure.solid_material import SolidMaterial
 from presswork.procedure.timing import Timing
 from presswork.procedure.tool_quantities import find_way
@@ -138,12 +139,8 @@ class ExplicitImpact:
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed, counted in stage durations."""
-        durations = np.array([s.duration for s in self.model.stages])
-        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
-        if number == len(durations):
-            return 0.0
-        done = durations[:number].sum() + durations[number] * row / self.model.output.rows
-        return float(1.0 - done / durations.sum())
+        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        return remaining_in_rows([s.duration for s in self.model.stages], stage, row, self.model.output.rows)
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 
@@ -269,9 +266,7 @@ class ExplicitImpact:
         own = self.to_arrays()
         if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
-        rows = int(arrays["progress"][ROWS])
-        if rows != self.model.output.rows:
-            raise ValueError(f"the checkpoint is of a run with output.rows = {rows}, on which its steps depend")
+        require_rows(arrays["progress"][ROWS], self.model.output.rows)
         self._progress = np.array(arrays["progress"], dtype=float)
         self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name != "progress"})
         self._begin_stage()

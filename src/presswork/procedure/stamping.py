@@ -30,6 +30,7 @@ from presswork.procedure.explicit_energy import ENERGIES, warn_of_energies
 from presswork.procedure.explicit_fields import OnePointFields
 from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.refinement import SplitBlank, choose_shells
+from presswork.procedure.rows import remaining_in_rows, require_rows
 from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, mean_speeds
 from presswork.procedure.timing import Timing
 from presswork.procedure.transfer import SheetState, sheet_of_explicit
@@ -37,7 +38,7 @@ from presswork.results.formability import formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
 from presswork.threads import available_threads
 
-STAGE, ROW, CYCLES, ADDED_MASS, SHELL_CYCLES = range(5)
+STAGE, ROW, CYCLES, ADDED_MASS, SHELL_CYCLES, ROWS = range(6)
 ELEMENT_CYCLES_A_CALL = 2_000_000
 """Between two looks at the keyboard: about a second."""
 SAMPLES = 10
@@ -70,7 +71,8 @@ class ExplicitStamping:
         _core.set_threads(threads or available_threads())
         self.model = model
         self.timing = Timing("cycles")
-        self._progress = np.zeros(5)
+        self._progress = np.zeros(6)
+        self._progress[ROWS] = model.output.rows
         self._blank = SplitBlank(model)
         self._judged = model.sheet[1].formability
         self.shells = self._make_shells()
@@ -214,12 +216,8 @@ class ExplicitStamping:
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed, counted in stage durations."""
-        durations = np.array([s.duration for s in self.model.stages])
-        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
-        if number == len(durations):
-            return 0.0
-        done = durations[:number].sum() + durations[number] * row / self.model.output.rows
-        return float(1.0 - done / durations.sum())
+        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        return remaining_in_rows([s.duration for s in self.model.stages], stage, row, self.model.output.rows)
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 
@@ -351,6 +349,7 @@ class ExplicitStamping:
             own = self.to_arrays()
         if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
+        require_rows(arrays["progress"][ROWS], self.model.output.rows)
         self._progress = np.array(arrays["progress"], dtype=float)
         self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name in own})
         self._begin_stage()
