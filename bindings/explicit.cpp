@@ -284,7 +284,7 @@ void inherit(ShellLoop<Real>& self, const ShellLoop<Real>& from, Doubles positio
   std::vector<double> of_tools(3 * n, 0.0);
   if (self.contact) self.contact->add_forces(of_tools.data());
   for (std::size_t i = 0; i < n; ++i)
-    for (int k = 0; k < 3; ++k) self.internal_force[6 * i + k] -= static_cast<Real>(of_tools[3 * i + k]);
+    for (int k = 0; k < 3; ++k) self.internal_force.data()[6 * i + k] -= static_cast<Real>(of_tools[3 * i + k]);
   self.give_hanging_forces();
 }
 
@@ -372,9 +372,12 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
       .def(
           "prescribe",
           [](Loop& self, Bytes fixed, Doubles velocity) {
-            require(fixed.size() == self.fixed.size(), "fixed must have shape (n_nodes, 6)");
+            require(fixed.size() == self.prescribed.size(), "fixed must have shape (n_nodes, 6)");
             set_columns(self.prescribed.data(), self.nodes.n, 6, 6, velocity, "velocity must have shape (n_nodes, 6)");
-            std::copy_n(fixed.data(), fixed.size(), self.fixed.begin());
+            for (std::size_t i = 0; i < self.held.size(); ++i) {
+              self.held[i] = 0;
+              for (int j = 0; j < 6; ++j) self.held[i] |= (fixed.data()[6 * i + j] != 0) << j;
+            }
           },
           nb::arg("fixed"), nb::arg("velocity"), "Prescribe velocities of the freedoms marked in fixed (n_nodes, 6).")
       .def_prop_rw("element_mass", &masses_of<Real>, &set_element_masses<Real>, nb::rv_policy::move,

@@ -5,23 +5,33 @@
 #include <climits>
 #include <cmath>
 
+#include <omp.h>
+
+#include "explicit/work_shares.hpp"
+
 namespace presswork::explicit_dynamics {
 
 namespace {
 
 constexpr int chunk = 256;             // nodes whose work is summed up in one go: the sums do not depend on the threads
 constexpr int serial_elements = 1000;  // fewer are left to one thread: waking a second costs more than it gives
-constexpr int freedoms = 6;
+constexpr int freedoms = 6, spare = 2;  // numbers after the last row of six, which a record takes in
+
+inline Record inverse_masses(const Record& motion) {
+  return __builtin_shufflevector(motion, motion, 6, 6, 6, 7, 7, 7, 6, 7);
+}
+
+constexpr std::size_t row(int i) { return std::size_t(freedoms) * i; }
 
 }  // namespace
 
 template <class Real>
 ShellLoop<Real>::ShellLoop(int n_nodes, const double* points)
     : nodes(n_nodes),
-      force(std::size_t(n_nodes) * freedoms),
-      fixed(std::size_t(n_nodes) * freedoms),
-      prescribed(std::size_t(n_nodes) * freedoms),
-      internal_force(std::size_t(n_nodes) * freedoms) {
+      force(row(n_nodes) + spare),
+      held(n_nodes),
+      prescribed(row(n_nodes)),
+      internal_force(row(n_nodes) + spare) {
   for (int i = 0; i < n_nodes; ++i)
     std::copy_n(points + 3 * std::size_t(i), 3, nodes.position.data() + std::size_t(nodes.position_stride) * i);
 }
@@ -58,7 +68,8 @@ void ShellLoop<Real>::cut_blocks() {
       };
       tiles_.push_back({block.get(), bound(t), bound(t + 1), numbered_from, 0, 0});
       const auto packs = static_cast<std::size_t>(tiles_.back().last - tiles_.back().first);
-      scratch_size_ = std::max(scratch_size_, packs * ElementBlock<Real>::lanes * block->nodes_each() * freedoms);
+      scratch_size_ =
+          std::max(scratch_size_, packs * ElementBlock<Real>::lanes * block->nodes_each() * freedoms + spare);
     }
     numbered_from += block->n();
   }
@@ -102,7 +113,7 @@ void ShellLoop<Real>::make_tiles() {
     entry_start_.push_back(static_cast<int>(entry_.size()));
     tiles_[t].nodes_last = static_cast<int>(target_.size());
   }
-  partial_.assign(std::size_t(n_partial) * freedoms, Real(0));
+  partial_ = AlignedArray<Real>(row(n_partial) + spare);
   rim_node_.clear(), rim_partial_.clear(), rim_start_.assign(1, 0);
   for (int node = 0; node < nodes.n; ++node) {
     if (rows[node].empty()) continue;
@@ -180,12 +191,10 @@ template <class Real>
 int ShellLoop<Real>::advance_tile(const Tile& tile, double dt, Real* scratch) {
   const int failed = tile.block->advance(nodes, dt, tile.first, tile.last, scratch);
   for (int i = tile.nodes_first; i < tile.nodes_last; ++i) {
-    Real sum[freedoms] = {};
-    for (int s = entry_start_[i]; s < entry_start_[i + 1]; ++s)
-      for (int j = 0; j < freedoms; ++j) sum[j] += scratch[entry_[s] + j];
+    Record sum{};
+    for (int s = entry_start_[i]; s < entry_start_[i + 1]; ++s) sum += load_record(scratch + entry_[s]);
     const int to = target_[i];
-    Real* row = to >= 0 ? &internal_force[std::size_t(freedoms) * to] : &partial_[std::size_t(freedoms) * (-1 - to)];
-    for (int j = 0; j < freedoms; ++j) row[j] = sum[j];
+    store_record<freedoms>(sum, to >= 0 ? internal_force.data() + row(to) : partial_.data() + row(-1 - to));
   }
   return failed < 0 ? -1 : tile.numbered_from + failed;
 }
@@ -193,10 +202,9 @@ int ShellLoop<Real>::advance_tile(const Tile& tile, double dt, Real* scratch) {
 template <class Real>
 void ShellLoop<Real>::close_rims(int first, int last) {
   for (int i = first; i < last; ++i) {
-    Real* to = &internal_force[std::size_t(freedoms) * rim_node_[i]];
-    for (int j = 0; j < freedoms; ++j) to[j] = Real(0);
-    for (int s = rim_start_[i]; s < rim_start_[i + 1]; ++s)
-      for (int j = 0; j < freedoms; ++j) to[j] += partial_[std::size_t(freedoms) * rim_partial_[s] + j];
+    Record sum{};
+    for (int s = rim_start_[i]; s < rim_start_[i + 1]; ++s) sum += load_record(partial_.data() + row(rim_partial_[s]));
+    store_record<freedoms>(sum, internal_force.data() + row(rim_node_[i]));
   }
 }
 
@@ -209,44 +217,51 @@ void ShellLoop<Real>::advance_elements(double dt) {
 }
 
 template <class Real>
-void ShellLoop<Real>::next_velocity(int node, const Step& step, double after[freedoms], double outer[freedoms]) const {
-  const std::size_t at = std::size_t(freedoms) * node;
+[[gnu::always_inline]] inline void ShellLoop<Real>::next_velocity(int node, const Step& step, Record& after,
+                                                                  Record& outer) const {
+  constexpr std::int64_t on = -1;
+  const Record before = load_record(nodes.motion.data() + std::size_t(nodes.motion_stride) * node);
+  const Record inner = load_record(internal_force.data() + row(node));
+  outer = step.force_scale * load_record(force.data() + row(node));
+  after = step.kept * before + step.push * inverse_masses(before) * (outer - inner);
+  after = Freedoms{on, on, on, on, on, on, 0, 0} ? after : before;
+  if (held[node]) hold(node, step, after, outer);
+}
+
+template <class Real>
+void ShellLoop<Real>::hold(int node, const Step& step, Record& after, Record& outer) const {
   const Real* motion = nodes.motion.data() + std::size_t(nodes.motion_stride) * node;
-  const double inverse[freedoms] = {motion[6], motion[6], motion[6], motion[7], motion[7], motion[7]};
-  for (int i = 0; i < freedoms; ++i) {
-    outer[i] = step.force_scale * force[at + i];
-    after[i] = step.kept * motion[i] + step.push * inverse[i] * (outer[i] - internal_force[at + i]);
-  }
-  const std::uint8_t* held = &fixed[at];
-  if (held[0] | held[1] | held[2] | held[3] | held[4] | held[5])
-    for (int i = 0; i < freedoms; ++i)
-      if (held[i]) {  // the outer force is the one that gives the prescribed velocity
-        after[i] = step.velocity_scale * prescribed[at + i];
-        outer[i] = internal_force[at + i] +
-                   (inverse[i] > 0.0 ? (after[i] - step.kept * motion[i]) / (step.push * inverse[i]) : 0.0);
-      }
+  for (int i = 0; i < freedoms; ++i)
+    if (held[node] >> i & 1) {
+      const double inverse = motion[i < 3 ? 6 : 7], free = after[i];
+      after[i] = step.velocity_scale * prescribed[row(node) + i];
+      if (inverse > 0.0) outer[i] += (after[i] - free) / (step.push * inverse);
+    }
 }
 
 template <class Real>
 typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, const Step& step) {
-  double external[freedoms] = {}, damped[freedoms] = {}, fastest = 0.0;
+  Record external{}, damped{};
+  double fastest = 0.0;
+  const double dt = step.dt;
   for (int node = first; node < last; ++node) {
     if (hanging.has(node)) continue;
-    double after[freedoms], outer[freedoms];
+    Record after, outer;
     next_velocity(node, step, after, outer);
     Real* motion = nodes.motion.data() + std::size_t(nodes.motion_stride) * node;
     double* x = nodes.position.data() + std::size_t(nodes.position_stride) * node;
-    for (int i = 0; i < freedoms; ++i) external[i] += outer[i] * (motion[i] + after[i]);
-    if (step.damping > 0.0)
-      for (int i = 0; i < freedoms; ++i) {
-        const double mean = 0.5 * (motion[i] + after[i]), inverse = motion[i < 3 ? 6 : 7];
-        if (inverse > 0.0) damped[i] += mean * mean / inverse;
-      }
-    for (int i = 0; i < freedoms; ++i) motion[i] = static_cast<Real>(after[i]);
+    const Record before = load_record(motion);
+    external += outer * (before + after);
+    if (step.damping > 0.0) {
+      const Record mean = 0.5 * (before + after), inverse = inverse_masses(before);
+      damped += inverse > 0.0 ? mean * mean / inverse : Record{};
+    }
+    store_record<8>(after, motion);
     // by the velocity as it is kept: what moves a node is what strains its elements
-    double squared = 0.0;
-    for (int i = 0; i < 3; ++i) x[i] += step.dt * motion[i], squared += double(motion[i]) * motion[i];
-    fastest = std::max(fastest, squared);
+    const Place velocity = __builtin_shufflevector(load_record(motion), Record{}, 0, 1, 2, 8);
+    store_place(load_place(x) + dt * velocity, x);
+    const Place squares = velocity * velocity;
+    fastest = std::max(fastest, squares[0] + squares[1] + squares[2]);
   }
   Sums sums;
   sums.fastest = fastest;
@@ -266,10 +281,16 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
   std::vector<Sums> sums(n_chunks + hanging_chunks);
   hanging.measure(nodes, 0, n_hanging);
   int failed = INT_MAX, failed_in = -1;
-#pragma omp parallel if (n_elements() >= serial_elements)
+  const bool shared = n_elements() >= serial_elements;
+  const int most_threads = shared ? omp_get_max_threads() : 1;
+  WorkShares tiles(n_tiles, most_threads), edges(contact ? contact->edge_chunks() : 0, most_threads),
+      touching(contact ? contact->node_chunks() : 0, most_threads);
+#pragma omp parallel if (shared)
   {
+    const int thread = omp_get_thread_num(), n_threads = omp_get_num_threads();
     AlignedArray<Real> scratch(scratch_size_);
     for (int cycle = 0; cycle < n; ++cycle) {
+      for (WorkShares* work : {&tiles, &edges, &touching}) work->deal(thread, n_threads);
       const Step step{dt, damping, force_scale[cycle], velocity_scale[cycle]};
 #pragma omp for schedule(static)
       for (int c = 0; c < n_chunks; ++c) sums[c] = move_nodes(c * chunk, std::min(nodes.n, (c + 1) * chunk), step);
@@ -287,9 +308,15 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
         }
         if (contact) contact->move_tools(cycle, dt, std::sqrt(fastest));
       }
-#pragma omp for schedule(static) reduction(min : failed)
-      for (int t = 0; t < n_tiles; ++t)
-        if (const int shell = advance_tile(tiles_[t], dt, scratch.data()); shell >= 0) failed = std::min(failed, shell);
+      int failed_here = INT_MAX;
+      for (int t; (t = tiles.take(thread)) >= 0;)
+        if (const int shell = advance_tile(tiles_[t], dt, scratch.data()); shell >= 0)
+          failed_here = std::min(failed_here, shell);
+      if (failed_here != INT_MAX) {
+#pragma omp critical
+        failed = std::min(failed, failed_here);
+      }
+#pragma omp barrier
       if (failed != INT_MAX) {  // the same for all threads
 #pragma omp master
         failed_in = cycle;
@@ -303,10 +330,10 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
       }
       if (contact) {
         const auto sheet = view(dt);
-#pragma omp for schedule(static)
-        for (int c = 0; c < contact->edge_chunks(); ++c) contact->visit_edges(c, sheet);
-#pragma omp for schedule(static)
-        for (int c = 0; c < contact->node_chunks(); ++c) contact->visit_nodes(c, sheet, internal_force.data());
+        for (int c; (c = edges.take(thread)) >= 0;) contact->visit_edges(c, sheet);
+#pragma omp barrier
+        for (int c; (c = touching.take(thread)) >= 0;) contact->visit_nodes(c, sheet, internal_force.data());
+#pragma omp barrier
 #pragma omp master
         contact->close_cycle();
       }
@@ -370,7 +397,7 @@ Energies ShellLoop<Real>::energies(double dt, double damping, double force_scale
   e.damping = work[1];
   const Step step{dt, damping, force_scale, velocity_scale};
   for (int node = 0; node < nodes.n; ++node) {
-    double after[freedoms], outer[freedoms];
+    Record after, outer;
     next_velocity(node, step, after, outer);
     const Real* motion = nodes.motion.data() + std::size_t(nodes.motion_stride) * node;
     for (int i = 0; i < freedoms; ++i) {

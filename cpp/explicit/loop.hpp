@@ -47,9 +47,9 @@ class ShellLoop {
 
   Nodes<Real> nodes;
   std::vector<std::unique_ptr<ElementBlock<Real>>> blocks;
-  std::vector<Real> force;          // (n, 6): nodal forces [N] and moments [N mm] from outside
-  std::vector<std::uint8_t> fixed;  // (n, 6): velocity is prescribed
-  std::vector<Real> prescribed;     // (n, 6): velocities of the fixed freedoms
+  AlignedArray<Real> force;        // (n, 6) and two: nodal forces [N] and moments [N mm] from outside
+  std::vector<std::uint8_t> held;  // (n): a bit for each freedom, the first the lowest: its velocity is prescribed
+  std::vector<Real> prescribed;    // (n, 6): velocities of the held freedoms
 
   HangingNodes<Real> hanging;
   void set_hanging(std::vector<HangingNode> nodes);
@@ -75,7 +75,7 @@ class ShellLoop {
   // Advance the elements alone, and with them the internal force.
   void advance_elements(double dt);
 
-  std::vector<Real> internal_force;  // (n, 6) [N, N mm], less the contact forces of tools
+  AlignedArray<Real> internal_force;  // (n, 6) and two [N, N mm], less the contact forces of tools
 
   std::unique_ptr<Drawbeads> beads;  // none without beads
   contact::SheetUnder find_cells() const;
@@ -116,8 +116,10 @@ class ShellLoop {
   int advance_tile(const Tile& tile, double dt, Real* scratch);  // gives the element whose law has failed, or -1
   void close_rims(int first, int last);
   Sums move_nodes(int first, int last, const Step& step);
-  // Velocity half a step on of one node, and its outer force at present.
-  void next_velocity(int node, const Step& step, double after[6], double outer[6]) const;
+  // Velocity half a step on of one node, its masses as they are, and its outer force at present.
+  void next_velocity(int node, const Step& step, Record& after, Record& outer) const;
+  // Give held freedoms their velocity, and the outer force that gives it to them.
+  [[gnu::noinline]] void hold(int node, const Step& step, Record& after, Record& outer) const;
 
   std::vector<Tile> tiles_;
   std::size_t scratch_size_ = 0;  // of the largest tile
@@ -125,7 +127,7 @@ class ShellLoop {
   // partial_ (as -1 - row); and the entries to add up, offsets in the tile's forces.
   std::vector<double> own_mass_;  // of nodes, before hanging ones give theirs away
   std::vector<int> target_, entry_start_, entry_;
-  std::vector<Real> partial_;                            // (rows, 6)
+  AlignedArray<Real> partial_;                           // (rows, 6) and two
   std::vector<int> rim_node_, rim_start_, rim_partial_;  // nodes on rims and their rows of partial_
 };
 
