@@ -334,6 +334,13 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
            "Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; "
            "returns "
            "the shell and the cycle of it, or -1, -1.")
+      .def_prop_ro(
+          "seconds",
+          [](const Loop& self) {
+            const auto of = [&](Phase phase) { return self.seconds[static_cast<int>(phase)]; };
+            return std::make_tuple(of(Phase::nodes), of(Phase::elements), of(Phase::contact), of(Phase::waiting));
+          },
+          "Wall time [s] that advance has taken for nodes, elements, contact, and waiting between threads.")
       .def("energies", &Loop::energies, nb::arg("dt"), nb::kw_only(), nb::arg("damping") = 0.0,
            nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0, "Energies at the present time.")
       .def("trial_force", &trial_force<Real>, nb::arg("increment"),

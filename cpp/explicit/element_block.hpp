@@ -13,6 +13,8 @@
 
 namespace presswork::explicit_dynamics {
 
+inline constexpr int serial_elements = 1000;  // fewer are left to one thread: waking a second costs more than it gives
+
 // Where the loop finds what it reports in an element's state; layers start at `layers`, `law` rows each.
 struct StateRows {
   int thickness, work, hourglass_work;  // work [N mm]: of the stresses, of the hourglass forces (-1: there are none)
@@ -30,7 +32,6 @@ template <class Real>
 class ElementBlock {
  public:
   static constexpr int lanes = PackOf<Real>::width;
-  static constexpr int freedoms = 6;  // of a node
 
   virtual ~ElementBlock() = default;
 

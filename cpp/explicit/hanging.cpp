@@ -8,8 +8,6 @@ namespace presswork::explicit_dynamics {
 
 namespace {
 
-constexpr int freedoms = 6;
-
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 void cross(const double a[3], const double b[3], double c[3]) {
   c[0] = a[1] * b[2] - a[2] * b[1];
@@ -112,7 +110,7 @@ void HangingNodes<Real>::take_forces(const Nodes<Real>& nodes, Real* force, int 
   measure(nodes, first, last);
   for (int s = first; s < last; ++s) {
     const Side& side = side_[s];
-    Real* own = force + std::size_t(freedoms) * hanging_[s].node;
+    Real* own = force + row_at(hanging_[s].node);
     const double f[3] = {own[0], own[1], own[2]};
     double lifted[3], lever[3];
     cross(side.height, f, lifted), cross(side.along, side.normal, lever);
@@ -135,7 +133,7 @@ void HangingNodes<Real>::give_forces(Real* force, int first, int last) const {
       const Given& given = given_[end_entry_[s] / 2];
       for (int i = 0; i < 3; ++i) sum[i] += given.force[i], sum[3 + i] += given.moment[end_entry_[s] % 2][i];
     }
-    Real* to = force + std::size_t(freedoms) * end_[e];
+    Real* to = force + row_at(end_[e]);
     for (int i = 0; i < freedoms; ++i) to[i] += static_cast<Real>(sum[i]);
   }
 }

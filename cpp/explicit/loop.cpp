@@ -13,25 +13,20 @@ namespace presswork::explicit_dynamics {
 
 namespace {
 
-constexpr int chunk = 256;             // nodes whose work is summed up in one go: the sums do not depend on the threads
-constexpr int serial_elements = 1000;  // fewer are left to one thread: waking a second costs more than it gives
-constexpr int freedoms = 6, spare = 2;  // numbers after the last row of six, which a record takes in
-
+constexpr int chunk = 256;  // nodes whose work is summed up in one go: the sums do not depend on the threads
 inline Record inverse_masses(const Record& motion) {
   return __builtin_shufflevector(motion, motion, 6, 6, 6, 7, 7, 7, 6, 7);
 }
-
-constexpr std::size_t row(int i) { return std::size_t(freedoms) * i; }
 
 }  // namespace
 
 template <class Real>
 ShellLoop<Real>::ShellLoop(int n_nodes, const double* points)
     : nodes(n_nodes),
-      force(row(n_nodes) + spare),
+      force(row_at(n_nodes) + spare),
       held(n_nodes),
-      prescribed(row(n_nodes)),
-      internal_force(row(n_nodes) + spare) {
+      prescribed(row_at(n_nodes)),
+      internal_force(row_at(n_nodes) + spare) {
   for (int i = 0; i < n_nodes; ++i)
     std::copy_n(points + 3 * std::size_t(i), 3, nodes.position.data() + std::size_t(nodes.position_stride) * i);
 }
@@ -39,7 +34,7 @@ ShellLoop<Real>::ShellLoop(int n_nodes, const double* points)
 template <class Real>
 void ShellLoop<Real>::add(std::unique_ptr<ElementBlock<Real>> block) {
   blocks.push_back(std::move(block));
-  make_tiles();
+  tiles_.cut(nodes.n, blocks);
   set_masses();
 }
 
@@ -48,79 +43,6 @@ int ShellLoop<Real>::n_elements() const {
   int n = 0;
   for (const auto& block : blocks) n += block->n();
   return n;
-}
-
-// Cuts the blocks into tiles: 64 to 512 elements, as equal as can be and their number even for any usual number of
-// threads. They begin at multiples of the widest pack there is, whatever the pack compiled for.
-template <class Real>
-void ShellLoop<Real>::cut_blocks() {
-  constexpr int group = 16, group_packs = group / ElementBlock<Real>::lanes, even = 32;
-  tiles_.clear();
-  scratch_size_ = 0;
-  int numbered_from = 0;
-  for (const auto& block : blocks) {
-    const int groups = (block->n() + group - 1) / group;
-    int n_tiles = (block->n() + 511) / 512;
-    n_tiles = groups >= 4 * even ? (n_tiles + even - 1) / even * even : (groups + 3) / 4;
-    for (int t = 0; t < n_tiles; ++t) {
-      const auto bound = [&](std::int64_t i) {
-        return std::min(block->n_packs(), static_cast<int>(i * groups / n_tiles) * group_packs);
-      };
-      tiles_.push_back({block.get(), bound(t), bound(t + 1), numbered_from, 0, 0});
-      const auto packs = static_cast<std::size_t>(tiles_.back().last - tiles_.back().first);
-      scratch_size_ =
-          std::max(scratch_size_, packs * ElementBlock<Real>::lanes * block->nodes_each() * freedoms + spare);
-    }
-    numbered_from += block->n();
-  }
-}
-
-// Which tile each node belongs to, and what it adds up there.
-template <class Real>
-void ShellLoop<Real>::make_tiles() {
-  constexpr int none = -1, rim = -2, lanes = ElementBlock<Real>::lanes;
-  cut_blocks();
-  const auto for_each_use = [&](int t, auto&& use) {  // of a node by an element of tile t: node, offset of its force
-    const Tile& tile = tiles_[t];
-    const int each = tile.block->nodes_each(), first = tile.first * lanes;
-    for (int e = first; e < std::min(tile.block->n(), tile.last * lanes); ++e)
-      for (int a = 0; a < each; ++a)
-        use(tile.block->connectivity()[std::size_t(each) * e + a], ((e - first) * each + a) * freedoms);
-  };
-  const int n_tiles = static_cast<int>(tiles_.size());
-  std::vector<int> owner(nodes.n, none);
-  for (int t = 0; t < n_tiles; ++t)
-    for_each_use(t, [&](int node, int) { owner[node] = owner[node] == none || owner[node] == t ? t : rim; });
-
-  std::vector<std::vector<int>> rows(nodes.n);  // of partial_
-  std::vector<std::pair<int, int>> uses;        // node, offset
-  int n_partial = 0;
-  target_.clear(), entry_.clear(), entry_start_.assign(1, 0);
-  for (int t = 0; t < n_tiles; ++t) {
-    tiles_[t].nodes_first = static_cast<int>(target_.size());
-    uses.clear();
-    for_each_use(t, [&](int node, int offset) { uses.emplace_back(node, offset); });
-    std::sort(uses.begin(), uses.end());
-    for (std::size_t i = 0; i < uses.size(); ++i) {
-      const int node = uses[i].first;
-      if (i == 0 || uses[i - 1].first != node) {
-        if (i > 0) entry_start_.push_back(static_cast<int>(entry_.size()));
-        if (owner[node] == rim) rows[node].push_back(n_partial);
-        target_.push_back(owner[node] == rim ? -1 - n_partial++ : node);
-      }
-      entry_.push_back(uses[i].second);
-    }
-    entry_start_.push_back(static_cast<int>(entry_.size()));
-    tiles_[t].nodes_last = static_cast<int>(target_.size());
-  }
-  partial_ = AlignedArray<Real>(row(n_partial) + spare);
-  rim_node_.clear(), rim_partial_.clear(), rim_start_.assign(1, 0);
-  for (int node = 0; node < nodes.n; ++node) {
-    if (rows[node].empty()) continue;
-    rim_node_.push_back(node);
-    rim_partial_.insert(rim_partial_.end(), rows[node].begin(), rows[node].end());
-    rim_start_.push_back(static_cast<int>(rim_partial_.size()));
-  }
 }
 
 template <class Real>
@@ -186,33 +108,11 @@ void ShellLoop<Real>::inherit(const ShellLoop& from, const int* node_parents, co
   }
 }
 
-// scratch: forces of the tile's elements (packs, lanes, nodes, 6).
-template <class Real>
-int ShellLoop<Real>::advance_tile(const Tile& tile, double dt, Real* scratch) {
-  const int failed = tile.block->advance(nodes, dt, tile.first, tile.last, scratch);
-  for (int i = tile.nodes_first; i < tile.nodes_last; ++i) {
-    Record sum{};
-    for (int s = entry_start_[i]; s < entry_start_[i + 1]; ++s) sum += load_record(scratch + entry_[s]);
-    const int to = target_[i];
-    store_record<freedoms>(sum, to >= 0 ? internal_force.data() + row(to) : partial_.data() + row(-1 - to));
-  }
-  return failed < 0 ? -1 : tile.numbered_from + failed;
-}
-
-template <class Real>
-void ShellLoop<Real>::close_rims(int first, int last) {
-  for (int i = first; i < last; ++i) {
-    Record sum{};
-    for (int s = rim_start_[i]; s < rim_start_[i + 1]; ++s) sum += load_record(partial_.data() + row(rim_partial_[s]));
-    store_record<freedoms>(sum, internal_force.data() + row(rim_node_[i]));
-  }
-}
-
 template <class Real>
 void ShellLoop<Real>::advance_elements(double dt) {
-  AlignedArray<Real> scratch(scratch_size_);
-  for (const auto& tile : tiles_) advance_tile(tile, dt, scratch.data());
-  close_rims(0, static_cast<int>(rim_node_.size()));
+  AlignedArray<Real> scratch = tiles_.make_scratch();
+  for (int t = 0; t < tiles_.n(); ++t) tiles_.advance(t, nodes, dt, scratch.data(), internal_force.data());
+  tiles_.close_rims(0, tiles_.n_rim_nodes(), internal_force.data());
   give_hanging_forces();
 }
 
@@ -221,8 +121,8 @@ template <class Real>
                                                                   Record& outer) const {
   constexpr std::int64_t on = -1;
   const Record before = load_record(nodes.motion.data() + std::size_t(nodes.motion_stride) * node);
-  const Record inner = load_record(internal_force.data() + row(node));
-  outer = step.force_scale * load_record(force.data() + row(node));
+  const Record inner = load_record(internal_force.data() + row_at(node));
+  outer = step.force_scale * load_record(force.data() + row_at(node));
   after = step.kept * before + step.push * inverse_masses(before) * (outer - inner);
   after = Freedoms{on, on, on, on, on, on, 0, 0} ? after : before;
   if (held[node]) hold(node, step, after, outer);
@@ -234,7 +134,7 @@ void ShellLoop<Real>::hold(int node, const Step& step, Record& after, Record& ou
   for (int i = 0; i < freedoms; ++i)
     if (held[node] >> i & 1) {
       const double inverse = motion[i < 3 ? 6 : 7], free = after[i];
-      after[i] = step.velocity_scale * prescribed[row(node) + i];
+      after[i] = step.velocity_scale * prescribed[row_at(node) + i];
       if (inverse > 0.0) outer[i] += (after[i] - free) / (step.push * inverse);
     }
 }
@@ -275,29 +175,37 @@ typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, 
 template <class Real>
 typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, double damping, const double* force_scale,
                                                            const double* velocity_scale) {
-  const int n_chunks = (nodes.n + chunk - 1) / chunk, n_tiles = static_cast<int>(tiles_.size());
-  const int n_rims = static_cast<int>(rim_node_.size()), n_hanging = hanging.n(), n_ends = hanging.n_ends();
-  const int hanging_chunks = (n_hanging + chunk - 1) / chunk;
-  std::vector<Sums> sums(n_chunks + hanging_chunks);
+  const auto chunks_of = [](int items) { return (items + chunk - 1) / chunk; };
+  const int n_chunks = chunks_of(nodes.n), n_rims = tiles_.n_rim_nodes(), n_hanging = hanging.n();
+  std::vector<Sums> sums(n_chunks + chunks_of(n_hanging));
   hanging.measure(nodes, 0, n_hanging);
   int failed = INT_MAX, failed_in = -1;
   const bool shared = n_elements() >= serial_elements;
   const int most_threads = shared ? omp_get_max_threads() : 1;
-  WorkShares tiles(n_tiles, most_threads), edges(contact ? contact->edge_chunks() : 0, most_threads),
+  WorkShares tiles(tiles_.n(), most_threads), edges(contact ? contact->edge_chunks() : 0, most_threads),
       touching(contact ? contact->node_chunks() : 0, most_threads);
+  Real* net = internal_force.data();
 #pragma omp parallel if (shared)
   {
     const int thread = omp_get_thread_num(), n_threads = omp_get_num_threads();
-    AlignedArray<Real> scratch(scratch_size_);
+    AlignedArray<Real> scratch = tiles_.make_scratch();
+    PhaseClock clock;
+    const auto finish = [&](Phase phase) {  // a phase; the next needs what all threads did in it
+      clock.lap(phase);
+#pragma omp barrier
+      clock.lap(Phase::waiting);
+    };
     for (int cycle = 0; cycle < n; ++cycle) {
       for (WorkShares* work : {&tiles, &edges, &touching}) work->deal(thread, n_threads);
       const Step step{dt, damping, force_scale[cycle], velocity_scale[cycle]};
-#pragma omp for schedule(static)
+#pragma omp for schedule(static) nowait
       for (int c = 0; c < n_chunks; ++c) sums[c] = move_nodes(c * chunk, std::min(nodes.n, (c + 1) * chunk), step);
+      finish(Phase::nodes);
       if (n_hanging > 0) {
-#pragma omp for schedule(static)
-        for (int c = 0; c < hanging_chunks; ++c)
+#pragma omp for schedule(static) nowait
+        for (int c = 0; c < chunks_of(n_hanging); ++c)
           sums[n_chunks + c].fastest = hanging.move(nodes, dt, c * chunk, std::min(n_hanging, (c + 1) * chunk));
+        finish(Phase::nodes);
       }
 #pragma omp master
       {
@@ -308,42 +216,49 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
         }
         if (contact) contact->move_tools(cycle, dt, std::sqrt(fastest));
       }
+      clock.lap(Phase::contact);
       int failed_here = INT_MAX;
       for (int t; (t = tiles.take(thread)) >= 0;)
-        if (const int shell = advance_tile(tiles_[t], dt, scratch.data()); shell >= 0)
+        if (const int shell = tiles_.advance(t, nodes, dt, scratch.data(), net); shell >= 0)
           failed_here = std::min(failed_here, shell);
       if (failed_here != INT_MAX) {
 #pragma omp critical
         failed = std::min(failed, failed_here);
       }
-#pragma omp barrier
+      finish(Phase::elements);
       if (failed != INT_MAX) {  // the same for all threads
 #pragma omp master
         failed_in = cycle;
         break;
       }
-#pragma omp for schedule(static)
-      for (int i = 0; i < n_rims; ++i) close_rims(i, i + 1);
+#pragma omp for schedule(static) nowait
+      for (int i = 0; i < n_rims; ++i) tiles_.close_rims(i, i + 1, net);
+      finish(Phase::elements);
       if (beads) {
-#pragma omp single
-        beads->visit(cycle, dt, nodes, contact ? &contact->tools : nullptr, internal_force.data());
+#pragma omp single nowait
+        beads->visit(cycle, dt, nodes, contact ? &contact->tools : nullptr, net);
+        finish(Phase::contact);
       }
       if (contact) {
         const auto sheet = view(dt);
         for (int c; (c = edges.take(thread)) >= 0;) contact->visit_edges(c, sheet);
-#pragma omp barrier
-        for (int c; (c = touching.take(thread)) >= 0;) contact->visit_nodes(c, sheet, internal_force.data());
-#pragma omp barrier
+        finish(Phase::contact);
+        for (int c; (c = touching.take(thread)) >= 0;) contact->visit_nodes(c, sheet, net);
+        finish(Phase::contact);
 #pragma omp master
         contact->close_cycle();
       }
       if (n_hanging == 0) continue;
-#pragma omp for schedule(static)
-      for (int c = 0; c < hanging_chunks; ++c)
-        hanging.take_forces(nodes, internal_force.data(), c * chunk, std::min(n_hanging, (c + 1) * chunk));
-#pragma omp for schedule(static)
-      for (int i = 0; i < n_ends; ++i) hanging.give_forces(internal_force.data(), i, i + 1);
+#pragma omp for schedule(static) nowait
+      for (int c = 0; c < chunks_of(n_hanging); ++c)
+        hanging.take_forces(nodes, net, c * chunk, std::min(n_hanging, (c + 1) * chunk));
+      finish(Phase::nodes);
+#pragma omp for schedule(static) nowait
+      for (int i = 0; i < hanging.n_ends(); ++i) hanging.give_forces(net, i, i + 1);
+      finish(Phase::nodes);
     }
+#pragma omp critical
+    for (int p = 0; p < n_phases; ++p) seconds[p] += clock.seconds[p] / n_threads;
   }
   return failed == INT_MAX ? Failure{} : Failure{failed, failed_in};
 }

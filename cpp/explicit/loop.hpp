@@ -6,8 +6,6 @@
 //          beads    and
 //          tools    their forces are taken off f_int
 // Hanging nodes move after the others, with the ends of their sides, and give their forces to them at the end.
-// Elements are taken in tiles, the forces of which stay in the cache: nodes inside a tile are summed up there and then,
-// and those on its rim leave a partial sum, which a second pass adds to those of the other tiles; all in a fixed order.
 // At the end of a call x and the forces belong to time t, v to t - dt/2.
 //
 // Real is that of velocities, forces and elements; positions, work and all that is done with a node in a step are
@@ -21,6 +19,8 @@
 #include "explicit/drawbeads.hpp"
 #include "explicit/element_block.hpp"
 #include "explicit/hanging.hpp"
+#include "explicit/phase_clock.hpp"
+#include "explicit/tiles.hpp"
 #include "explicit/tool_contact.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -94,7 +94,8 @@ class ShellLoop {
     return blocks[b]->value(element, blocks[b]->rows().thickness);
   }
 
-  double work[2] = {0.0, 0.0};  // done by force and prescription, by damping: up to half a step back
+  double seconds[n_phases] = {};  // of wall time by phase, in all calls of advance
+  double work[2] = {0.0, 0.0};    // done by force and prescription, by damping: up to half a step back
 
  private:
   struct Sums {
@@ -105,30 +106,14 @@ class ShellLoop {
     double dt, damping, force_scale, velocity_scale;
     double kept = (1.0 - 0.5 * damping * dt) / (1.0 + 0.5 * damping * dt), push = dt / (1.0 + 0.5 * damping * dt);
   };
-  struct Tile {
-    ElementBlock<Real>* block;
-    int first, last;              // packs
-    int numbered_from;            // number of the block's first element in the loop
-    int nodes_first, nodes_last;  // in target_
-  };
-  void cut_blocks();
-  void make_tiles();
-  int advance_tile(const Tile& tile, double dt, Real* scratch);  // gives the element whose law has failed, or -1
-  void close_rims(int first, int last);
   Sums move_nodes(int first, int last, const Step& step);
   // Velocity half a step on of one node, its masses as they are, and its outer force at present.
   void next_velocity(int node, const Step& step, Record& after, Record& outer) const;
   // Give held freedoms their velocity, and the outer force that gives it to them.
   [[gnu::noinline]] void hold(int node, const Step& step, Record& after, Record& outer) const;
 
-  std::vector<Tile> tiles_;
-  std::size_t scratch_size_ = 0;  // of the largest tile
-  // Nodes of the tiles, one tile after the other: where the sum goes, a row of internal_force or, below zero, of
-  // partial_ (as -1 - row); and the entries to add up, offsets in the tile's forces.
+  Tiles<Real> tiles_;
   std::vector<double> own_mass_;  // of nodes, before hanging ones give theirs away
-  std::vector<int> target_, entry_start_, entry_;
-  AlignedArray<Real> partial_;                           // (rows, 6) and two
-  std::vector<int> rim_node_, rim_start_, rim_partial_;  // nodes on rims and their rows of partial_
 };
 
 }  // namespace presswork::explicit_dynamics

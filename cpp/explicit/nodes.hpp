@@ -48,6 +48,10 @@ class AlignedArray {
 typedef double Record __attribute__((vector_size(64)));
 typedef std::int64_t Freedoms __attribute__((vector_size(64)));  // which of them: -1, or 0
 
+// Forces and such are rows of six, with room for a record at the last.
+inline constexpr int freedoms = 6, spare = 2;
+inline std::size_t row_at(int i) { return std::size_t(freedoms) * i; }
+
 // Eight numbers from anywhere; of a row of six the last two are of the row that follows.
 inline Record load_record(const double* from) {
   Record r;

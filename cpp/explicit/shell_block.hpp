@@ -53,7 +53,7 @@ class ShellBlock final : public ElementBlock<Real> {
   void bound_frequencies(const Nodes<Real>& nodes, double* squared) const override {
     const auto [young, poisson] =
         std::visit([](const auto& law) { return std::pair(law.young, law.poisson); }, section_.law);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (this->n_ >= serial_elements)
     for (int pack = 0; pack < this->n_packs(); ++pack) {
       P x[each][3], mass, ratio;
       gather_positions<each>(nodes, this->pack_nodes(pack), x);

@@ -629,6 +629,12 @@ class ShellLoop:
         Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell and the cycle of it, or -1, -1.
         """
 
+    @property
+    def seconds(self) -> tuple[float, float, float, float]:
+        """
+        Wall time [s] that advance has taken for nodes, elements, contact, and waiting between threads.
+        """
+
     def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
         """Energies at the present time."""
 
@@ -800,6 +806,12 @@ class ShellLoopSingle:
     def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int]:
         """
         Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell and the cycle of it, or -1, -1.
+        """
+
+    @property
+    def seconds(self) -> tuple[float, float, float, float]:
+        """
+        Wall time [s] that advance has taken for nodes, elements, contact, and waiting between threads.
         """
 
     def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:

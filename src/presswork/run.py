@@ -170,6 +170,8 @@ class _Run:
             self.save_checkpoint()
             self._save_last_state()
         self._write_summary(status, reason)
+        timing = self.recording.timing
+        self.log.info("%.1f s of wall time: %s", timing.total(), timing.shares())
         for handler in list(self.log.handlers):
             handler.close()
             self.log.removeHandler(handler)

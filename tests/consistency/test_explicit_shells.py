@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The explicit loop: threads, restart, order of the input, laws and options."""
 
+from time import perf_counter
+
 import numpy as np
 import pytest
 
@@ -12,14 +14,14 @@ SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.00
 N = 24
 
 
-def mesh() -> tuple[np.ndarray, np.ndarray]:
-    """24 x 24 shells of about 2 mm, wavy, inner nodes out of line."""
-    x, y = np.meshgrid(np.linspace(0, 48, N + 1), np.linspace(0, 48, N + 1))
+def mesh(n: int = N) -> tuple[np.ndarray, np.ndarray]:
+    """n x n shells, 48 mm by 48 mm, wavy, inner nodes out of line."""
+    x, y = np.meshgrid(np.linspace(0, 48, n + 1), np.linspace(0, 48, n + 1))
     points = np.stack([x.ravel(), y.ravel(), 0.5 * np.sin(x.ravel() / 5) * np.cos(y.ravel() / 7)], axis=1)
     inner = (points[:, :2] > 0).all(axis=1) & (points[:, :2] < 48).all(axis=1)
     points[inner] += np.random.default_rng(8).uniform(-0.3, 0.3, (inner.sum(), 3)) * [1, 1, 0.3]
-    first = (np.arange(N)[None, :] + (N + 1) * np.arange(N)[:, None]).ravel()
-    return points, np.stack([first, first + 1, first + N + 2, first + N + 1], axis=1).astype(np.int32)
+    first = (np.arange(n)[None, :] + (n + 1) * np.arange(n)[:, None]).ravel()
+    return points, np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1).astype(np.int32)
 
 
 def halve(cells: np.ndarray) -> np.ndarray:
@@ -28,12 +30,12 @@ def halve(cells: np.ndarray) -> np.ndarray:
     return np.concatenate([cells[cut][:, [0, 1, 2, 2]], cells[cut][:, [0, 2, 3, 3]], cells[~cut]])
 
 
-def make_run(precision: str = "double", law: _core.SheetLaw = SWIFT, **options: object) -> ExplicitShells:
+def make_run(precision: str = "double", law: _core.SheetLaw = SWIFT, n: int = N, **options: object) -> ExplicitShells:
     """One edge held, the opposite one pulled at 5 m/s, and pressed out of the plane: plastic within 100 cycles.
 
     One quadrilateral in five is halved into triangles.
     """
-    points, cells = mesh()
+    points, cells = mesh(n)
     cells = halve(cells)
     shells = ExplicitShells(
         points, cells, 0.8, law, 7.85e-9, options=ShellOptions(**options), precision=precision  # type: ignore[arg-type]
@@ -54,19 +56,33 @@ KINDS = [("double", "shell4_one_point"), ("single", "shell4_one_point"), ("doubl
 
 @pytest.mark.parametrize(("precision", "element"), KINDS)
 def test_threads_do_not_change_a_bit(precision: str, element: str) -> None:
-    """State, and energies too, after 300 cycles of plastic flow."""
+    """State, and energies too, after 300 cycles of plastic flow; shells enough for a second thread to be woken."""
     before = _core.max_threads()
     runs = []
     for threads in (1, 2, 3):
         _core.set_threads(threads)
-        shells = make_run(precision, element=element)
+        shells = make_run(precision, n=36, element=element)
         shells.advance(300)
+        assert len(shells.thickness) > 1000
         runs.append([*results(shells), np.array(list(vars_of(shells.energies())))])
     _core.set_threads(before)
     assert (runs[0][3] > 0).any()
     for other in runs[1:]:
         for a, b in zip(runs[0], other, strict=True):
             np.testing.assert_array_equal(a, b)
+
+
+def test_the_clock_of_phases_adds_up() -> None:
+    """Nothing touches, and no more is shared out than the call has taken."""
+    shells = make_run(n=36)
+    started = perf_counter()
+    shells.advance(300)
+    wall = perf_counter() - started
+    spent = shells.seconds
+    assert list(spent) == ["nodes", "shells", "contact", "waiting"]
+    assert 0 < spent["nodes"] < spent["shells"]
+    assert 0.5 * wall < sum(spent.values()) <= wall
+    assert spent["contact"] < 0.01 * wall
 
 
 def vars_of(energies: object) -> list[float]:

@@ -34,6 +34,7 @@ FREEDOMS = "uvwpqr"
 SAFETY = 0.9
 """Time step over the bound of the stable one."""
 Precision = Literal["double", "single"]
+PHASES = ("nodes", "shells", "contact", "waiting")
 LOOPS: dict[str, type[_core.ShellLoop] | type[_core.ShellLoopSingle]] = {
     "double": _core.ShellLoop,
     "single": _core.ShellLoopSingle,
@@ -327,6 +328,11 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
                 f"the step {self.dt:g} s is too long{now}, its shells have collapsed, or their material law has failed"
             )
         self._check_tools()
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Wall time of `advance` by phase [s]: of motion, of shells, of contact with tools and beads, of waiting."""
+        return dict(zip(PHASES, self._loop.seconds, strict=True))
 
     def inherit(
         self,

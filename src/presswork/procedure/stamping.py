@@ -19,6 +19,7 @@ from presswork.model import BoolArray, Mesh
 from presswork.model_stamping import Refinement, StampingModel, StampingStage
 from presswork.procedure.explicit import (
     FREEDOMS,
+    PHASES,
     SAFETY,
     EnergyBalance,
     ExplicitError,
@@ -70,7 +71,7 @@ class ExplicitStamping:
     def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
         _core.set_threads(threads or available_threads())
         self.model = model
-        self.timing = Timing("cycles")
+        self.timing = Timing(*PHASES, "rest")
         self._progress = np.zeros(6)
         self._progress[ROWS] = model.output.rows
         self._blank = SplitBlank(model)
@@ -129,6 +130,7 @@ class ExplicitStamping:
         self.shells.dt = (end - begin) / n
         most = min(ELEMENT_CYCLES_A_CALL // n_shells, n // SAMPLES) or 1
         self.tools.begin_row()
+        before = self.shells.seconds
         for part in np.split(mean_speeds(stage, begin, end, n), range(most, n, most)):
             self.shells.advance(len(part), velocity_scale=part, damping=self.model.explicit.damping)
             self.tools.sample()
@@ -137,7 +139,7 @@ class ExplicitStamping:
         if row + 1 == rows:
             self._progress[[STAGE, ROW]] = (number + 1, 0)
             self._begin_stage()
-        self.timing.add("cycles", started)
+        self._add_time(started, before)
         steps = self.model.output.steps
         return RowReport(
             number=number * rows + row + 1,
@@ -150,6 +152,13 @@ class ExplicitStamping:
             energies=energies,
             is_save_point=(row + 1) * steps // rows > row * steps // rows,
         )
+
+    def _add_time(self, started: float, before: Mapping[str, float]) -> None:
+        """Share out the time since `started`, by what the shells' clock said then and says now."""
+        spent = {phase: now - before[phase] for phase, now in self.shells.seconds.items()}
+        for phase, seconds in spent.items():
+            self.timing.give(phase, seconds)
+        self.timing.give("rest", perf_counter() - started - sum(spent.values()))
 
     def _refine(self, refinement: Refinement) -> None:
         """Split the shells that are bent, or will be; again, as far as there are levels."""

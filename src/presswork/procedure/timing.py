@@ -17,6 +17,16 @@ class Timing:
         """Add the time since `started` (a perf_counter reading) to a phase."""
         self.seconds[phase] += perf_counter() - started
 
+    def give(self, phase: str, seconds: float) -> None:
+        """Add seconds that have been measured elsewhere to a phase."""
+        self.seconds[phase] += seconds
+
+    def shares(self) -> str:
+        """Say which part of the time each phase has taken, the largest first."""
+        total = self.total()
+        largest_first = sorted(self.seconds.items(), key=lambda item: -item[1])
+        return ", ".join(f"{phase} {100 * seconds / total:.0f} %" for phase, seconds in largest_first if seconds)
+
     def total(self) -> float:
         """Wall time since the start [s]."""
         return perf_counter() - self._started
