@@ -4,6 +4,7 @@
     python benchmarks/explicit_shells.py
     python benchmarks/explicit_shells.py --threads 1 --sizes 100
     python benchmarks/explicit_shells.py --tables      what looking hardening up in a table saves, by law
+    python benchmarks/explicit_shells.py --gain        two threads against one, in turn, on the wall clock
 
 A flat sheet is stretched equally in both directions, five points through the thickness, Swift hardening, every point
 plastic in every cycle (checked), no contact; double precision but for the column that says single. One thread: CPU
@@ -98,6 +99,25 @@ def print_gain_of_tables(repeats: int, n: int = 60) -> None:
             print(f"{name:15} {curve:15} {best[0]:8.3f} {best[1]:8.3f}  {100 * (1 - best[1] / best[0]):4.0f} %")
 
 
+def print_gain_of_threads(sizes: list[int], rounds: int = 60) -> None:
+    """Print microseconds per shell and cycle, of one thread and two in turn, and how many times faster two are."""
+    print(f"{'shells':>9} {'one':>16} {'two':>16} {'ratio':>16}   each: least, lower quartile, median")
+    for n in sizes:
+        shells = stretched_sheet(n, SWIFT, ShellOptions())
+        shells.advance(max(4, round(0.005 / RATE / shells.dt)) if n < 500 else 8)
+        cycles, taken = max(2, round(3e5 / n**2)), np.empty((2, rounds if n < 500 else rounds // 5))
+        for k in range(taken.shape[1]):
+            for threads in (1, 2):
+                _core.set_threads(threads)
+                started = time.perf_counter()
+                shells.advance(cycles)
+                taken[threads - 1, k] = (time.perf_counter() - started) / cycles / n**2 * 1e6
+        one, two = np.quantile(taken, [0, 0.25, 0.5], axis=1).T
+        ratio = (one[0] / two[0], one[1] / two[1], np.median(taken[0] / taken[1]))
+        figures = [" ".join(f"{x:.3f}" for x in one), " ".join(f"{x:.3f}" for x in two)]
+        print(f"{n * n:9,} {figures[0]:>16} {figures[1]:>16} {' '.join(f'{x:.2f}' for x in ratio):>16}", flush=True)
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -106,7 +126,10 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--tables", action="store_true", help="compare hardening by formula and by table instead")
     parser.add_argument("--columns", nargs="+", help="some of the columns")
+    parser.add_argument("--gain", action="store_true", help="compare two threads with one instead")
     given = parser.parse_args()
+    if given.gain:
+        return print_gain_of_threads(given.sizes)
     if given.tables:
         return print_gain_of_tables(given.repeats)
     columns: dict[str, tuple[_core.SheetLaw, ShellOptions] | tuple[_core.SheetLaw, ShellOptions, Precision]] = {

@@ -11,87 +11,21 @@ and counted on its own. Beside the rows stand the machine's own memory bandwidth
 from __future__ import annotations
 
 import argparse
-import ctypes
 import json
 import math
-import os
 import resource
-import shutil
 import statistics
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from time import perf_counter
+
+from machine import measure_machine
 
 ELEMENTS = {"tri3": (4.0, "4CST"), "quad4_fbar": (2.0, "quad4_fbar"), "quad8_2x2": (6.0, "quad8_2x2")}
 """Freedoms per cell of a large square grid, and the name in the table."""
 POINT_FLOPS = {"tri3": 900, "quad4_fbar": 1100, "quad8_2x2": 900}
 """Kinematics, stress update, modulus and internal force of one point, counted by hand in the kernels; rough."""
-
-MACHINE_CPP = r"""
-#include <chrono>
-#include <cstdlib>
-#include <vector>
-#include <omp.h>
-typedef double Vector __attribute__((vector_size(64)));
-static double now() {
-  using namespace std::chrono;
-  return duration<double>(steady_clock::now().time_since_epoch()).count();
-}
-extern "C" double triad(int threads, long n, int repeats) {  // best bytes per second of a = b + s c, 24 bytes an entry
-  double *a = (double*)std::aligned_alloc(64, 8 * n), *b = (double*)std::aligned_alloc(64, 8 * n),
-         *c = (double*)std::aligned_alloc(64, 8 * n), best = 0;
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (long i = 0; i < n; ++i) a[i] = 0, b[i] = 1, c[i] = 2;
-  for (int r = 0; r < repeats; ++r) {
-    double t = now();
-#pragma omp parallel for num_threads(threads) schedule(static)
-    for (long i = 0; i < n; ++i) a[i] = b[i] + 3.0 * c[i];
-    t = now() - t;
-    if (24.0 * n / t > best) best = 24.0 * n / t;
-  }
-  double check = a[n / 2];
-  std::free(a), std::free(b), std::free(c);
-  return check == 7 ? best : -1;
-}
-extern "C" double peak(int threads, long n, int repeats) {  // best flops per second, 2 per multiply-add
-  double best = 0, check = 0;
-  for (int r = 0; r < repeats; ++r) {
-    double t = now();
-#pragma omp parallel num_threads(threads) reduction(+ : check)
-    {
-      Vector v[12], m = Vector{} + 0.999999, s = Vector{} + 1e-6 * threads;
-      for (int k = 0; k < 12; ++k) v[k] = Vector{} + double(k + t);  // nothing the compiler could work out
-      for (long i = 0; i < n; ++i)
-        for (auto& x : v) x = x * m + s;
-      for (auto& x : v) check += x[0] + x[7];
-    }
-    t = now() - t;
-    if (threads * 192.0 * n / t > best) best = threads * 192.0 * n / t;
-  }
-  return check > 0 ? best : -1;
-}
-"""
-
-
-def measure_machine() -> dict[str, dict[str, float]] | None:
-    """Return triad bandwidth [B/s] and peak [flop/s] with 1 and 2 threads, or None without a compiler."""
-    compiler = shutil.which("g++") or shutil.which("c++")
-    if compiler is None:
-        return None
-    with tempfile.TemporaryDirectory() as folder:
-        source, library = Path(folder) / "machine.cpp", Path(folder) / "machine.so"
-        source.write_text(MACHINE_CPP)
-        flags = ["-O3", "-march=native", "-fopenmp", "-shared", "-fPIC", "-Wno-psabi"]
-        subprocess.run([compiler, *flags, str(source), "-o", str(library)], check=True)
-        lib = ctypes.CDLL(str(library))
-        for f in (lib.triad, lib.peak):
-            f.restype, f.argtypes = ctypes.c_double, [ctypes.c_int, ctypes.c_long, ctypes.c_int]
-        return {
-            str(t): {"bandwidth": lib.triad(t, 20_000_000, 7), "peak": lib.peak(t, 10_000_000, 5)}
-            for t in sorted({1, min(2, os.cpu_count() or 1)})
-        }
 
 
 # --- one row, in a process of its own --------------------------------------------------------------------------------

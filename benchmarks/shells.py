@@ -11,10 +11,7 @@ one-point shell's kernel is measured alone too (shell_kernel.cpp).
 from __future__ import annotations
 
 import os
-import shutil
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from time import perf_counter
 
@@ -22,6 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
 
+from machine import run_program
 from shell_problems import CLAMPED, X, Y, patch, shell_model, symmetry
 
 from presswork import _core
@@ -94,17 +92,8 @@ def main(n: int) -> None:
 
 def print_kernel() -> None:
     """Build and run the benchmark of the one-point shell alone."""
-    compiler = os.environ.get("CXX") or shutil.which("c++")
-    if compiler is None:
-        print("no C++ compiler: the one-point shell alone is left out")
-        return
-    here = Path(__file__).parent
-    flags = ["-std=c++20", "-O3", "-march=native", "-fopenmp", "-fno-math-errno", "-fno-trapping-math", "-Wno-psabi"]
-    with tempfile.TemporaryDirectory() as folder:
-        program = Path(folder) / "shell_kernel"
-        include = f"-I{here.parent / 'cpp'}"
-        subprocess.run([compiler, *flags, include, here / "shell_kernel.cpp", "-o", program], check=True)
-        print(subprocess.run([program], check=True, capture_output=True, text=True).stdout, end="", flush=True)
+    printed = run_program("shell_kernel.cpp")
+    print(printed or "no C++ compiler: the one-point shell alone is left out\n", end="", flush=True)
 
 
 def share_of_assembly(procedure: ImplicitProcedure, evaluation: float) -> str:

@@ -50,11 +50,12 @@ class TabulatedHardening {
     flow = piece.value(x);
     slope = piece.slope(x);
   }
-  void find(double x, Piece<double>& piece) const {
-    const std::int64_t row = row_of(x);
+  template <class T>
+  void find(T x, Piece<T>& piece) const {
+    const std::int64_t row = row_of(value_of(x));
     for (int i = 0; i < 4; ++i) piece.c[i] = rows_[4 * row + i];
     piece.left = left_of(row);
-    piece.width = left_of(row + 1) - piece.left;
+    piece.width = left_of(row + 1) - left_of(row);
   }
   template <class Real>
   void find(PackOf<Real> x, Piece<PackOf<Real>>& piece) const {
