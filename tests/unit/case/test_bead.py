@@ -14,20 +14,8 @@ from presswork.case.bead import Bead
 from presswork.case.stamping_beads import cut_line
 from presswork.procedure.stamping_tools import tabulate_force, tabulate_share
 
-CUP: dict[str, Any] = {
-    "title": "cup",
-    "analysis": "stamping",
-    "blank": {"shape": "circle", "diameter": 100, "thickness": 0.8, "element_size": 6, "material": "steel",
-              "symmetry": ["x", "y"]},
-    "materials": {"steel": {"young": "206 GPa", "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 200,
-                                                                                "modulus": 1000}}},
-    "tools": {
-        "punch": {"kind": "punch", "shape": "round", "diameter": 50, "edge_radius": 5},
-        "die": {"kind": "die", "shape": "round", "diameter": 52.5, "edge_radius": 6},
-        "holder": {"kind": "holder", "shape": "round", "diameter": 54, "edge_radius": 1},
-    },
-    "stages": [{"name": "draw", "tools": {"punch": {"stroke": 20}, "holder": {"force": "10 kN"}}}],
-}  # fmt: skip
+from .round_cup import CUP
+
 SQUARE = [[-30, -30], [30, -30], [30, 30], [-30, 30]]
 
 

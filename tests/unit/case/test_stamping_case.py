@@ -14,38 +14,24 @@ from presswork.case import CaseError, StampingCase, build_model, describe, read_
 from presswork.mesh.polygon import polygon_area
 from presswork.model_stamping import StampingModel
 
-CUP: dict[str, Any] = {
-    "title": "cup",
-    "analysis": "stamping",
-    "blank": {"shape": "circle", "diameter": 100, "thickness": "0.8 mm", "element_size": 6, "material": "steel",
-              "rolling_direction": 30, "symmetry": ["x", "y"]},
-    "materials": {"steel": {"young": "206 GPa", "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 200,
-                                                                                "modulus": 1000}}},
-    "tools": {
-        "punch": {"kind": "punch", "shape": "round", "diameter": 50, "edge_radius": 5},
-        "die": {"kind": "die", "shape": "round", "diameter": 52.5, "edge_radius": 6, "mu": 0.05},
-        "holder": {"kind": "holder", "shape": "round", "diameter": 54, "edge_radius": 1},
-    },
-    "stages": [{"name": "draw", "velocity": "2 m/s", "tools": {"punch": {"stroke": 20}, "holder": {"force": "10 kN"}}}],
-}  # fmt: skip
+from . import round_cup
+from .round_cup import changed
+
+CUP: dict[str, Any] = changed(
+    round_cup.CUP,
+    ("blank.thickness", "0.8 mm"),
+    ("blank.rolling_direction", 30),
+    ("tools.die.mu", 0.05),
+    ("stages.0.velocity", "2 m/s"),
+)
 
 
 def build(**changes: Any) -> StampingModel:
     """Build the cup with values changed: dots in a key are written as double underscores."""
-    data = copy.deepcopy(CUP)
-    for path, value in changes.items():
-        change(data, path.replace("__", "."), value)
+    data = changed(CUP, *((path.replace("__", "."), value) for path, value in changes.items()))
     model = build_model(StampingCase.model_validate(data))
     assert isinstance(model, StampingModel)
     return model
-
-
-def change(data: dict[str, Any], path: str, value: object) -> None:
-    *keys, last = path.split(".")
-    here: Any = data
-    for key in keys:
-        here = here[int(key)] if key.isdigit() else here[key]
-    here[int(last) if last.isdigit() else last] = value
 
 
 def test_model_holds_what_the_case_says() -> None:
@@ -145,10 +131,8 @@ def test_times_follow_from_velocity_duration_and_ramp() -> None:
     ("procedure", "implict", ["procedure", "explicit"]),
 ])  # fmt: skip
 def test_bad_input_is_named(path, value, fragments) -> None:
-    data = copy.deepcopy(CUP)
-    change(data, path, value)
     with pytest.raises(CaseError) as error:
-        build_model(StampingCase.model_validate(data))
+        build_model(StampingCase.model_validate(changed(CUP, (path, value))))
     for fragment in fragments:
         assert fragment in str(error.value)
 

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import copy
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,32 +11,13 @@ import pytest
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.mesh.swept_tool import draw_die, draw_holder, draw_punch
 
-CUP: dict[str, Any] = {
-    "title": "cup",
-    "analysis": "stamping",
-    "blank": {"shape": "circle", "diameter": 100, "thickness": 0.8, "element_size": 6, "material": "steel",
-              "symmetry": ["x", "y"]},
-    "materials": {"steel": {"young": "206 GPa", "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 200,
-                                                                                "modulus": 1000}}},
-    "tools": {
-        "punch": {"kind": "punch", "shape": "round", "diameter": 50, "edge_radius": 5},
-        "die": {"kind": "die", "shape": "round", "diameter": 52.5, "edge_radius": 6},
-        "holder": {"kind": "holder", "shape": "round", "diameter": 54, "edge_radius": 1},
-    },
-    "stages": [{"name": "draw", "tools": {"punch": {"stroke": 20}, "holder": {"force": "10 kN"}}}],
-}  # fmt: skip
+from .round_cup import CUP, changed
+
 DRAW = {"name": "draw", "tools": {"punch": {"stroke": 20}}}
 
 
 def build(*changes: tuple[str, object]) -> None:
-    data = copy.deepcopy(CUP)
-    for path, value in changes:
-        *keys, last = path.split(".")
-        here: Any = data
-        for key in keys:
-            here = here[int(key)] if key.isdigit() else here[key]
-        here[int(last) if last.isdigit() else last] = value
-    build_model(StampingCase.model_validate(data))
+    build_model(StampingCase.model_validate(changed(CUP, *changes)))
 
 
 def refuse(fragments: list[str], *changes: tuple[str, object]) -> None:
