@@ -3,26 +3,18 @@
 
 import numpy as np
 import pytest
+from two_shells import CELLS, LAW, POINTS, STEEL
 
 from presswork import _core
 from presswork.procedure.explicit import ExplicitError, ExplicitShells
 from presswork.procedure.motion import SmoothStroke, VelocityCurve
 
-LAW = _core.SheetLaw(
-    207e3,
-    0.3,
-    _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5]),
-    _core.HardeningLaw.linear,
-    [200.0, 500.0],
-)
-POINTS = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]], dtype=float)
-CELLS = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
 CORNERS = 10.0 * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=float)
 TABLE = _core.ToolSurface.triangles(CORNERS, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))
 
 
 def build(height: float = 0.4) -> ExplicitShells:
-    return ExplicitShells(POINTS + np.array([0.0, 0.0, height]), CELLS, 0.8, LAW, 7.85e-9)
+    return ExplicitShells(POINTS + np.array([0.0, 0.0, height]), CELLS, 0.8, LAW, STEEL)
 
 
 @pytest.mark.parametrize("rise", [0.1, 0.3, 0.5])
