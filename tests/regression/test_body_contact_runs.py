@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, stop_after
 
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
-from presswork.results import load_checkpoint
 
 SMALL = {
     "two_bodies": ["workpiece.mesh.cells=[6,10]", "bodies.ring.mesh.cells=[4,7]", "output.checkpoint_every=3"],
@@ -29,27 +29,7 @@ def reference(case, tmp_path_factory) -> Path:
     return folder
 
 
-def assert_same_bits(folder: Path, reference: Path) -> None:
-    assert (folder / "history.csv").read_bytes() == (reference / "history.csv").read_bytes()
-    found, wanted = Result(folder), Result(reference)
-    for name in wanted.field_names:
-        np.testing.assert_array_equal(found.field(name), wanted.field(name))
-    arrays, _ = load_checkpoint(folder / "checkpoint.h5")
-    for name, values in load_checkpoint(reference / "checkpoint.h5")[0].items():
-        np.testing.assert_array_equal(arrays[name], values)
-
-
 def test_interrupted_run_with_body_contact_resumes_to_the_same_bits(case, reference, tmp_path) -> None:
-    def stop_after(count: int):
-        left = [count]
-
-        def stop(_) -> None:
-            left[0] -= 1
-            if left[0] == 0:
-                raise KeyboardInterrupt
-
-        return stop
-
     assert run(case, tmp_path / "out", on_increment=stop_after(20), threads=1).status == "interrupted"
     for count in (1, 13, 17):
         resumed = run(case, tmp_path / "out", resume=True, on_increment=stop_after(count), threads=1)

@@ -3,18 +3,16 @@
 
 from __future__ import annotations
 
-import copy
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, run_in_two_parts, run_stamping
 
-from presswork import Result, _core
+from presswork import _core
 from presswork.case import StampingCase, build_model
 from presswork.post.section import measure_draw_in
 from presswork.procedure.explicit import ExplicitShells
-from presswork.run import run_model
 from presswork.sheet_law import make_sheet_law
 
 TOOL = {"shape": "rectangular", "mu": 0.1}
@@ -45,38 +43,11 @@ STRIP: dict[str, Any] = {
 }  # fmt: skip
 
 
-def run(data: dict[str, Any], folder: Path, **changes: Any) -> Result:
-    case = StampingCase.model_validate({**copy.deepcopy(data), **changes})
-    outcome = run_model(build_model(case), folder, threads=1)
-    assert outcome.status == "completed", outcome.reason
-    return outcome.result
-
-
-def run_in_two_parts(data: dict[str, Any], folder: Path) -> Result:
-    model = build_model(StampingCase.model_validate(data))
-    rows = iter(range(1000))
-
-    def stop(progress: object) -> None:
-        if next(rows) == 11:
-            raise KeyboardInterrupt
-
-    assert run_model(model, folder, threads=1, on_increment=stop).status == "interrupted"
-    outcome = run_model(model, folder, threads=1, resume=True)
-    assert outcome.status == "completed"
-    return outcome.result
-
-
-def assert_same_bits(one: Result, other: Result) -> None:
-    assert (one.folder / "history.csv").read_bytes() == (other.folder / "history.csv").read_bytes()
-    for name in one.field_names:
-        np.testing.assert_array_equal(one.field(name), other.field(name))
-
-
 def test_a_cup_with_a_bead_draws_in_less_by_both_procedures_alike(tmp_path) -> None:
     """The bead holds all round in the end: 60 N/mm times its length. Draw-in within 0.02 mm, punch force 2 %."""
-    free = run(CUP, tmp_path / "free", beads=[])
-    explicit = run(CUP, tmp_path / "explicit")
-    implicit = run(CUP, tmp_path / "implicit", procedure="implicit")
+    free = run_stamping(CUP, tmp_path / "free", beads=[])
+    explicit = run_stamping(CUP, tmp_path / "explicit")
+    implicit = run_stamping(CUP, tmp_path / "implicit", procedure="implicit")
     length = 4 * 30 + 2 * np.pi * 15
     for result in (explicit, implicit):
         assert result.history["bead_1.force"][-1] == pytest.approx(60 * length, rel=1e-3)
@@ -94,9 +65,10 @@ def test_a_cup_with_a_bead_draws_in_less_by_both_procedures_alike(tmp_path) -> N
 @pytest.mark.parametrize("procedure", ["explicit", "implicit"])
 def test_a_resumed_run_gives_the_same_bits(tmp_path, procedure) -> None:
     data = {**STRIP, "procedure": procedure}
-    one = run(data, tmp_path / "one")
+    one = run_stamping(data, tmp_path / "one")
     assert one.history["bead_1.force"].max() == pytest.approx(50 * np.hypot(5, 10), rel=1e-9)
-    assert_same_bits(run_in_two_parts(data, tmp_path / "parts"), one)
+    run_in_two_parts(build_model(StampingCase.model_validate(data)), tmp_path / "parts", 12)
+    assert_same_bits(tmp_path / "parts", one.folder)
 
 
 @pytest.mark.parametrize("precision", ["double", "single"])
@@ -127,7 +99,7 @@ def test_what_closes_the_bead_is_taken_off_the_holder(tmp_path) -> None:
     """10 N/mm along 214 mm: 2.1 of the holder's 8 kN."""
     beads = [{**CUP["beads"][0], "closing_force": 10}]
     stages = [{"name": "draw", "tools": {"punch": {"stroke": 1.5}, "holder": {"force": 8000}}}]
-    history = run(CUP, tmp_path / "out", beads=beads, stages=stages).history
+    history = run_stamping(CUP, tmp_path / "out", beads=beads, stages=stages).history
     assert history["holder.force"][-1] == pytest.approx(8000 - 10 * (120 + 30 * np.pi), rel=0.02)
 
 
@@ -138,7 +110,7 @@ def test_a_holder_waits_for_its_stage_and_its_lift_opens_the_bead(tmp_path) -> N
         {"name": "draw", "velocity": 5000, "tools": {"punch": {"stroke": 2.5}, "holder": {"force": 8000}}},
         {"name": "open", "velocity": 5000, "tools": {"holder": {"stroke": -2}}},
     ]
-    history = run(CUP, tmp_path, stages=stages, output={"rows": 20, "steps": 1}).history
+    history = run_stamping(CUP, tmp_path, stages=stages, output={"rows": 20, "steps": 1}).history
     touch, draw, opened = (history["stage"] == name for name in ("touch", "draw", "open"))
     assert (history["holder.stroke"][touch] == 0.0).all()
     assert history["punch.stroke"][touch][-1] == pytest.approx(1.5, rel=1e-9)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, run_to_end, stop_after
 
 from presswork.case import Case, build_model
 from presswork.examples import copy_example
@@ -41,9 +42,7 @@ def build(case: dict[str, Any], **changes: Any) -> Model:
 
 @pytest.fixture(scope="module")
 def bounced(taylor_bar: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Result:
-    outcome = run_model(build(taylor_bar), tmp_path_factory.mktemp("run") / "out", threads=1)
-    assert outcome.status == "completed"
-    return outcome.result
+    return run_to_end(build(taylor_bar), tmp_path_factory.mktemp("run") / "out")
 
 
 def test_taylor_bar_with_a_held_foot_from_a_case(taylor_bar: dict[str, Any], tmp_path: Path) -> None:
@@ -89,22 +88,14 @@ def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(
     taylor_bar: dict[str, Any], bounced: Result, tmp_path: Path
 ) -> None:
     """Stopped between rows, and within one."""
-    model, rows = build(taylor_bar), iter(range(100))
+    model = build(taylor_bar)
     run_model(model, tmp_path / "two", threads=2)
-
-    def stop(_: object) -> None:
-        if next(rows) == 17:
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
+    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop_after(18)).status == "interrupted"
     with pytest.raises(OutputError, match=r"a run with output.rows = 40, on which its steps depend; use --overwrite"):
         run_model(build(taylor_bar, output={"steps": 4, "rows": 80}), tmp_path / "part", resume=True)
     assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
     for other in ("two", "part"):
-        assert (tmp_path / other / "history.csv").read_bytes() == (bounced.folder / "history.csv").read_bytes()
-        for name in bounced.field_names:
-            for step in range(5):
-                np.testing.assert_array_equal(Result(tmp_path / other).field(name, step), bounced.field(name, step))
+        assert_same_bits(tmp_path / other, bounced.folder)
 
 
 def test_ctrl_c_within_a_row_goes_back_to_its_beginning(

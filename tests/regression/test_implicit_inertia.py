@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_implicit_stamping import CUP, STRIP, run
+from test_implicit_stamping import CUP, STRIP
+from whole_runs import run_stamping
 
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.run import Outcome, run_model
@@ -64,11 +65,11 @@ def test_a_blank_that_lies_loose_is_drawn(tmp_path) -> None:
     loose["stages"] = [{"name": "draw", "tools": {"punch": {"stroke": 10}}}]
     case = StampingCase.model_validate({**loose, "implicit": {}})
     assert run_model(build_model(case), tmp_path / "statics", threads=1).status == "gave_up"
-    steadied = run(loose, tmp_path / "out", implicit={"inertia": 1.0})
+    steadied = run_stamping(loose, tmp_path / "out", implicit={"inertia": 1.0})
     energy = steadied.summary["energy"]
     assert 0.0 < energy["inertia_work"] < 0.01 * (energy["elastic_energy"] + energy["plastic_work"])
     assert steadied.summary["warnings"] == []
-    other = run(loose, tmp_path / "explicit", procedure="explicit", implicit={})
+    other = run_stamping(loose, tmp_path / "explicit", procedure="explicit", implicit={})
     late = steadied.history["punch.stroke"] > 5
     force = np.interp(steadied.history["punch.stroke"], other.history["punch.stroke"], other.history["punch.force"])
     np.testing.assert_allclose(steadied.history["punch.force"][late].mean(), force[late].mean(), rtol=0.05)

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_springback import CURVATURE, LENGTH, THICKNESS, YOUNG, bend, bend_model, curvature_of, moment
+from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.model import PrescribedDisplacement
 from presswork.model_stamping import StampingModel
-from presswork.run import run_model
 
 
 def implicit_model() -> StampingModel:
@@ -27,9 +27,7 @@ def implicit_model() -> StampingModel:
 
 @pytest.fixture(scope="module")
 def bent(tmp_path_factory) -> Result:
-    outcome = run_model(implicit_model(), tmp_path_factory.mktemp("bend") / "out", threads=1)
-    assert outcome.status == "completed", outcome.reason
-    return outcome.result
+    return run_to_end(implicit_model(), tmp_path_factory.mktemp("bend") / "out")
 
 
 def test_a_bent_strip_keeps_the_curvature_of_the_closed_form(bent) -> None:
@@ -41,9 +39,7 @@ def test_a_bent_strip_keeps_the_curvature_of_the_closed_form(bent) -> None:
 
 
 def test_one_key_changed_gives_the_same_springback(bent, tmp_path) -> None:
-    outcome = run_model(bend_model(), tmp_path / "out", threads=1)
-    assert outcome.status == "completed", outcome.reason
-    other = outcome.result
+    other = run_to_end(bend_model(), tmp_path / "out")
     assert set(bent.field_names) == set(other.field_names)
     assert curvature_of(bent.points(3)) == pytest.approx(curvature_of(other.points(3)), rel=1e-3)
     largest = [r.summary["springback"]["largest_mm"] for r in (bent, other)]
@@ -74,17 +70,5 @@ def test_what_is_recorded_of_springback(bent) -> None:
 def test_a_run_stopped_before_or_within_springback_resumes_to_the_same_bits(
     bent, tmp_path: Path, before_the_end
 ) -> None:
-    stop_after = len(bent.history["time"]) - before_the_end
-    rows = iter(range(1, 1000))
-
-    def stop(progress) -> None:
-        if next(rows) == stop_after:
-            raise KeyboardInterrupt
-
-    model = implicit_model()
-    assert run_model(model, tmp_path / "out", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "out", threads=1, resume=True).status == "completed"
-    resumed = Result(tmp_path / "out")
-    assert (resumed.folder / "history.csv").read_bytes() == (bent.folder / "history.csv").read_bytes()
-    for name in bent.field_names:
-        np.testing.assert_array_equal(resumed.field(name), bent.field(name))
+    run_in_two_parts(implicit_model(), tmp_path / "out", len(bent.history["time"]) - before_the_end)
+    assert_same_bits(tmp_path / "out", bent.folder)

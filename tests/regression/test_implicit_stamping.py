@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import copy
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
@@ -52,27 +51,20 @@ CUP: dict[str, Any] = {
 }  # fmt: skip
 
 
-def run(data: dict[str, Any], folder: Path, **changes: Any) -> Result:
-    case = StampingCase.model_validate({**copy.deepcopy(data), **changes})
-    outcome = run_model(build_model(case), folder, threads=1)
-    assert outcome.status == "completed", outcome.reason
-    return outcome.result
-
-
 @pytest.fixture(scope="module")
 def cup(tmp_path_factory) -> Result:
-    return run(CUP, tmp_path_factory.mktemp("cup") / "out")
+    return run_stamping(CUP, tmp_path_factory.mktemp("cup") / "out")
 
 
 def test_a_strip_in_tension_follows_its_flow_curve(tmp_path) -> None:
     """Uniaxial tension of von Mises: stress = K (e0 + p)^n, width and thickness strain -p/2; fields as explicit's."""
-    pulled = run(STRIP, tmp_path / "out")
+    pulled = run_stamping(STRIP, tmp_path / "out")
     strain = np.log(11 / 10)
     stress = pulled.field("stress_middle_xx")
     p = strain - stress.mean() / 206e3
     np.testing.assert_allclose(stress, 565.32 * (0.007117 + p) ** 0.2589, rtol=1e-4)
     np.testing.assert_allclose(pulled.field("thickness_strain"), -p / 2 - 0.3 * stress / 206e3, rtol=2e-3)
-    other = run(STRIP, tmp_path / "explicit", procedure="explicit")
+    other = run_stamping(STRIP, tmp_path / "explicit", procedure="explicit")
     assert set(pulled.field_names) == set(other.field_names)
     np.testing.assert_allclose(pulled.field("eqps"), other.field("eqps"), rtol=2e-3)
 
@@ -82,7 +74,7 @@ def test_the_rolling_direction_turns_the_material(tmp_path, angle) -> None:
     """Width over thickness strain of a strip is r0 along the rolling direction, and r90 across it."""
     sheet = {**STEEL, "yield_function": {"law": "hill1948", "r00": 1.8, "r45": 1.5, "r90": 2.3}}
     blank = {**STRIP["blank"], "rolling_direction": angle}
-    pulled = run(STRIP, tmp_path / "out", materials={"steel": sheet}, blank=blank)
+    pulled = run_stamping(STRIP, tmp_path / "out", materials={"steel": sheet}, blank=blank)
     elastic = 0.3 * pulled.field("stress_middle_xx") / 206e3
     r = (pulled.field("lamina_strain_middle_xx" if angle == 90 else "lamina_strain_middle_yy") + elastic) / (
         pulled.field("thickness_strain") + elastic
@@ -108,7 +100,7 @@ def test_the_holder_pushes_with_its_force_and_forces_balance(cup) -> None:
 
 def test_one_key_changed_gives_the_same_cup(cup, tmp_path) -> None:
     """By explicit dynamics: draw-in within 0.1 mm, punch force 5 %, thickness strain 0.01."""
-    other = run(CUP, tmp_path / "out", procedure="explicit")
+    other = run_stamping(CUP, tmp_path / "out", procedure="explicit")
     np.testing.assert_array_equal(cup.mesh.points, other.mesh.points)
     edge = np.argmax(cup.mesh.points[:, 0] - cup.mesh.points[:, 1])
     draw_in = [-r.field("displacement")[edge, 0] for r in (cup, other)]
@@ -122,9 +114,7 @@ def test_tools_of_coarse_triangles_draw_the_same_cup(cup, tmp_path) -> None:
     """Chords 0.2 mm off the tools: draw-in within 0.01 mm, force 0.2 %, thickness strain 0.001, few more iterations."""
     model = build_model(StampingCase.model_validate(CUP))
     tools = [replace(t, shape=TriangulatedTool(*t.shape.triangulate(0.2), is_closed=False)) for t in model.tools]
-    outcome = run_model(replace(model, tools=tuple(tools)), tmp_path / "out", threads=1)
-    assert outcome.status == "completed", outcome.reason
-    other = outcome.result
+    other = run_to_end(replace(model, tools=tuple(tools)), tmp_path / "out")
     edge = np.argmax(cup.mesh.points[:, 0] - cup.mesh.points[:, 1])
     draw_in = [-r.field("displacement")[edge, 0] for r in (cup, other)]
     assert draw_in[0] == pytest.approx(draw_in[1], abs=0.01)
@@ -136,7 +126,7 @@ def test_tools_of_coarse_triangles_draw_the_same_cup(cup, tmp_path) -> None:
 def test_a_die_that_rises_draws_the_same_cup(cup, tmp_path) -> None:
     """What moves counts for nothing: forces and thickness of a punch that comes down, and the holder goes along."""
     lift = [{"name": "lift", "tools": {"die": {"stroke": 6}, "holder": {"force": HOLDER_FORCE}}}]
-    lifted = run(CUP, tmp_path / "out", stages=lift)
+    lifted = run_stamping(CUP, tmp_path / "out", stages=lift)
     assert lifted.history["holder.stroke"][-1] == pytest.approx(cup.history["holder.stroke"][-1] - 6.0, abs=1e-3)
     for tool in ("punch", "die", "holder"):
         last = [r.history[f"{tool}.force"][-1] for r in (lifted, cup)]
@@ -146,7 +136,7 @@ def test_a_die_that_rises_draws_the_same_cup(cup, tmp_path) -> None:
 
 def test_a_punch_that_goes_back_lets_go_and_the_holder_keeps_its_force(tmp_path) -> None:
     back = [*CUP["stages"], {"name": "back", "tools": {"punch": {"stroke": -6}}}]
-    history = run(CUP, tmp_path / "out", stages=back).history
+    history = run_stamping(CUP, tmp_path / "out", stages=back).history
     assert history["punch.stroke"][-1] == pytest.approx(0.0, abs=1e-9)
     assert history["punch.force"][-1] == 0.0
     assert history["holder.force"][-1] == pytest.approx(HOLDER_FORCE, rel=1e-4)
@@ -164,18 +154,8 @@ def test_pictures_are_drawn(cup, tmp_path) -> None:
 
 
 def test_a_resumed_run_gives_the_same_bits(cup, tmp_path) -> None:
-    model = build_model(StampingCase.model_validate(CUP))
-    rows = iter(range(100))
-
-    def stop(progress) -> None:
-        if next(rows) == 11:
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
-    assert (tmp_path / "part" / "history.csv").read_bytes() == (cup.folder / "history.csv").read_bytes()
-    for name in cup.field_names:
-        np.testing.assert_array_equal(Result(tmp_path / "part").field(name), cup.field(name))
+    run_in_two_parts(build_model(StampingCase.model_validate(CUP)), tmp_path / "part", 12)
+    assert_same_bits(tmp_path / "part", cup.folder)
 
 
 def test_giving_up_leaves_results_and_says_why(tmp_path) -> None:

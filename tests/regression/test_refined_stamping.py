@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
@@ -41,9 +42,7 @@ def stretch(blank: dict[str, Any] | None = None, **changes: Any) -> dict[str, An
 @pytest.fixture(scope="module")
 def formed(tmp_path_factory) -> Result:
     model = build_model(StampingCase.model_validate(stretch()))
-    outcome = run_model(model, tmp_path_factory.mktemp("refined") / "out", threads=1)
-    assert outcome.status == "completed"
-    return outcome.result
+    return run_to_end(model, tmp_path_factory.mktemp("refined") / "out")
 
 
 def test_the_mesh_is_fine_where_the_sheet_is_bent_and_coarse_elsewhere(formed) -> None:
@@ -81,26 +80,14 @@ def test_energies_balance_and_the_blank_keeps_its_mass(formed) -> None:
 
 
 def test_a_resumed_run_with_other_threads_gives_the_same_bits(formed, tmp_path: Path) -> None:
-    model, rows = build_model(StampingCase.model_validate(stretch())), iter(range(100))
-
-    def stop(progress) -> None:
-        if next(rows) == 13:
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "out", threads=2, on_increment=stop).status == "interrupted"
-    outcome = run_model(model, tmp_path / "out", threads=2, resume=True)
-    assert (tmp_path / "out" / "history.csv").read_bytes() == (formed.folder / "history.csv").read_bytes()
-    for name in ("displacement", "contact_force", "thickness", "stress_top", "equivalent_plastic_strain"):
-        for step in (3, 5):
-            np.testing.assert_array_equal(outcome.result.field(name, step), formed.field(name, step))
+    run_in_two_parts(build_model(StampingCase.model_validate(stretch())), tmp_path / "out", 14, threads=2)
+    assert_same_bits(tmp_path / "out", formed.folder)
 
 
 def test_springback_begins_from_a_mesh_without_hanging_nodes(tmp_path: Path) -> None:
     case = stretch({"refine": {"levels": 1}}, springback={"increments": 2})
     case["stages"][0]["tools"]["punch"]["stroke"] = 2
-    outcome = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "out", threads=1)
-    assert outcome.status == "completed"
-    result = outcome.result
+    result = run_to_end(build_model(StampingCase.model_validate(case)), tmp_path / "out")
     assert [len(result.mesh_at(step).blocks[0].connectivity) for step in (0, -1)] == [10, 40]
     assert 0.01 < result.summary["springback"]["largest_mm"] < 2
 

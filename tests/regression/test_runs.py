@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, stop_after
 
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
@@ -43,39 +44,18 @@ def reference(small_case, tmp_path_factory) -> Path:
     return folder
 
 
-def assert_same_bits(folder: Path, reference: Path) -> None:
-    assert (folder / "history.csv").read_bytes() == (reference / "history.csv").read_bytes()
-    found, wanted = Result(folder), Result(reference)
-    np.testing.assert_array_equal(found.times, wanted.times)
-    for name in wanted.field_names:
-        for step in range(len(wanted.times)):
-            np.testing.assert_array_equal(found.field(name, step), wanted.field(name, step))
-    arrays, _ = load_checkpoint(folder / "checkpoint.h5")
-    for name, values in load_checkpoint(reference / "checkpoint.h5")[0].items():
-        np.testing.assert_array_equal(arrays[name], values)
-
-
 def test_one_thread_gives_the_same_bits_as_two(small_case, reference, tmp_path) -> None:
     run(small_case, tmp_path / "two", threads=2)
     assert_same_bits(tmp_path / "two", reference)
 
 
 def test_interrupted_run_resumes_to_the_same_bits(small_case, reference, tmp_path) -> None:
-    class Interrupt:
-        def __init__(self, at: int) -> None:
-            self.left = at
-
-        def __call__(self, _) -> None:
-            self.left -= 1
-            if self.left == 0:
-                raise KeyboardInterrupt
-
-    outcome = run(small_case, tmp_path / "out", on_increment=Interrupt(7))
+    outcome = run(small_case, tmp_path / "out", on_increment=stop_after(7))
     assert outcome.status == "interrupted"
     assert "--resume" in outcome.reason
     assert 0 < outcome.result.summary["fraction_computed"] < 1
-    for stop in (5, 1, 11):
-        assert run(small_case, tmp_path / "out", resume=True, on_increment=Interrupt(stop)).status == "interrupted"
+    for reports in (5, 1, 11):
+        assert run(small_case, tmp_path / "out", resume=True, on_increment=stop_after(reports)).status == "interrupted"
     assert run(small_case, tmp_path / "out", resume=True).status == "completed"
     assert_same_bits(tmp_path / "out", reference)
 

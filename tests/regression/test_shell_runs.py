@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import build_model, read_case
@@ -21,9 +22,7 @@ from presswork.view.all_plots import plot_all
 def roof(tmp_path_factory) -> Result:
     folder = tmp_path_factory.mktemp("roof")
     model = build_model(read_case(copy_example("scordelis_lo_roof", folder)))
-    outcome = run_model(model, folder / "out", threads=1)
-    assert outcome.status == "completed"
-    return outcome.result
+    return run_to_end(model, folder / "out")
 
 
 def test_results_have_the_sheet_in_space(roof) -> None:
@@ -86,15 +85,10 @@ def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(tmp_path: Pat
     whole = run_model(model, tmp_path / "whole", threads=1).result
     run_model(model, tmp_path / "two", threads=2)
 
-    def stop(progress) -> None:
-        raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
-    run_model(model, tmp_path / "part", threads=1, resume=True)
+    run_in_two_parts(model, tmp_path / "part", 1)
     assert whole.field("equivalent_plastic_strain").max() > 1e-4
-    for name in whole.field_names:
-        for other in ("two", "part"):
-            np.testing.assert_array_equal(Result(tmp_path / other).field(name), whole.field(name))
+    for other in ("two", "part"):
+        assert_same_bits(tmp_path / other, whole.folder)
 
 
 STRIP = """

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, run_to_end, stop_after
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
@@ -90,13 +91,12 @@ def test_a_slice_between_two_planes_springs_back_in_plane_strain(tmp_path: Path)
     model = build_model(StampingCase.model_validate(case))
     turn = PrescribedDisplacement("right", 4, CURVATURE * LENGTH)
     model = replace(model, stages=(replace(model.stages[0], prescribed=(turn,)),))
-    outcome = run_model(model, tmp_path / "out", threads=1)
-    assert outcome.status == "completed", outcome.reason
+    result = run_to_end(model, tmp_path / "out")
     young, limit, tangent = 4 / 3 * YOUNG, 2 / np.sqrt(3) * YIELD, 4 / 3 * TANGENT
     half, core = THICKNESS / 2, limit / (young * CURVATURE)
     outside = limit * (1 - tangent / young) * (half**2 - core**2) + 2 / 3 * tangent * CURVATURE * (half**3 - core**3)
     kept = CURVATURE - (2 / 3 * young * CURVATURE * core**3 + outside) / (young * THICKNESS**3 / 12)
-    assert curvature_of(outcome.result.points(3)) == pytest.approx(kept, rel=3e-3)
+    assert curvature_of(result.points(3)) == pytest.approx(kept, rel=3e-3)
 
 
 def test_what_is_recorded_of_springback(bent) -> None:
@@ -124,24 +124,14 @@ def test_springback_is_drawn(bent, tmp_path) -> None:
     assert [is_let_go(bent, step) for step in range(4)] == [False, False, False, True]
 
 
-@pytest.mark.parametrize("stop_after", [20, 22])
-def test_a_run_stopped_before_or_within_springback_resumes_to_the_same_bits(bent, tmp_path: Path, stop_after) -> None:
+@pytest.mark.parametrize("reports", [20, 22])
+def test_a_run_stopped_before_or_within_springback_resumes_to_the_same_bits(bent, tmp_path: Path, reports) -> None:
     model = bend_model()
-    rows = iter(range(1, 100))
-
-    def stop(progress) -> None:
-        if next(rows) == stop_after:
-            raise KeyboardInterrupt
-
-    stopped = run_model(model, tmp_path / "out", threads=1, on_increment=stop)
+    stopped = run_model(model, tmp_path / "out", threads=1, on_increment=stop_after(reports))
     assert stopped.status == "interrupted"
-    assert len(stopped.result.history["time"]) == stop_after
+    assert len(stopped.result.history["time"]) == reports
     assert run_model(model, tmp_path / "out", threads=1, resume=True).status == "completed"
-    other = Result(tmp_path / "out")
-    assert (tmp_path / "out" / "history.csv").read_bytes() == (bent.folder / "history.csv").read_bytes()
-    assert list(other.times) == list(bent.times)
-    for name in bent.field_names:
-        np.testing.assert_array_equal(other.field(name, 3), bent.field(name, 3))
+    assert_same_bits(tmp_path / "out", bent.folder)
 
 
 @pytest.mark.parametrize("symmetry", [[], ["x"], ["y"], ["x", "y"]])

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, run_in_two_parts, run_to_end, stop_after
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model, read_case
@@ -41,9 +42,7 @@ def cup(*planes: str, **blank: Any) -> StampingCase:
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory) -> Result:
-    outcome = run_model(build_model(cup("x", "y")), tmp_path_factory.mktemp("cup") / "out", threads=1)
-    assert outcome.status == "completed", outcome.reason
-    return outcome.result
+    return run_to_end(build_model(cup("x", "y")), tmp_path_factory.mktemp("cup") / "out")
 
 
 def test_the_die_carries_punch_and_holder(drawn) -> None:
@@ -99,20 +98,12 @@ def test_a_blank_that_keeps_its_volume_draws_in_alike_all_round(drawn) -> None:
 def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(drawn, tmp_path: Path) -> None:
     model = build_model(cup("x", "y"))
     run_model(model, tmp_path / "two", threads=2)
-    rows = iter(range(100))
-
-    def stop(progress) -> None:
-        if next(rows) == 21:
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
+    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop_after(22)).status == "interrupted"
     stopped = Result(tmp_path / "part")
     assert len(stopped.times) == 3, "the start, half of the stage, and where it stopped"
     assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
     for other in ("two", "part"):
-        assert (tmp_path / other / "history.csv").read_bytes() == (drawn.folder / "history.csv").read_bytes()
-        for name in drawn.field_names:
-            np.testing.assert_array_equal(Result(tmp_path / other).field(name), drawn.field(name))
+        assert_same_bits(tmp_path / other, drawn.folder)
         np.testing.assert_array_equal(
             Result(tmp_path / other).surface_displacement("holder"), drawn.surface_displacement("holder")
         )
@@ -160,10 +151,9 @@ def test_examples_begin_well(name, size, tmp_path) -> None:
     fine = read_case(tmp_path / f"{name}.toml")
     check_start(build_model(fine))
     short = ["stages.0.tools.punch.stroke=6", f"blank.element_size={size}", "output.rows=20", "output.steps=1"]
-    outcome = run_model(build_model(read_case(tmp_path / f"{name}.toml", short)), tmp_path / "out", threads=1)
-    assert outcome.status == "completed", outcome.reason
-    assert outcome.result.history["punch.force"].max() > 50
-    assert plot_shell(outcome.result).axes  # also where tools do not reach the planes that they are drawn in
+    result = run_to_end(build_model(read_case(tmp_path / f"{name}.toml", short)), tmp_path / "out")
+    assert result.history["punch.force"].max() > 50
+    assert plot_shell(result).axes  # also where tools do not reach the planes that they are drawn in
 
 
 def write_stl(path: Path, points: np.ndarray, triangles: np.ndarray) -> None:
@@ -225,15 +215,8 @@ def test_a_holder_is_moved_pushed_lifted_and_stands_still(tmp_path: Path) -> Non
     assert np.abs(h["holder.force"][eject]).max() < 1e-9
     assert h["punch.stroke"][-1] == pytest.approx(-1, rel=1e-9)
     assert abs(h["energy_error_percent"][-1]) < 1
-    rows = iter(range(100))
-
-    def stop(progress) -> None:
-        if next(rows) == 26:  # in the stage that lifts what was pushed
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
-    assert (tmp_path / "part" / "history.csv").read_bytes() == (result.folder / "history.csv").read_bytes()
+    run_in_two_parts(model, tmp_path / "part", 27)  # in the stage that lifts what was pushed
+    assert_same_bits(tmp_path / "part", result.folder)
 
 
 def test_the_implicit_procedure_refuses_a_tool_that_is_moved_and_pushed() -> None:

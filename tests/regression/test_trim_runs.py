@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
@@ -43,20 +44,14 @@ def cup(**changes: Any) -> StampingModel:
     }))  # fmt: skip
 
 
-def run_whole(procedure: str, folder: Path) -> Result:
-    outcome = run_model(cup(procedure=procedure), folder / "out", threads=1)
-    assert outcome.status == "completed", outcome.reason
-    return outcome.result
-
-
 @pytest.fixture(scope="module")
 def explicit_pan(tmp_path_factory) -> Result:
-    return run_whole("explicit", tmp_path_factory.mktemp("explicit"))
+    return run_to_end(cup(procedure="explicit"), tmp_path_factory.mktemp("explicit") / "out")
 
 
 @pytest.fixture(scope="module")
 def implicit_pan(tmp_path_factory) -> Result:
-    return run_whole("implicit", tmp_path_factory.mktemp("implicit"))
+    return run_to_end(cup(procedure="implicit"), tmp_path_factory.mktemp("implicit") / "out")
 
 
 @pytest.fixture(params=["explicit_pan", "implicit_pan"])
@@ -116,25 +111,10 @@ def test_lines_verdicts_and_pictures_are_those_of_the_trimmed_part(pan, tmp_path
     assert describe_step(pan, 3) == f"{describe_step(pan, 2)}, after springback"
 
 
-@pytest.mark.parametrize("stop_after", [4, 5, 6])
-def test_a_run_stopped_round_the_trimming_resumes_to_the_same_bits(
-    explicit_pan, tmp_path: Path, stop_after: int
-) -> None:
-    def stopping(progress) -> None:
-        if next(rows) == stop_after:
-            raise KeyboardInterrupt
-
-    whole = explicit_pan
-    rows = iter(range(1, 100))
-    stopped = run_model(cup(), tmp_path / "out", threads=1, on_increment=stopping)
-    assert stopped.status == "interrupted"
-    assert run_model(cup(), tmp_path / "out", threads=1, resume=True).status == "completed"
-    resumed = Result(tmp_path / "out")
-    assert (resumed.folder / "history.csv").read_bytes() == (whole.folder / "history.csv").read_bytes()
-    assert list(resumed.times) == list(whole.times)
-    for step in range(4):
-        for name in whole.field_names:
-            np.testing.assert_array_equal(resumed.field(name, step), whole.field(name, step))
+@pytest.mark.parametrize("reports", [4, 5, 6])
+def test_a_run_stopped_round_the_trimming_resumes_to_the_same_bits(explicit_pan, tmp_path: Path, reports: int) -> None:
+    run_in_two_parts(cup(), tmp_path / "out", reports)
+    assert_same_bits(tmp_path / "out", explicit_pan.folder)
 
 
 def test_a_part_may_be_trimmed_and_stay_in_its_tools(tmp_path: Path) -> None:
