@@ -104,3 +104,10 @@ def test_imports_run_forwards(path: Path) -> None:
     public = {"Case", "CaseError", "OutputError", "Result", "build_model", "__version__"}
     allowed = PYTHON_ROOMS[room] | {room, "_core", "_cpu"} | (public if room in {"cli", "onestep", "run"} else set())
     assert imports_of(path) <= allowed
+
+
+@pytest.mark.parametrize("path", python_files(), ids=lambda p: str(p.relative_to(ROOT / "src" / "presswork")))
+def test_names_of_the_model_have_one_import_path(path: Path) -> None:
+    """From presswork.model, whichever of its files they stand in."""
+    if "model" not in path.relative_to(ROOT / "src" / "presswork").parts:
+        assert "presswork.model." not in path.read_text("utf-8")

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model: everything that is known before the first increment, as frozen data without behaviour.
+
+Units are mm, s, t, N, MPa throughout. The model plane is (x, y); in axisymmetry x is the radius and y the axis. A shell
+lies in (x, y, z), and its nodes turn about x, y, z too.
+Directions and boundaries have names, never integer tags. All names are imported from here.
+"""
+
+from presswork.model.arrays import BoolArray, FloatArray, IndexArray, IntArray, MaskArray
+from presswork.model.contact import Body, BodyContact, ContactLaw, SheetBead, SheetTool, Spring, Tool
+from presswork.model.material import (
+    Hardening,
+    HardeningLaw,
+    Heating,
+    Kinematic,
+    Material,
+    Rate,
+    Umat,
+    UmatJacobian,
+    YieldFunction,
+)
+from presswork.model.mesh import (
+    CellBlock,
+    ElementName,
+    ExplicitElement,
+    Mesh,
+    Section,
+    ShellElement,
+    SolidElement,
+    ThicknessRule,
+)
+from presswork.model.model import Analysis, Model
+from presswork.model.settings import (
+    ExplicitSolid,
+    FrictionTangent,
+    Integrator,
+    OutputSettings,
+    SolverSettings,
+    StrainMeasure,
+    TangentTerms,
+)
+from presswork.model.stage import (
+    BodyForce,
+    EdgeForce,
+    PointForce,
+    PrescribedDisplacement,
+    Pressure,
+    Push,
+    ShellPressure,
+    Stage,
+    Support,
+    ToolMotion,
+)
+
+__all__ = [
+    "Analysis",
+    "Body",
+    "BodyContact",
+    "BodyForce",
+    "BoolArray",
+    "CellBlock",
+    "ContactLaw",
+    "EdgeForce",
+    "ElementName",
+    "ExplicitElement",
+    "ExplicitSolid",
+    "FloatArray",
+    "FrictionTangent",
+    "Hardening",
+    "HardeningLaw",
+    "Heating",
+    "IndexArray",
+    "IntArray",
+    "Integrator",
+    "Kinematic",
+    "MaskArray",
+    "Material",
+    "Mesh",
+    "Model",
+    "OutputSettings",
+    "PointForce",
+    "PrescribedDisplacement",
+    "Pressure",
+    "Push",
+    "Rate",
+    "Section",
+    "SheetBead",
+    "SheetTool",
+    "ShellElement",
+    "ShellPressure",
+    "SolidElement",
+    "SolverSettings",
+    "Spring",
+    "Stage",
+    "StrainMeasure",
+    "Support",
+    "TangentTerms",
+    "ThicknessRule",
+    "Tool",
+    "ToolMotion",
+    "Umat",
+    "UmatJacobian",
+    "YieldFunction",
+]

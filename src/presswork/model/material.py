@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Materials: elasticity, hardening, and what a sheet, heat or a law from a library adds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from presswork.formability import Formability
+from presswork.model.arrays import FloatArray
+
+HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table", "swift_voce", "monotone_table"]
+UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
+
+
+@dataclass(frozen=True)
+class Hardening:
+    """Flow stress against equivalent plastic strain; see docs/theory/material.md for the laws' formulas."""
+
+    law: HardeningLaw
+    parameters: FloatArray
+    """linear: [yield_stress, modulus]; swift: [K, e0, n]; ludwik: [yield_stress, K, n];
+    voce: [yield_stress, saturation_stress, rate]; hockett_sherby: [yield_stress, saturation_stress, rate, exponent];
+    table: [e0, s0, e1, s1, ...]; monotone_table: [e0, s0, slope0, e1, s1, slope1, ...];
+    swift_voce: [voce_share, K, e0, n, yield_stress, saturation_stress, rate]. Stresses in MPa."""
+
+
+@dataclass(frozen=True)
+class YieldFunction:
+    """Anisotropic yield function of a sheet; see docs/theory/sheet_material.md for the formulas."""
+
+    law: Literal["hill1948", "barlat1989", "yld2000"]
+    parameters: tuple[float, ...]
+    """hill1948: F, G, H, L, M, N; barlat1989: a, c, h, p; yld2000: alpha 1 to 8."""
+    exponent: int = 2
+    """6 or 8 of barlat1989 and yld2000."""
+
+
+@dataclass(frozen=True)
+class Kinematic:
+    """Back stresses of a sheet; see docs/theory/sheet_material.md for the laws."""
+
+    law: Literal["chaboche", "yoshida_uemori"]
+    parameters: tuple[float, ...]
+    """chaboche: every C [MPa], then every gamma; yoshida_uemori: B, C, m, b, Rsat, h (stresses in MPa)."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Factor on the flow stress of a sheet by plastic strain rate."""
+
+    law: Literal["cowper_symonds", "johnson_cook", "logarithmic"]
+    parameters: tuple[float, float]
+    """cowper_symonds: D [1/s], q; johnson_cook, logarithmic: C, reference rate [1/s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heating:
+    """Adiabatic heating by plastic work, and softening by 1 - T*^exponent, T* from 0 at `reference` to 1 at `melting`.
+
+    Temperatures in degrees C; heat_capacity [mm2/(s2 K)] (steel has 4.6e8, that is 460 J/(kg K)); plastic_fraction: of
+    the plastic work that becomes heat (Taylor & Quinney 1934).
+    """
+
+    melting: float
+    exponent: float
+    heat_capacity: float
+    plastic_fraction: float = 0.9
+    reference: float = 20.0
+    start: float = 20.0
+
+
+@dataclass(frozen=True)
+class Umat:
+    """A material law from a shared library with Abaqus's interface UMAT."""
+
+    library: str
+    """Full path of the shared library."""
+    props: tuple[float, ...]
+    """PROPS, in mm, s, MPa as the routine wants them."""
+    n_state: int
+    """NSTATV."""
+    jacobian: UmatJacobian = "stress_increment"
+    """What DDSDDE is the derivative of; see docs/theory/material.md."""
+    thread_safe: bool = False
+    """Several threads may call it at once."""
+    plastic_strain: int = 0
+    """Which state variable is the equivalent plastic strain, from 1; 0: none."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic elasticity with von Mises plasticity; in a shell with a sheet's laws beside; or a UMAT."""
+
+    name: str
+    young: float
+    """Young's modulus [MPa]; of a UMAT that of its first tangent, by which stiffness and energy are judged."""
+    poisson: float
+    hardening: Hardening | None
+    """None of a UMAT."""
+    yield_function: YieldFunction | None = None
+    """Of a shell, x along the rolling direction; None is von Mises."""
+    kinematic: Kinematic | None = None
+    rate: Rate | None = None
+    young_decrease: tuple[float, float] | None = None
+    """Young's modulus after large plastic strain [MPa], and the rate at which it gets there."""
+    umat: Umat | None = None
+    """Of a solid: the law, instead of hardening."""
+    density: float = 0.0
+    """[t/mm3]; only dynamics asks for it."""
+    heating: Heating | None = None
+    """Of a solid in explicit dynamics."""
+    formability: Formability = field(default_factory=Formability)
+    """Of a sheet: what its strains are judged by."""

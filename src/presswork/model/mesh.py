@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes: points, blocks of cells of one element formulation, named sets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from presswork.model.arrays import FloatArray, IntArray
+
+SolidElement = Literal[
+    "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
+]
+ShellElement = Literal[
+    "shell3", "shell3_mitc", "shell3_mitc_plus",
+    "shell6", "shell6_selective", "shell6_reduced", "shell6_mitc",
+    "shell4", "shell4_selective", "shell4_reduced", "shell4_mitc", "shell4_mitc_plus", "shell4_1pt",
+    "shell8", "shell8_selective", "shell8_reduced",
+    "shell9", "shell9_selective", "shell9_reduced", "shell9_mitc",
+]  # fmt: skip
+ExplicitElement = Literal["shell4_one_point", "shell4_mitc_plus", "shell3_one_point"]
+ElementName = Literal[SolidElement, ShellElement, ExplicitElement]
+ThicknessRule = Literal["gauss", "lobatto", "simpson"]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A sheet through its thickness."""
+
+    thickness: float
+    """[mm]"""
+    points: int = 5
+    """Integration points through the thickness, 2 to 51."""
+    rule: ThicknessRule = "gauss"
+    """gauss: the most accurate; lobatto, simpson: with points on both faces."""
+
+
+@dataclass(frozen=True)
+class CellBlock:
+    """Cells of one kind and one element formulation."""
+
+    element: ElementName
+    connectivity: IntArray
+    """Node indices, shape (n_cells, n_nodes), counter-clockwise: corners first, then mid-sides, then the centre."""
+    material: int
+    """Index into Model.materials."""
+    section: Section | None = None
+    """Of a shell."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Points, cell blocks and named sets."""
+
+    points: FloatArray
+    """Coordinates [mm], shape (n_points, 2); of shells (n_points, 3)."""
+    blocks: tuple[CellBlock, ...]
+    node_sets: Mapping[str, IntArray]
+    """Node indices by name, each sorted and unique."""
+    edge_sets: Mapping[str, IntArray]
+    """Boundary edges by name, shape (n_edges, 2 | 3): first end, last end[, mid-side], the body on the left."""
+    boundary_edges: IntArray
+    """Every boundary edge of the mesh, in the same form."""
+    normals: FloatArray | None = None
+    """Of a shell whose exact surface is known: its unit normals at the nodes (n_points, 3); without it, means of the
+    cells' normals."""

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a procedure computes, and what is saved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
+StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
+FrictionTangent = Literal["return_mapping", "bond", "residual"]
+
+
+@dataclass(frozen=True)
+class TangentTerms:
+    """Which parts of the thesis's tangent are built; used only with SolverSettings.tangent = "thesis"."""
+
+    strain_matrix: Literal["B0", "Bbar"] = "B0"
+    """K_o = int B^T D B with the linear B0, or with the Green-Lagrange B0 + B_L on both sides."""
+    k_e: bool = True
+    k_u: bool = True
+    k_v: bool = False
+    modulus: Literal["consistent", "continuum"] = "continuum"
+    """D of K_o: the derivative of the integrator, or the elastic-plastic matrix of the rate equation (Yamada)."""
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """How the implicit procedure integrates and iterates."""
+
+    newton: Literal["full", "modified"] = "full"
+    tangent: Literal["consistent", "thesis"] = "consistent"
+    terms: TangentTerms = TangentTerms()
+    symmetric: bool = True
+    """Factorise the symmetric part of the tangent (see docs/theory/solver.md for what it costs in iterations)."""
+    pressure_stiffness: bool = True
+    """K_t: the follower stiffness of pressures."""
+    friction_tangent: FrictionTangent = "return_mapping"
+    """What friction adds to the tangent; the answer does not depend on it."""
+    line_search: bool = True
+    force_tolerance: float = 1e-4
+    """Largest out-of-balance force over the largest internal nodal force."""
+    displacement_tolerance: float = 1e-3
+    """Largest correction over the largest displacement of the increment."""
+    max_iterations: int = 20
+    initial_increment: float = 0.01
+    """Fraction of the stage."""
+    min_increment: float = 1e-5
+    max_increment: float = 0.02
+    target_iterations: int = 6
+    """Increments grow while they take fewer iterations than this."""
+    strain_measure: StrainMeasure = "log"
+    integrator: Integrator = "backward_euler"
+    substeps: int = 10
+    """Sub-increments of the "substepping" integrator."""
+    hourglass_stiffness: float = 0.05
+    """quad4_1pt: hourglass stiffness as a fraction of the material's current shear modulus."""
+    control: Literal["load", "arc_length"] = "load"
+    """What an increment prescribes: a part of the stage, or, on shells under loads alone, the length of path."""
+    kirchhoff_penalty: float = 0.0
+    """Shells: transverse shear stiffness added to the tangent alone, over the elastic one (C_p of K_p)."""
+    contact_stiffness: float = 0.01
+    """Shells on tools in space: stiffness of contact over that of the sheet across its thickness."""
+    inertia: float = 0.0
+    """Shells: mass over that of the sheet; what moves then resists, by backward Euler in the time of the stages."""
+    damping: float = 0.0
+    """Of this mass [1/s]."""
+
+
+@dataclass(frozen=True)
+class OutputSettings:
+    """What is saved, and when."""
+
+    every: int = 0
+    """Save fields every so many increments; 0 saves at `steps` equally spaced times of each stage."""
+    steps: int = 20
+    at: tuple[float, ...] = ()
+    """Further stage fractions at which an increment ends and fields are saved, counted in the last stage."""
+    checkpoint_every: int = 10
+    """Increments between checkpoints; of an explicit run rows."""
+    rows: int = 200
+    """Explicit: rows of the history of each stage."""
+
+
+@dataclass(frozen=True)
+class ExplicitSolid:
+    """How the explicit procedure computes a solid."""
+
+    velocity: tuple[float, float] = (0.0, 0.0)
+    """Of the whole workpiece at the start [mm/s]."""
+    target_step: float | None = None
+    """Time step to reach by adding mass [s]; None: no mass is added."""
+    damping: float = 0.0
+    """Mass damping [1/s]."""
+    hourglass_stiffness: float = 0.05
+    """quad4_1pt: fraction of the shear modulus."""

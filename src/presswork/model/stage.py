@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stages: what holds, moves and loads the workpiece and its tools."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from presswork.model.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class Support:
+    """Displacement components held at zero in every stage: symmetry planes, the axis, clamps."""
+
+    node_set: str
+    fix: tuple[bool, ...]
+    """Of x, y; of a shell x, y, z and the rotations about x, y, z."""
+
+
+@dataclass(frozen=True)
+class PrescribedDisplacement:
+    """A displacement component that grows linearly over the stage by `value` [mm]; of a shell also a rotation [rad]."""
+
+    node_set: str
+    component: Literal[0, 1, 2, 3, 4, 5]
+    value: float
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """A total force [N] on a node set, shared equally by its nodes, reached linearly at the end of the stage.
+
+    In axisymmetry it is the force on the whole ring; in plane strain on the whole depth. On a shell it has x, y, z and
+    the moments about x, y, z [N mm]; its directions stay as they are.
+    """
+
+    node_set: str
+    force: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """A follower pressure [MPa] on an edge set, positive into the body, reached linearly at the end of the stage."""
+
+    edge_set: str
+    value: float
+
+
+@dataclass(frozen=True)
+class ShellPressure:
+    """A follower pressure [MPa] on the cells of a shell whose nodes are all in a set, along the cells' normals, reached
+    linearly at the end of the stage.
+    """
+
+    node_set: str
+    value: float
+
+
+@dataclass(frozen=True)
+class EdgeForce:
+    """A force per length [N/mm] on an edge set of a shell, and a moment per length [N], of fixed directions and per
+    undeformed length, reached linearly at the end of the stage.
+    """
+
+    edge_set: str
+    force: tuple[float, ...]
+    """x, y, z; or x, y, z and the moments about them."""
+
+
+@dataclass(frozen=True)
+class BodyForce:
+    """A force per undeformed volume [N/mm3] on a whole shell, such as its weight, reached linearly at the end of the
+    stage.
+    """
+
+    force: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class ToolMotion:
+    """What a tool does over a stage: it moves and turns linearly in time, or pushes with a force."""
+
+    move: tuple[float, float] = (0.0, 0.0)
+    """Displacement [mm]."""
+    turn: float = 0.0
+    """Angle [rad], counter-clockwise, about the tool's centre."""
+    force: float | None = None
+    """Instead of a move along `direction`: what the whole tool pushes with at the end of the stage [N], reached
+    linearly from what it pushed with at its start."""
+    direction: tuple[float, float] = (0.0, 0.0)
+    """Unit vector along which a tool with a force pushes and is free to move."""
+
+
+@dataclass(frozen=True)
+class Push:
+    """A force that places a tool in space."""
+
+    direction: tuple[float, float, float]
+    """Unit vector along which it pushes, and the tool is free to move."""
+    force: FloatArray
+    """Rows of part of the stage (0 to 1, increasing) and force on what is modelled [N] (n, 2), linear between them and
+    constant beyond."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A part of the process in which every motion and load grows in proportion to the part that is done."""
+
+    name: str
+    duration: float = 1.0
+    """[s]; counts for laws with a strain rate and for inertia alone."""
+    clock: FloatArray | None = None
+    """Of shells: rows of part done (0 to 1) and time [s] (n, 2), linear between them; None: in proportion."""
+    tool_motion: Mapping[str, ToolMotion] = field(default_factory=dict)
+    """Motion of each moving tool; a tool not named stands still."""
+    sheet_tool_move: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    """Displacement of each moving tool in space [mm]; a tool not named stands still."""
+    sheet_tool_push: Mapping[str, Push] = field(default_factory=dict)
+    """Of each tool in space that a force places in this stage."""
+    bead_share: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Of each bead: rows of part of the stage (0 to 1) and share of its force (n, 2), linear between them."""
+    prescribed: tuple[PrescribedDisplacement, ...] = ()
+    forces: tuple[PointForce, ...] = ()
+    pressures: tuple[Pressure, ...] = ()
+    shell_pressures: tuple[ShellPressure, ...] = ()
+    edge_forces: tuple[EdgeForce, ...] = ()
+    body_forces: tuple[BodyForce, ...] = ()
+
+    def time_between(self, start: float, end: float) -> float:
+        """Return the time between two parts of the stage [s]."""
+        if self.clock is None:
+            return self.duration * (end - start)
+        first, last = np.interp([start, end], *self.clock.T)
+        return float(last - first)
