@@ -536,6 +536,65 @@ class ShellLoop:
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
 
+    @property
+    def position(self) -> NDArray[numpy.float64]:
+        """Positions (n_nodes, 3) [mm]."""
+
+    @position.setter
+    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def velocity(self) -> NDArray[numpy.float64]:
+        """
+        Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].
+        """
+
+    @velocity.setter
+    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def inverse_mass(self) -> NDArray[numpy.float64]:
+        """
+        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
+        """
+
+    @property
+    def internal_force(self) -> NDArray[numpy.float64]:
+        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
+
+    @property
+    def element_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element (n) [t]; setting it sets the nodes' masses."""
+
+    @element_mass.setter
+    def element_mass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    def stress(self, block: int) -> NDArray[numpy.float64]:
+        """
+        Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa].
+        """
+
+    def history(self, block: int) -> NDArray[numpy.float64]:
+        """
+        What the law of a block keeps (n, points in the plane, layers, size); first eqps.
+        """
+
+    def thickness(self, block: int) -> NDArray[numpy.float64]:
+        """Thickness (n) [mm] of a block."""
+
+    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+        """
+        Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
+        """
+
+    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], list[NDArray[numpy.float64]], NDArray[numpy.float64], float, float]:
+        """
+        Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.
+        """
+
+    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], states: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
+        """Take over what dump gave."""
+
     def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool) -> int:
         """Add a rigid tool; returns its number."""
 
@@ -638,25 +697,23 @@ class ShellLoop:
     def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
         """Energies at the present time."""
 
-    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
-        """
-        Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
-        """
-
-    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], list[NDArray[numpy.float64]], NDArray[numpy.float64], float, float]:
-        """
-        Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.
-        """
-
-    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], states: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
-        """Take over what dump gave."""
-
     def bound_frequencies(self) -> NDArray[numpy.float64]:
         """Bound of the squared highest frequency of each element [1/s2]."""
 
     @property
-    def internal_force(self) -> NDArray[numpy.float64]:
-        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
+    def force(self) -> NDArray[numpy.float64]:
+        """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
+
+    @force.setter
+    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
+
+class ShellLoopSingle:
+    """ShellLoop in single precision, positions and work excepted."""
+
+    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
 
     @property
     def position(self) -> NDArray[numpy.float64]:
@@ -681,14 +738,8 @@ class ShellLoop:
         """
 
     @property
-    def force(self) -> NDArray[numpy.float64]:
-        """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
-
-    @force.setter
-    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
+    def internal_force(self) -> NDArray[numpy.float64]:
+        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
 
     @property
     def element_mass(self) -> NDArray[numpy.float64]:
@@ -710,10 +761,18 @@ class ShellLoop:
     def thickness(self, block: int) -> NDArray[numpy.float64]:
         """Thickness (n) [mm] of a block."""
 
-class ShellLoopSingle:
-    """ShellLoop in single precision, positions and work excepted."""
+    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+        """
+        Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
+        """
 
-    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
+    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], list[NDArray[numpy.float64]], NDArray[numpy.float64], float, float]:
+        """
+        Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.
+        """
+
+    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], states: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
+        """Take over what dump gave."""
 
     def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool) -> int:
         """Add a rigid tool; returns its number."""
@@ -817,47 +876,8 @@ class ShellLoopSingle:
     def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
         """Energies at the present time."""
 
-    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
-        """
-        Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
-        """
-
-    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], list[NDArray[numpy.float64]], NDArray[numpy.float64], float, float]:
-        """
-        Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.
-        """
-
-    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], states: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
-        """Take over what dump gave."""
-
     def bound_frequencies(self) -> NDArray[numpy.float64]:
         """Bound of the squared highest frequency of each element [1/s2]."""
-
-    @property
-    def internal_force(self) -> NDArray[numpy.float64]:
-        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
-
-    @property
-    def position(self) -> NDArray[numpy.float64]:
-        """Positions (n_nodes, 3) [mm]."""
-
-    @position.setter
-    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def velocity(self) -> NDArray[numpy.float64]:
-        """
-        Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].
-        """
-
-    @velocity.setter
-    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def inverse_mass(self) -> NDArray[numpy.float64]:
-        """
-        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
-        """
 
     @property
     def force(self) -> NDArray[numpy.float64]:
@@ -868,26 +888,6 @@ class ShellLoopSingle:
 
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
-
-    @property
-    def element_mass(self) -> NDArray[numpy.float64]:
-        """Mass of each element (n) [t]; setting it sets the nodes' masses."""
-
-    @element_mass.setter
-    def element_mass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    def stress(self, block: int) -> NDArray[numpy.float64]:
-        """
-        Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa].
-        """
-
-    def history(self, block: int) -> NDArray[numpy.float64]:
-        """
-        What the law of a block keeps (n, points in the plane, layers, size); first eqps.
-        """
-
-    def thickness(self, block: int) -> NDArray[numpy.float64]:
-        """Thickness (n) [mm] of a block."""
 
 class DeformationLaw:
     """Deformation theory of a sheet in plane stress."""

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// The explicit loop's fast law of sheets: von Mises in plane stress, hardening from a table.
+#pragma once
+
+#include <optional>
+
+#include "arrays.hpp"
+#include "element/layered_section.hpp"
+
+namespace presswork::bindings {
+
+// The fast law where it gives what the general one does: von Mises, isotropic hardening alone.
+std::optional<FastMises> find_fast_law(const SheetLaw& law);
+
+void bind_tabulated_mises(nb::module_& m);
+
+}  // namespace presswork::bindings
