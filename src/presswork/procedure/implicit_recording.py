@@ -3,25 +3,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork.formability import Formability
-from presswork.model import Mesh, Model, ToolMotion
+from presswork.model import Model, ToolMotion
 from presswork.procedure.arc_length import ArcLengthProcedure
-from presswork.procedure.implicit import (
-    CUTBACKS,
-    FRACTION,
-    INCREMENTS,
-    ITERATIONS,
-    STAGE,
-    TIME,
-    ImplicitProcedure,
-    IncrementReport,
-)
+from presswork.procedure.implicit import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
+from presswork.procedure.increments import IncrementRecording
 from presswork.procedure.penetration import Penetration
 from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.tool_quantities import ToolQuantities, measure_tools
@@ -32,14 +24,14 @@ CUT_EDGE = 0.25
 """Part of the shortest boundary edge by which a tool may cut into an edge without a warning."""
 
 
-class ImplicitRecording:
-    """An implicit procedure at work on one model."""
+class ImplicitRecording(IncrementRecording):
+    """An implicit procedure at work on solids, or on shells under loads."""
+
+    model: Model
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         by_arc = model.solver.control == "arc_length"
-        self.model = model
-        self.procedure = (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads)
-        self.timing = self.procedure.timing
+        super().__init__(model, (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads))
         self.turning = [
             t.name for t in model.tools if any(s.tool_motion.get(t.name, ToolMotion()).turn for s in model.stages)
         ]
@@ -47,37 +39,9 @@ class ImplicitRecording:
         self._tools: dict[str, ToolQuantities] = {}
 
     @property
-    def title(self) -> str:
-        """What the case shows."""
-        return self.model.title
-
-    @property
-    def mesh(self) -> Mesh:
-        """The undeformed mesh."""
-        return self.model.mesh
-
-    @property
     def columns(self) -> list[str]:
         """Of history.csv."""
         return history_columns([t.name for t in self.model.tools], self.turning, [c.name for c in self.model.contacts])
-
-    @property
-    def checkpoint_every(self) -> int:
-        """Increments between checkpoints."""
-        return self.model.output.checkpoint_every
-
-    @property
-    def number(self) -> int:
-        """Increments so far."""
-        return int(self.procedure.state.progress[INCREMENTS])
-
-    def advance(self) -> Iterator[IncrementReport]:
-        """Compute increment after increment. Raises GaveUpError."""
-        return self.procedure.advance()
-
-    def remaining(self) -> float:
-        """Return the part of the whole process that is still to be computed."""
-        return self.procedure.remaining()
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -85,14 +49,8 @@ class ImplicitRecording:
 
     def log_lines(self, report: IncrementReport) -> list[str]:
         """Say how the increment was found."""
-        lines = [f"increment {report.number} cut back: {reason}" for reason in report.cutbacks]
-        log = report.log
-        return [
-            *lines,
-            f"increment {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(log)} iterations, "
-            f"residuals {' '.join(f'{r:.1e}' for r in log.residual)}, "
-            f"corrections {' '.join(f'{c:.1e}' for c in log.correction)}, contact changes {sum(log.contact_changes)}",
-        ]
+        *cutbacks, found = super().log_lines(report)
+        return [*cutbacks, f"{found}, contact changes {sum(report.log.contact_changes)}"]
 
     def progress_text(self, report: IncrementReport) -> str:
         """Name stage and increment, and the tools that have moved."""
@@ -107,12 +65,7 @@ class ImplicitRecording:
         """Return the row of the history."""
         self.penetration.note(self.model, self.procedure.contact, self.procedure.state)
         self._tools = measure_tools(self.procedure, self._stage())
-        row: Row = {
-            "time": report.time,
-            "stage": report.stage,
-            "increment": report.number,
-            "iterations": len(report.log),
-        }
+        row = self._begin_row(report)
         for name, tool in self._tools.items():
             row[f"{name}.stroke"], row[f"{name}.force"] = tool.stroke, tool.force
             row[f"{name}.force_x"], row[f"{name}.force_y"] = (float(f) for f in tool.vector)
@@ -166,14 +119,6 @@ class ImplicitRecording:
         centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in self.mesh.blocks])
         return judge_fields(mechanics.cell_fields(state), centres, self._judged())
 
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return the converged state."""
-        return self.procedure.state.to_arrays()
-
-    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """Take up a converged state."""
-        self.procedure.state.load_arrays(arrays)
-
     def meta(self) -> Meta:
         """Return what the summary needs and no array holds."""
         return {
@@ -201,13 +146,8 @@ class ImplicitRecording:
             "shortest_edge_mm": self._shortest_edge(),
             "tools_never_touched": find_never_touched([t.name for t in model.tools], history),
         }
-        increments, iterations, cutbacks = (int(state.progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS))
         return {
-            "increments": increments,
-            "iterations": iterations,
-            "cutbacks": cutbacks,
-            "work": f"{increments} increments, {iterations} iterations, {cutbacks} cut-backs",
-            "freedoms": procedure.mechanics.freedoms * len(model.mesh.points),
+            **self._count_work(),
             "extremes": {name: [float(v.min()), float(v.max())] for name, v in extremes.items()},
             "volume": {
                 "initial_mm3": initial,

@@ -7,17 +7,18 @@ has been gone, as they do in the explicit procedure. Time only matters to laws w
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork.mesh.swept_tool import SweptTool
-from presswork.model import FloatArray, Mesh, Model, OutputSettings, Push, SheetTool, Stage
+from presswork.model import FloatArray, Model, OutputSettings, Push, SheetTool, Stage
 from presswork.model_stamping import StampingModel, StampingStage, StampingTool
-from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, TIME, ImplicitProcedure, IncrementReport
-from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
+from presswork.procedure.implicit import TIME, ImplicitProcedure, IncrementReport
+from presswork.procedure.increments import IncrementRecording
+from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.stamping_tools import (
     bead_columns,
     by_stage,
@@ -101,24 +102,14 @@ def _push_by_stage(model: StampingModel, tool: StampingTool) -> list[Push]:
     return [Push(tool.way, rows) for rows in by_stage(model, times, forces / model.whole)]
 
 
-class ImplicitStamping:
+class ImplicitStamping(IncrementRecording):
     """A stamping at work."""
 
+    model: StampingModel
+
     def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
-        self.model = model
-        self.procedure = ImplicitProcedure(make_shell_model(model), threads=threads)
-        self.timing = self.procedure.timing
+        super().__init__(model, ImplicitProcedure(make_shell_model(model), threads=threads))
         self._judged = model.sheet[1].formability
-
-    @property
-    def title(self) -> str:
-        """What the case shows."""
-        return self.model.title
-
-    @property
-    def mesh(self) -> Mesh:
-        """The undeformed blank."""
-        return self.model.mesh
 
     @property
     def columns(self) -> list[str]:
@@ -126,37 +117,9 @@ class ImplicitStamping:
         first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
         return [*first, *ENERGIES, "energy_error_percent"]
 
-    @property
-    def checkpoint_every(self) -> int:
-        """Increments between checkpoints."""
-        return self.model.output.checkpoint_every
-
-    @property
-    def number(self) -> int:
-        """Increments so far."""
-        return int(self.procedure.state.progress[INCREMENTS])
-
-    def advance(self) -> Iterator[IncrementReport]:
-        """Compute increment after increment. Raises GaveUpError."""
-        return self.procedure.advance()
-
-    def remaining(self) -> float:
-        """Return the part of the whole process still to be computed, counted in stage durations."""
-        return self.procedure.remaining()
-
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
         return f"implicit: {len(self.model.cells)} shells, linear solver: {self.procedure.equilibrium.solver.name}"
-
-    def log_lines(self, report: IncrementReport) -> list[str]:
-        """Say how the increment was found."""
-        log = report.log
-        return [
-            *(f"increment {report.number} cut back: {reason}" for reason in report.cutbacks),
-            f"increment {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(log)} iterations, "
-            f"residuals {' '.join(f'{r:.1e}' for r in log.residual)}, "
-            f"corrections {' '.join(f'{c:.1e}' for c in log.correction)}",
-        ]
 
     def progress_text(self, report: IncrementReport) -> str:
         """Name stage and increment, and the tools that have moved."""
@@ -182,10 +145,7 @@ class ImplicitStamping:
         """Return the row of the history."""
         balance = self.procedure.energy_balance()
         return {
-            "time": report.time,
-            "stage": report.stage,
-            "increment": report.number,
-            "iterations": len(report.log),
+            **self._begin_row(report),
             **self._tool_columns(),
             **self._bead_columns(),
             **{name: balance[name] for name in ENERGIES},
@@ -234,21 +194,6 @@ class ImplicitStamping:
             "energy_error_percent": balance["error_percent"],
         }
 
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return the converged state."""
-        return self.procedure.state.to_arrays()
-
-    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """Take up a converged state. Raises ValueError if it is another model's."""
-        self.procedure.state.load_arrays(arrays)
-
-    def meta(self) -> Meta:
-        """Return nothing: the arrays hold all."""
-        return {}
-
-    def load_meta(self, meta: Mapping[str, Any]) -> None:
-        """Take up nothing."""
-
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are out of hand."""
         state = self.procedure.state
@@ -259,7 +204,6 @@ class ImplicitStamping:
         verdict = judge_fields(fields, centres, self._judged)
         assert verdict is not None, "shells have principal strains"
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
-        increments, iterations, cutbacks = (int(state.progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS))
         energy = self.procedure.energy_balance()
         untouched = find_never_touched([t.name for t in self.model.tools], history)
         warnings = [f"the tool {name} never touched the blank" for name in untouched]
@@ -271,11 +215,7 @@ class ImplicitStamping:
             part = f"inertia took {100.0 * abs(energy['inertia_work']) / internal:.3g} % of the internal energy"
             warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
         return {
-            "increments": increments,
-            "iterations": iterations,
-            "cutbacks": cutbacks,
-            "work": f"{increments} increments, {iterations} iterations, {cutbacks} cut-backs",
-            "freedoms": 6 * len(self.model.mesh.points),
+            **self._count_work(),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
             "time_simulated": float(state.progress[TIME]),

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from presswork.formability import Info
 from presswork.model import FloatArray, IntArray, Mesh
+from presswork.model_stamping import AnyModel
 from presswork.procedure.timing import Timing
 
 Row = dict[str, float | int | str]
@@ -114,6 +115,35 @@ class Recording(Protocol):
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says beyond status and wall time; "warnings" lists what a user should know."""
+
+
+class ModelRecording:
+    """What recordings of a model say alike; of a checkpoint the arrays hold all, unless they say otherwise."""
+
+    model: AnyModel
+    timing: Timing
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.model.title
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed mesh."""
+        return self.model.mesh
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Reports between checkpoints."""
+        return self.model.output.checkpoint_every
+
+    def meta(self) -> Meta:
+        """Return nothing: the arrays hold all."""
+        return {}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up nothing."""
 
 
 def find_never_touched(tools: list[str], history: Mapping[str, NDArray[Any]]) -> list[str]:

@@ -24,7 +24,7 @@ from presswork.model import FloatArray, Mesh, Model, OutputSettings, ShellElemen
 from presswork.model_stamping import Springback, StampingModel
 from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
 from presswork.procedure.implicit_stamping import ImplicitStamping
-from presswork.procedure.recording import GaveUpError, Meta, Report, Row, Snapshot, StartError
+from presswork.procedure.recording import GaveUpError, ModelRecording, Report, Row, Snapshot, StartError
 from presswork.procedure.stamping import ExplicitStamping
 from presswork.procedure.transfer import TransferError, begin_with
 from presswork.procedure.trim import TrimError, TrimmedSheet, trim_sheet
@@ -124,8 +124,10 @@ class _Released:
     """Energy stored then [N mm]."""
 
 
-class ReleasedStamping:
+class ReleasedStamping(ModelRecording):
     """A stamping after which the part is trimmed, or springs back, or both."""
+
+    model: StampingModel
 
     def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
         procedure = ImplicitStamping if model.procedure == "implicit" else ExplicitStamping
@@ -184,11 +186,6 @@ class ReleasedStamping:
     # --- what is recorded --------------------------------------------------------------------------------------------
 
     @property
-    def title(self) -> str:
-        """What the case shows."""
-        return self.forming.title
-
-    @property
     def mesh(self) -> Mesh:
         """The undeformed sheet: the blank, and what trimming leaves of it."""
         trimmed = None if self._released is None else self._released.trimmed
@@ -198,11 +195,6 @@ class ReleasedStamping:
     def columns(self) -> list[str]:
         """Of history.csv."""
         return self.forming.columns
-
-    @property
-    def checkpoint_every(self) -> int:
-        """Rows between checkpoints."""
-        return self.forming.checkpoint_every
 
     def begin_log(self) -> str:
         """Name the procedure that forms, and what it starts with."""
@@ -304,14 +296,6 @@ class ReleasedStamping:
         if own:
             self._released = self._release()
             self._released.implicit.state.load_arrays(own)
-
-    def meta(self) -> Meta:
-        """Return what forming keeps."""
-        return self.forming.meta()
-
-    def load_meta(self, meta: Mapping[str, Any]) -> None:
-        """Take up what meta gave."""
-        self.forming.load_meta(meta)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
