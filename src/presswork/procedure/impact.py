@@ -6,28 +6,23 @@ It knows nothing of files: run.py records what it yields.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from time import perf_counter
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork import _core
-from presswork.model import FloatArray, Material, Mesh, Model, Tool, ToolMotion
-from presswork.procedure.explicit_energy import ENERGIES, EnergyBalance, warn_of_energies
-from presswork.procedure.explicit_input import ExplicitError
+from presswork.model import FloatArray, Material, Model, Tool, ToolMotion
+from presswork.procedure.explicit_energy import EnergyBalance, warn_of_energies
 from presswork.procedure.explicit_solids import FREEDOMS, ExplicitSolids, Wall
-from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
-from presswork.procedure.rows import remaining_in_rows, require_rows
+from presswork.procedure.recording import Row, Snapshot, find_never_touched
+from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
 from presswork.procedure.solid_material import SolidMaterial
-from presswork.procedure.timing import Timing
 from presswork.procedure.tool_quantities import find_way
 from presswork.results.fields import effective_stress
-from presswork.threads import available_threads
 
-STAGE, ROW, ADDED_MASS, ROWS = range(4)
+ADDED_MASS = 2
+"""Of the progress, after stage and row."""
 EXTENTS = ("x_min", "x_max", "y_min", "y_max")
 """Of the workpiece [mm]."""
 ADVICE = {
@@ -37,30 +32,15 @@ ADVICE = {
 }
 
 
-@dataclass(frozen=True)
-class RowReport:
-    """A row of cycles that has been computed."""
-
-    number: int
-    stage: str
-    fraction: float
-    """Of the stage, at the end of the row."""
-    time: float
-    cycles: int
-    step: float
-    """Mean time step [s]."""
-    energies: EnergyBalance
-    is_save_point: bool
-
-
-class ExplicitImpact:
+class ExplicitImpact(RowRecording):
     """A Model with `explicit` at work."""
+
+    model: Model
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.explicit is not None
-        _core.set_threads(threads or available_threads())
-        self.model, self.settings = model, model.explicit
-        self.timing = Timing("cycles")
+        super().__init__(model, threads, 4)
+        self.settings = model.explicit
         self.solids = ExplicitSolids(
             model.mesh,
             [_solid_material(material) for material in model.materials],
@@ -71,31 +51,14 @@ class ExplicitImpact:
         self.solids.set_velocity("all", self.settings.velocity)
         self.walls = [self.solids.add_wall(t.name, t.segments, mu=float(t.mu.max(initial=0.0))) for t in model.tools]
         self._force = np.zeros((len(self.walls), 2))
-        self._progress = np.zeros(4)
-        self._progress[ROWS] = model.output.rows
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         self._begin_stage()
 
     # --- the way through ---------------------------------------------------------------------------------------------
 
-    def advance(self) -> Iterator[RowReport]:
-        """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
-        while int(self._progress[STAGE]) < len(self.model.stages):
-            before = self.to_arrays()
-            try:
-                report = self._next_row()
-            except (ExplicitError, KeyboardInterrupt) as error:
-                self.load_arrays(before)
-                if isinstance(error, KeyboardInterrupt):
-                    raise
-                raise GaveUpError(str(error)) from error
-            yield report
-
-    def _next_row(self) -> RowReport:
-        started = perf_counter()
-        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
-        stage, rows, steps = self.model.stages[number], self.model.output.rows, self.model.output.steps
+    def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
+        stage, rows = self.model.stages[number], self.model.output.rows
         begin = sum(s.duration for s in self.model.stages[:number])
         cycle, time = self.solids.cycle, self.solids.time
         impulse = [wall.impulse for wall in self.walls]
@@ -104,22 +67,9 @@ class ExplicitImpact:
         for i, wall in enumerate(self.walls):
             self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
         energies = self.solids.energies()
-        self._progress[[ROW, ADDED_MASS]] = (row + 1, self.solids.added_mass().percent)
-        if row + 1 == rows:
-            self._progress[[STAGE, ROW]] = (number + 1, 0)
-            self._begin_stage()
-        self.timing.add("cycles", started)
+        self._progress[ADDED_MASS] = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle
-        return RowReport(
-            number=number * rows + row + 1,
-            stage=stage.name,
-            fraction=(row + 1) / rows,
-            time=self.solids.time,
-            cycles=cycles,
-            step=stage.duration / rows / cycles,
-            energies=energies,
-            is_save_point=(row + 1) * steps // rows > row * steps // rows,
-        )
+        return cycles, stage.duration / rows / cycles, energies
 
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe; every motion is even over the stage."""
@@ -137,56 +87,31 @@ class ExplicitImpact:
             x, y = stage.tool_motion.get(wall.name, ToolMotion()).move
             wall.velocity = (x / stage.duration, y / stage.duration)
 
-    def remaining(self) -> float:
-        """Return the part of the whole process still to be computed, counted in stage durations."""
-        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
-        return remaining_in_rows([s.duration for s in self.model.stages], stage, row, self.model.output.rows)
-
     # --- what is recorded --------------------------------------------------------------------------------------------
-
-    @property
-    def title(self) -> str:
-        """What the case shows."""
-        return self.model.title
-
-    @property
-    def mesh(self) -> Mesh:
-        """The undeformed mesh."""
-        return self.model.mesh
 
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
         forces = ("stroke", "force", "force_x", "force_y", "force_z")
         tools = [f"{tool.name}.{quantity}" for tool in self.model.tools for quantity in forces]
-        last = [*(f"{e}_energy" for e in ENERGIES), "energy_error_percent"]
-        return ["time", "stage", "increment", "cycles", *tools, *EXTENTS, "time_step", "added_mass_percent", *last]
+        return ["time", "stage", "increment", "cycles", *tools, *EXTENTS, *LAST_COLUMNS]
 
     @property
-    def checkpoint_every(self) -> int:
-        """Rows between checkpoints."""
-        return self.model.output.checkpoint_every
+    def time(self) -> float:
+        """[s]"""
+        return self.solids.time
 
     @property
-    def number(self) -> int:
-        """Rows so far."""
-        return int(self._progress[STAGE]) * self.model.output.rows + int(self._progress[ROW])
+    def added_mass(self) -> float:
+        """Per cent of the true mass."""
+        return float(self._progress[ADDED_MASS])
 
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
         return (
             f"explicit: {len(self.solids.equivalent_plastic_strain)} cells, stable step "
-            f"{self.solids.stable_step():.3g} s, added mass {self._progress[ADDED_MASS]:.3g} %"
+            f"{self.solids.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
         )
-
-    def log_lines(self, report: RowReport) -> list[str]:
-        """Say where the row ended."""
-        e = report.energies
-        return [
-            f"row {report.number}, stage {report.stage} at {report.fraction:.4f}, {report.cycles} cycles of "
-            f"{report.step:.4g} s, kinetic {e.kinetic:.3g}, internal {e.internal:.3g}, hourglass {e.hourglass:.3g} "
-            f"N mm, balance off by {e.error_percent:.2g} %"
-        ]
 
     def progress_text(self, report: RowReport) -> str:
         """Name stage, cycle and time."""
@@ -201,10 +126,7 @@ class ExplicitImpact:
         return {
             **row,
             **dict(zip(EXTENTS, (float(v) for v in (low[0], high[0], low[1], high[1])), strict=True)),
-            "time_step": report.step,
-            "added_mass_percent": float(self._progress[ADDED_MASS]),
-            **{f"{e}_energy": getattr(report.energies, e) for e in ENERGIES},
-            "energy_error_percent": report.energies.error_percent,
+            **self._end_row(report),
         }
 
     def _measure(self, tool: Tool, wall: Wall, mean: FloatArray) -> Row:
@@ -263,20 +185,9 @@ class ExplicitImpact:
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
-        own = self.to_arrays()
-        if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
-            raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
-        require_rows(arrays["progress"][ROWS], self.model.output.rows)
-        self._progress = np.array(arrays["progress"], dtype=float)
+        self._take_up(arrays)
         self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name != "progress"})
         self._begin_stage()
-
-    def meta(self) -> Meta:
-        """Return nothing: the arrays hold all."""
-        return {}
-
-    def load_meta(self, meta: Mapping[str, Any]) -> None:
-        """Take up nothing."""
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are out of hand."""
@@ -298,7 +209,7 @@ class ExplicitImpact:
             "extent_mm": {name: float(history[name][-1]) for name in EXTENTS} if len(history["time"]) else {},
             "centre_velocity_mm_s": [float(v) for v in speed],
             "mass": {"workpiece_t": mass.mass, "added_percent": mass.percent},
-            "energy": {e: float(history[f"{e}_energy"][-1]) for e in ENERGIES} if len(history["time"]) else {},
+            "energy": last_energies(history),
             "time_simulated": self.solids.time,
             "warnings": [
                 *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),

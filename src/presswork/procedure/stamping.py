@@ -6,40 +6,30 @@ It knows nothing of files: run.py records what it yields.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork import _core
 from presswork.model import BoolArray, Mesh
 from presswork.model_stamping import Refinement, StampingModel, StampingStage
-from presswork.procedure.explicit import (
-    FREEDOMS,
-    PHASES,
-    SAFETY,
-    EnergyBalance,
-    ExplicitError,
-    ExplicitShells,
-    MassScaling,
-    ShellOptions,
-)
-from presswork.procedure.explicit_energy import ENERGIES, warn_of_energies
+from presswork.procedure.explicit import FREEDOMS, PHASES, SAFETY, ExplicitShells
+from presswork.procedure.explicit_energy import EnergyBalance, MassScaling, warn_of_energies
 from presswork.procedure.explicit_fields import OnePointFields
-from presswork.procedure.recording import GaveUpError, Meta, Row, Snapshot, find_never_touched
+from presswork.procedure.explicit_options import ShellOptions
+from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.refinement import SplitBlank, choose_shells
-from presswork.procedure.rows import remaining_in_rows, require_rows
+from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
 from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, mean_speeds
-from presswork.procedure.timing import Timing
 from presswork.procedure.transfer import SheetState, sheet_of_explicit
 from presswork.results.formability import formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
-from presswork.threads import available_threads
 
-STAGE, ROW, CYCLES, ADDED_MASS, SHELL_CYCLES, ROWS = range(6)
+CYCLES, ADDED_MASS, SHELL_CYCLES = range(2, 5)
+"""Of the progress, after stage and row."""
 ELEMENT_CYCLES_A_CALL = 2_000_000
 """Between two looks at the keyboard: about a second."""
 SAMPLES = 10
@@ -48,32 +38,13 @@ LOOKS = 50
 """A stage, at shells that may have to be split: once in 2 % of it."""
 
 
-@dataclass(frozen=True)
-class RowReport:
-    """A row of cycles that has been computed."""
-
-    number: int
-    stage: str
-    fraction: float
-    """Of the stage, at the end of the row."""
-    time: float
-    cycles: int
-    step: float
-    """Time step [s]."""
-    shells: int
-    energies: EnergyBalance
-    is_save_point: bool
-
-
-class ExplicitStamping:
+class ExplicitStamping(RowRecording):
     """A stamping at work."""
 
+    model: StampingModel
+
     def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
-        _core.set_threads(threads or available_threads())
-        self.model = model
-        self.timing = Timing(*PHASES, "rest")
-        self._progress = np.zeros(6)
-        self._progress[ROWS] = model.output.rows
+        super().__init__(model, threads, 6, (*PHASES, "rest"))
         self._blank = SplitBlank(model)
         self._judged = model.sheet[1].formability
         self.shells = self._make_shells()
@@ -105,22 +76,7 @@ class ExplicitStamping:
 
     # --- the way through ---------------------------------------------------------------------------------------------
 
-    def advance(self) -> Iterator[RowReport]:
-        """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
-        while int(self._progress[STAGE]) < len(self.model.stages):
-            before = self.to_arrays()
-            try:
-                report = self._next_row()
-            except (ExplicitError, KeyboardInterrupt) as error:
-                self.load_arrays(before)
-                if isinstance(error, KeyboardInterrupt):
-                    raise
-                raise GaveUpError(str(error)) from error
-            yield report
-
-    def _next_row(self) -> RowReport:
-        started = perf_counter()
-        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
+    def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         stage, rows = self.model.stages[number], self.model.output.rows
         if self.model.refinement and row % max(1, rows // LOOKS) == 0:
             self._refine(self.model.refinement)
@@ -130,32 +86,17 @@ class ExplicitStamping:
         self.shells.dt = (end - begin) / n
         most = min(ELEMENT_CYCLES_A_CALL // n_shells, n // SAMPLES) or 1
         self.tools.begin_row()
-        before = self.shells.seconds
+        self._seconds_n = self.shells.seconds
         for part in np.split(mean_speeds(stage, begin, end, n), range(most, n, most)):
             self.shells.advance(len(part), velocity_scale=part, damping=self.model.explicit.damping)
             self.tools.sample()
         energies = self._energies(stage, end)
-        self._progress[[ROW, CYCLES, SHELL_CYCLES]] += (1, n, n * n_shells)
-        if row + 1 == rows:
-            self._progress[[STAGE, ROW]] = (number + 1, 0)
-            self._begin_stage()
-        self._add_time(started, before)
-        steps = self.model.output.steps
-        return RowReport(
-            number=number * rows + row + 1,
-            stage=stage.name,
-            fraction=(row + 1) / rows,
-            time=self.shells.time,
-            cycles=n,
-            step=self.shells.dt,
-            shells=n_shells,
-            energies=energies,
-            is_save_point=(row + 1) * steps // rows > row * steps // rows,
-        )
+        self._progress[[CYCLES, SHELL_CYCLES]] += (n, n * n_shells)
+        return n, self.shells.dt, energies
 
-    def _add_time(self, started: float, before: Mapping[str, float]) -> None:
+    def _add_time(self, started: float) -> None:
         """Share out the time since `started`, by what the shells' clock said then and says now."""
-        spent = {phase: now - before[phase] for phase, now in self.shells.seconds.items()}
+        spent = {phase: now - self._seconds_n[phase] for phase, now in self.shells.seconds.items()}
         for phase, seconds in spent.items():
             self.timing.give(phase, seconds)
         self.timing.give("rest", perf_counter() - started - sum(spent.values()))
@@ -223,56 +164,25 @@ class ExplicitStamping:
         speed = float(mean_speeds(stage, time - dt, time, 1)[0])
         return self.shells.energies(damping=self.model.explicit.damping, velocity_scale=speed)
 
-    def remaining(self) -> float:
-        """Return the part of the whole process still to be computed, counted in stage durations."""
-        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
-        return remaining_in_rows([s.duration for s in self.model.stages], stage, row, self.model.output.rows)
-
     # --- what is recorded --------------------------------------------------------------------------------------------
-
-    @property
-    def title(self) -> str:
-        """What the case shows."""
-        return self.model.title
-
-    @property
-    def mesh(self) -> Mesh:
-        """The undeformed blank, as far as its shells have been split."""
-        return self.model.mesh
 
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
         first += ["shells"] if self.model.refinement else []
-        return [*first, "time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent"]
-
-    @property
-    def checkpoint_every(self) -> int:
-        """Rows between checkpoints."""
-        return self.model.output.checkpoint_every
-
-    @property
-    def number(self) -> int:
-        """Rows so far."""
-        return int(self._progress[STAGE]) * self.model.output.rows + int(self._progress[ROW])
+        return [*first, *LAST_COLUMNS]
 
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
         return (
             f"explicit: {len(self._cells)} shells, stable step "
-            f"{self.shells.stable_step():.3g} s, added mass {self._progress[ADDED_MASS]:.3g} %"
+            f"{self.shells.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
         )
 
     def log_lines(self, report: RowReport) -> list[str]:
-        """Say where the row ended."""
-        e = report.energies
-        return [
-            f"row {report.number}, stage {report.stage} at {report.fraction:.4f}, {report.cycles} cycles of "
-            f"{report.step:.4g} s, kinetic {e.kinetic:.3g}, internal {e.internal:.3g}, hourglass {e.hourglass:.3g} "
-            f"N mm, balance off by {e.error_percent:.2g} %",
-            *(f"warning: {warning}" for warning in e.warnings()),
-        ]
+        """Say where the row ended, and what is out of hand."""
+        return [*super().log_lines(report), *(f"warning: {warning}" for warning in report.energies.warnings())]
 
     def progress_text(self, report: RowReport) -> str:
         """Name stage and cycle."""
@@ -286,11 +196,8 @@ class ExplicitStamping:
             "increment": report.number,
             "cycles": int(self._progress[CYCLES]),
             **self.tools.row(),
-            **({"shells": report.shells} if self.model.refinement else {}),
-            "time_step": report.step,
-            "added_mass_percent": float(self._progress[ADDED_MASS]),
-            **{f"{e}_energy": getattr(report.energies, e) for e in ENERGIES},
-            "energy_error_percent": report.energies.error_percent,
+            **({"shells": len(self._cells)} if self.model.refinement else {}),
+            **self._end_row(report),
         }
 
     def snapshot(self) -> Snapshot:
@@ -335,12 +242,15 @@ class ExplicitStamping:
         """[s]"""
         return self.shells.time
 
+    @property
+    def added_mass(self) -> float:
+        """Per cent of the true mass."""
+        return float(self._progress[ADDED_MASS])
+
     def row_at_rest(self) -> Row:
         """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
         energies = self.shells.energies(damping=self.model.explicit.damping, velocity_scale=0.0)
-        report = RowReport(
-            self.number, "", 1.0, self.time, 0, self.shells.dt, len(self._cells), energies, is_save_point=True
-        )
+        report = RowReport(self.number, "", 1.0, self.time, 0, self.shells.dt, energies, is_save_point=True)
         gone = {
             f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
         }
@@ -352,23 +262,11 @@ class ExplicitStamping:
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
-        own = self.to_arrays()
-        if "splits" in arrays and not np.array_equal(own["splits"], arrays["splits"]):
+        if "splits" in arrays and not np.array_equal(self._blank.splits(), arrays["splits"]):
             self._begin_on(self._blank.split_again(arrays["splits"]))
-            own = self.to_arrays()
-        if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
-            raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
-        require_rows(arrays["progress"][ROWS], self.model.output.rows)
-        self._progress = np.array(arrays["progress"], dtype=float)
-        self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name in own})
+        self._take_up(arrays)
+        self.shells.restore({name: np.asarray(values) for name, values in arrays.items()})
         self._begin_stage()
-
-    def meta(self) -> Meta:
-        """Return nothing: the arrays hold all."""
-        return {}
-
-    def load_meta(self, meta: Mapping[str, Any]) -> None:
-        """Take up nothing."""
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are out of hand."""
@@ -386,8 +284,8 @@ class ExplicitStamping:
             "work": f"{cycles} cycles of {self._progress[SHELL_CYCLES] / max(cycles, 1):.0f} shells",
             "freedoms": 6 * len(self.model.mesh.points),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
-            "mass": {"blank_t": self._mass, "added_percent": float(self._progress[ADDED_MASS])},
-            "energy": {e: float(history[f"{e}_energy"][-1]) for e in ENERGIES} if len(history["time"]) else {},
+            "mass": {"blank_t": self._mass, "added_percent": self.added_mass},
+            "energy": last_energies(history),
             "time_simulated": shells.time,
             "formability": verdict.to_summary(),
             "warnings": [

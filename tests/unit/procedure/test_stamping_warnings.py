@@ -4,8 +4,7 @@
 import numpy as np
 import pytest
 
-from presswork.procedure.explicit_energy import warn_of_energies
-from presswork.procedure.stamping import ENERGIES
+from presswork.procedure.explicit_energy import ENERGIES, warn_of_energies
 
 SHARE, BALANCE = 6.0, 30.0
 
