@@ -13,7 +13,6 @@ Units are mm, s, t, N, MPa. A node has six freedoms: displacements u, v, w and r
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
@@ -21,12 +20,12 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.procedure.explicit_beads import BeadsOfRun
-from presswork.procedure.explicit_energy import EnergyBalance as EnergyBalance
-from presswork.procedure.explicit_energy import MassScaling as MassScaling
+from presswork.procedure.explicit_energy import EnergyBalance, MassScaling, strike_balance, sum_energies
 from presswork.procedure.explicit_input import ExplicitError as ExplicitError
-from presswork.procedure.explicit_input import check_shells, is_triangle, with_four_nodes
+from presswork.procedure.explicit_input import check_nodal, check_shells, is_triangle, with_four_nodes
+from presswork.procedure.explicit_layers import LayersOfRun
 from presswork.procedure.explicit_options import ShellOptions as ShellOptions
-from presswork.procedure.explicit_options import layer_rule as layer_rule
+from presswork.procedure.explicit_options import layer_rule
 from presswork.procedure.explicit_tools import ToolsOfRun
 
 Array = npt.NDArray[np.float64]
@@ -52,7 +51,7 @@ def order_along_curve(points: Array) -> npt.NDArray[np.intp]:
     return np.argsort(code, kind="stable")
 
 
-class ExplicitShells(ToolsOfRun, BeadsOfRun):
+class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
     """4-node and 3-node shells in explicit dynamics.
 
     points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell, a triangle with its last node twice,
@@ -135,17 +134,6 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         out[self._nodes] = inside
         return out
 
-    def _by_element(self, inside: Array) -> Array:
-        out = np.empty_like(inside)
-        out[self._elements] = inside
-        return out
-
-    def _of_blocks(self, values: Callable[[int], Array]) -> Array:
-        parts = [values(block) for block in range(len(self._counts))]
-        if parts[0].ndim == 4 and parts[0].shape[1] > 1:  # the one point of triangles stands for all
-            parts = [np.broadcast_to(part, (len(part), *parts[0].shape[1:])) for part in parts]
-        return np.concatenate(parts)
-
     @property
     def position(self) -> Array:
         """Positions (n_nodes, 3) [mm]."""
@@ -171,12 +159,7 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         self._loop.force = self._shaped(value, "force")[self._nodes]
 
     def _shaped(self, value: npt.ArrayLike, name: str) -> Array:
-        given = np.asarray(value, dtype=float)
-        if given.shape != self._fixed.shape:
-            raise ExplicitError(f"{name} has shape {given.shape}: it must be (n_nodes, 6) = {self._fixed.shape}")
-        if not np.isfinite(given).all():
-            raise ExplicitError(f"{name} of node {np.argwhere(~np.isfinite(given))[0, 0]} is not a finite number")
-        return given
+        return check_nodal(value, name, self._fixed.shape)
 
     @property
     def internal_force(self) -> Array:
@@ -186,59 +169,6 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
     def trial_force(self, increment: npt.ArrayLike) -> Array:
         """Give the internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed."""
         return self._by_node(self._loop.trial_force(self._shaped(increment, "increment")[self._nodes]))
-
-    @property
-    def stress(self) -> Array:
-        """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up; means in the plane."""
-        return np.asarray(self.stress_at_points.mean(axis=1))
-
-    @property
-    def stress_at_points(self) -> Array:
-        """Stress (n, q, n_points, 3) at the q points in the plane, in the order of the implicit shells of 2 x 2."""
-        return self._by_element(self._of_blocks(self._loop.stress))
-
-    @property
-    def equivalent_plastic_strain(self) -> Array:
-        """Equivalent plastic strain (n, n_points)."""
-        return np.asarray(self.history[:, :, 0])
-
-    @property
-    def history(self) -> Array:
-        """What the law keeps at each layer (n, n_points, n_history), equivalent plastic strain first; means also."""
-        return np.asarray(self.history_at_points.mean(axis=1))
-
-    @property
-    def history_at_points(self) -> Array:
-        """What the law keeps at the q points in the plane (n, q, n_points, n_history)."""
-        return self._by_element(self._of_blocks(self._loop.history))
-
-    def set_layers(self, stress: npt.ArrayLike, history: npt.ArrayLike) -> None:
-        """Begin with stress and history in the form of these properties; internal forces follow from them.
-
-        Both at the layers (n, n_points, ...), for all points in the plane, or at each of them (n, q, n_points, ...).
-        """
-        s, kept = (np.asarray(given, dtype=float) for given in (stress, history))
-        for name, given, own in (("stress", s, self.stress_at_points), ("history", kept, self.history_at_points)):
-            if given.shape not in (own.shape, own.shape[:1] + own.shape[2:]):
-                raise ExplicitError(f"{name} has shape {given.shape}: these shells have {own.shape}")
-        sums = np.stack([s[..., 0] + s[..., 1], s[..., 0] - s[..., 1], s[..., 2]], axis=-1)
-        rows = np.concatenate([sums, kept], axis=-1)[self._elements]
-        if rows.ndim == 3:
-            rows = rows[:, None]
-        position, velocity, states, forces, *work = self._loop.dump()
-        for block, part in enumerate(np.split(rows, np.cumsum(self._counts)[:-1])):
-            shape = self._loop.history(block).shape[:3]
-            of_block = part.mean(axis=1, keepdims=True) if shape[1] == 1 else part
-            layers = np.broadcast_to(of_block, (*shape, part.shape[-1])).reshape(shape[0], -1)
-            states[block][:, -layers.shape[1] :] = layers  # an element's layers come last
-        self._loop.restore(position, velocity, states, forces, *work)
-        forces = self._loop.trial_force(np.zeros(self._fixed.shape))
-        self._loop.restore(position, velocity, states, forces, *work)
-
-    @property
-    def thickness(self) -> Array:
-        """Thickness (n) [mm]."""
-        return self._by_element(self._of_blocks(self._loop.thickness))
 
     @property
     def mass(self) -> Array:
@@ -307,7 +237,7 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         self._prepare_tools(scales[1])
         self._prepare_beads(n)
         if self._reference is None:
-            start = self._sum(self._energies(damping, force_scale, velocity_scale))
+            start = sum_energies(self._energies(damping, force_scale, velocity_scale))
             self._reference = (start, abs(start))
         shell, cycle = self._loop.advance(self.dt, *scales, damping=damping)
         if shell >= 0:
@@ -375,19 +305,12 @@ class ExplicitShells(ToolsOfRun, BeadsOfRun):
         first = [float(np.ravel(np.asarray(s, dtype=float))[0]) for s in (force_scale, velocity_scale)]
         return self._loop.energies(self.dt, damping=damping, force_scale=first[0], velocity_scale=first[1])
 
-    @staticmethod
-    def _sum(e: _core.Energies) -> float:
-        return e.kinetic + e.internal + e.hourglass + e.damping + e.contact + e.friction - e.external
-
     def energies(self, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> EnergyBalance:
         """Give the energies now; damping and the scales are those of the next cycle."""
-        e = self._energies(damping, force_scale, velocity_scale)
-        start, largest = self._reference or (self._sum(e), 0.0)
-        largest = max(largest, abs(e.kinetic) + abs(e.internal) + abs(e.hourglass), abs(e.external))
+        balance, reference = strike_balance(self._energies(damping, force_scale, velocity_scale), self._reference)
         if self._reference:
-            self._reference = (start, largest)
-        error = 100.0 * (self._sum(e) - start) / largest if largest > 0 else 0.0
-        return EnergyBalance(e.kinetic, e.internal, e.hourglass, e.external, e.damping, error, e.contact, e.friction)
+            self._reference = reference
+        return balance
 
     def dump(self) -> dict[str, Array]:
         """Give everything that the next cycle depends on, beside what the constructor, fix and force were given."""

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork import _core
+
 WORTH_A_WARNING = 5.0
 """Per cent of the internal energy."""
 FORMED = 0.1
@@ -55,6 +57,25 @@ class EnergyBalance:
         if abs(self.error_percent) > 5:
             found.append(f"the energy balance is off by {self.error_percent:.3g} %: shorten the time step")
         return found
+
+
+def sum_energies(e: _core.Energies | _core.SolidEnergies) -> float:
+    """Return what stays as it is in an undisturbed run: all energies, less the work from outside [N mm]."""
+    return e.kinetic + e.internal + e.hourglass + e.damping + e.contact + e.friction - e.external
+
+
+def strike_balance(
+    e: _core.Energies | _core.SolidEnergies, reference: tuple[float, float] | None
+) -> tuple[EnergyBalance, tuple[float, float]]:
+    """Return the balance, and the reference brought up to date.
+
+    reference: the sum at the start of the run and the largest energies so far [N mm]; None before the start.
+    """
+    start, largest = reference or (sum_energies(e), 0.0)
+    largest = max(largest, abs(e.kinetic) + abs(e.internal) + abs(e.hourglass), abs(e.external))
+    error = 100.0 * (sum_energies(e) - start) / largest if largest > 0 else 0.0
+    balance = EnergyBalance(e.kinetic, e.internal, e.hourglass, e.external, e.damping, error, e.contact, e.friction)
+    return balance, (start, largest)
 
 
 @dataclass(frozen=True)

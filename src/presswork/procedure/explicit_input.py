@@ -31,6 +31,16 @@ def is_triangle(cells: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
     return np.asarray(cells[:, 2] == cells[:, 3])
 
 
+def check_nodal(value: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> Array:
+    """Return what was given for every node's freedoms. Raises ExplicitError for another shape, or what is no number."""
+    given = np.ascontiguousarray(value, dtype=float)
+    if given.shape != shape:
+        raise ExplicitError(f"{name} has shape {given.shape}: it must be (n_nodes, {shape[1]}) = {shape}")
+    if not np.isfinite(given).all():
+        raise ExplicitError(f"{name} of node {np.argwhere(~np.isfinite(given))[0, 0]} is not a finite number")
+    return given
+
+
 def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float, axes: Array) -> None:
     """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from.
 

@@ -20,8 +20,9 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.model import Mesh
-from presswork.procedure.explicit import SAFETY, EnergyBalance, MassScaling
-from presswork.procedure.explicit_input import ExplicitError, check_solids
+from presswork.procedure.explicit import SAFETY
+from presswork.procedure.explicit_energy import EnergyBalance, MassScaling, strike_balance, sum_energies
+from presswork.procedure.explicit_input import ExplicitError, check_nodal, check_solids
 from presswork.procedure.solid_material import SolidMaterial
 
 Array = npt.NDArray[np.float64]
@@ -169,12 +170,7 @@ class ExplicitSolids:
         return self._start + self._loop.rise
 
     def _shaped(self, value: npt.ArrayLike, name: str) -> Array:
-        given = np.ascontiguousarray(value, dtype=float)
-        if given.shape != self._fixed.shape:
-            raise ExplicitError(f"{name} has shape {given.shape}: it must be (n_nodes, 2) = {self._fixed.shape}")
-        if not np.isfinite(given).all():
-            raise ExplicitError(f"{name} of node {np.argwhere(~np.isfinite(given))[0, 0]} is not a finite number")
-        return given
+        return check_nodal(value, name, self._fixed.shape)
 
     def _check_speed(self, velocity: Array) -> None:
         speed = float(np.abs(velocity).max(initial=0.0))
@@ -257,7 +253,7 @@ class ExplicitSolids:
         if not target_step > 0:
             raise ExplicitError(f"target_step = {target_step}: it must be above zero")
         loop, before = self._loop, self._loop.mass_factor
-        start = self._sum(self._energies(*self._scales))
+        start = sum_energies(self._energies(*self._scales))
         factor = loop.bound_frequencies() * (0.5 * target_step / SAFETY) ** 2
         now = before * np.maximum(factor, 1.0)
         loop.mass_factor = now
@@ -265,7 +261,7 @@ class ExplicitSolids:
         self.dt = target_step
         if self._reference:
             first, largest = self._reference
-            self._reference = (first + self._sum(self._energies(*self._scales)) - start, largest)
+            self._reference = (first + sum_energies(self._energies(*self._scales)) - start, largest)
         return self.added_mass()
 
     def added_mass(self) -> MassScaling:
@@ -291,7 +287,7 @@ class ExplicitSolids:
             raise ExplicitError(f"n = {n}: advance at least one cycle")
         if self._reference is None:
             self._scales = (damping, float(force[0]), float(velocity[0]))
-            start = self._sum(self._energies(*self._scales))
+            start = sum_energies(self._energies(*self._scales))
             self._reference = (start, abs(start))
         failed = self._loop.advance(self.dt, self._dt_before, force, velocity, damping=damping)
         if failed >= 0:
@@ -339,19 +335,12 @@ class ExplicitSolids:
         dt = self._dt_before
         return self._loop.energies(dt, dt, damping=damping, force_scale=force_scale, velocity_scale=velocity_scale)
 
-    @staticmethod
-    def _sum(e: _core.SolidEnergies) -> float:
-        return e.kinetic + e.internal + e.hourglass + e.damping + e.contact + e.friction - e.external
-
     def energies(self) -> EnergyBalance:
         """Give the energies now; damping and scales are taken as in the last cycle."""
-        e = self._energies(*self._scales)
-        start, largest = self._reference or (self._sum(e), 0.0)
-        largest = max(largest, abs(e.kinetic) + abs(e.internal) + abs(e.hourglass), abs(e.external))
+        balance, reference = strike_balance(self._energies(*self._scales), self._reference)
         if self._reference:
-            self._reference = (start, largest)
-        error = 100.0 * (self._sum(e) - start) / largest if largest > 0 else 0.0
-        return EnergyBalance(e.kinetic, e.internal, e.hourglass, e.external, e.damping, error, e.contact, e.friction)
+            self._reference = reference
+        return balance
 
     def dump(self) -> dict[str, Array]:
         """Give everything that the next cycle depends on, beside the constructor, fix, force and walls."""

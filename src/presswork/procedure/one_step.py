@@ -16,7 +16,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.model import BoolArray, FloatArray, IntArray
-from presswork.procedure.explicit import layer_rule
+from presswork.procedure.explicit_options import layer_rule
 from presswork.procedure.linear_solver import SolverError, make_solver
 from presswork.procedure.one_step_law import STRAIN_METRIC
 from presswork.procedure.one_step_part import OneStepError, PartSurface

@@ -20,8 +20,9 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.directors import cell_normals
 from presswork.model import CellBlock, FloatArray, IntArray, Section
-from presswork.procedure.explicit import ExplicitShells, Precision, ShellOptions
+from presswork.procedure.explicit import ExplicitShells, Precision
 from presswork.procedure.explicit_input import is_triangle, with_four_nodes
+from presswork.procedure.explicit_options import ShellOptions
 from presswork.procedure.implicit import ImplicitProcedure
 from presswork.procedure.shell_mechanics import ShellFailed, ShellMechanics, lay_directors
 from presswork.procedure.thickness_rule import thickness_rule
