@@ -58,12 +58,12 @@ class CaseError(Exception):
 
 
 def format_value(value: object, limit: int = 70) -> str:
-    """Write a value as TOML writes it, cut to `limit` characters."""
+    """Write a value as TOML writes it; lists and tables cut to `limit` characters, texts whole, which may be paths."""
     try:
         text = json.dumps(value, ensure_ascii=False)
     except (TypeError, ValueError):
         text = str(value)
-    return text if len(text) <= limit else text[: limit - 4] + " ..."
+    return text if isinstance(value, str) or len(text) <= limit else text[: limit - 4] + " ..."
 
 
 def suggest(name: str, choices: Iterable[str], what: str = "choices") -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from presswork.case import Case, CaseError, build_model
+from presswork.case.errors import Problem
 
 Fail = Callable[..., str]
 
@@ -254,6 +255,13 @@ def test_missing_case_file_suggests_the_nearest(write_case: Callable[..., Path],
     write_case()
     with pytest.raises(CaseError, match=r"cse\.toml: no such case file; did you mean `.*case\.toml`\?"):
         Case.from_toml(tmp_path / "cse.toml")
+
+
+def test_a_path_in_a_message_is_whole_however_long_and_a_list_is_cut() -> None:
+    """The end of a path says most."""
+    path = "/".join(["a_folder_with_a_long_name"] * 5) + "/blank.dxf"
+    assert str(Problem("blank.path", "no such file", value=path)) == f'blank.path = "{path}": no such file'
+    assert str(Problem("profile", "too many", value=list(range(100)))).endswith(" ...: too many")
 
 
 def test_binary_case_file_is_refused(tmp_path: Path) -> None:
