@@ -48,6 +48,19 @@ void push_tool(Loop& self, int i, Vector direction, double mass, double drag) {
 }
 
 template <class Loop>
+void stop_tool(Loop& self, int i, int other, double furthest) {
+  require(i != other && !tool_of(self, other).pushed, "a tool stands on another that is not pushed");
+  Tool& tool = tool_of(self, i);
+  tool.stop = other, tool.furthest = furthest;
+}
+
+template <class Loop>
+void move_tool(Loop& self, int i) {
+  Tool& tool = tool_of(self, i);
+  tool.pushed = false, tool.stop = -1;
+}
+
+template <class Loop>
 void drive_tool(Loop& self, int i, Doubles drive) {
   Tool& tool = tool_of(self, i);
   require(tool.pushed ? drive.ndim() == 1 : drive.ndim() == 2 && drive.shape(1) == 3,
@@ -94,9 +107,10 @@ void bind_tools(nb::class_<Loop>& loop) {
           nb::arg("tool"), nb::arg("displacement"), "Put a tool somewhere else.")
       .def("push_tool", &push_tool<Loop>, nb::arg("tool"), nb::arg("direction"), nb::arg("mass"), nb::arg("drag"),
            "Let a force place a tool of this mass [t] along a unit vector; drag [1/s].")
-      .def(
-          "move_tool", [](Loop& self, int i) { tool_of(self, i).pushed = false; }, nb::arg("tool"),
-          "Let velocities move a tool again that a force has placed.")
+      .def("stop_tool", &stop_tool<Loop>, nb::arg("tool"), nb::arg("other"), nb::arg("furthest"),
+           "Let a pushed tool stand on another that moves, once its displacement along its direction is so much [mm] "
+           "beyond the other's.")
+      .def("move_tool", &move_tool<Loop>, nb::arg("tool"), "Let velocities move a tool again that a force has placed.")
       .def("drive_tool", &drive_tool<Loop>, nb::arg("tool"), nb::arg("drive"),
            "Velocities (n, 3), or forces (n) of a pushed tool, of the next n cycles.")
       .def("tool_state", &tool_state<Loop>, nb::arg("tool"),

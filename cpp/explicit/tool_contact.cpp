@@ -244,26 +244,39 @@ void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const
 }
 
 void ToolContact::move_tools(int cycle, double dt, double fastest) {
-  for (Tool& tool : tools) {
-    double after[3];
-    if (tool.pushed) {
-      tool.push = tool.drive[cycle];
-      const double speed = next_speed(tool, tool.push, dt);
-      const double mean = 0.5 * (dot(tool.velocity, tool.direction) + speed);
-      external_ += tool.push * mean * dt;
-      drag_ += tool.drag * tool.mass * mean * mean * dt;
-      for (int i = 0; i < 3; ++i) after[i] = speed * tool.direction[i];
-    } else {
-      for (int i = 0; i < 3; ++i) {
-        after[i] = tool.drive[3 * std::size_t(cycle) + i];
-        external_ -= tool.force[i] * 0.5 * (tool.velocity[i] + after[i]) * dt;
-      }
-    }
+  const auto move = [&](Tool& tool, const double after[3]) {
     for (int i = 0; i < 3; ++i) {
       tool.velocity[i] = after[i];
       tool.displacement[i] += dt * after[i];
     }
     tool.travel += dt * (fastest + std::sqrt(dot(after, after)));
+  };
+  for (Tool& tool : tools) {
+    if (tool.pushed) continue;
+    const double* after = &tool.drive[3 * std::size_t(cycle)];
+    for (int i = 0; i < 3; ++i) external_ -= tool.force[i] * 0.5 * (tool.velocity[i] + after[i]) * dt;
+    move(tool, after);
+  }
+  for (Tool& tool : tools) {  // what they may stand on is where it will be
+    if (!tool.pushed) continue;
+    tool.push = tool.drive[cycle];
+    const double before = dot(tool.velocity, tool.direction);
+    double speed = next_speed(tool, tool.push, dt), held = 0.0, carried = 0.0;
+    if (tool.stop >= 0) {
+      const Tool& other = tools[tool.stop];
+      const double way = dot(tool.displacement, tool.direction) - dot(other.displacement, tool.direction);
+      const double most = (tool.furthest - way) / dt;
+      if (speed > most) {
+        held = (1.0 + 0.5 * tool.drag * dt) * tool.mass * (speed - most);  // the other's force on it, times dt
+        carried = dot(other.velocity, tool.direction);
+        speed = most;
+      }
+    }
+    const double mean = 0.5 * (before + speed);
+    external_ += tool.push * mean * dt - held * carried;
+    drag_ += tool.drag * tool.mass * mean * mean * dt + held * (mean - carried);
+    const double after[3] = {speed * tool.direction[0], speed * tool.direction[1], speed * tool.direction[2]};
+    move(tool, after);
   }
 }
 

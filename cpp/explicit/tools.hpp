@@ -2,6 +2,7 @@
 // Rigid tools of the explicit loop: how they move, and how they touch the sheet.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -23,7 +24,9 @@ struct Tool {
   std::shared_ptr<const contact::ToolSurface> surface;
   Grip grip;
   bool pushed = false;
-  double direction[3] = {0, 0, 0}, mass = 0.0, drag = 0.0;  // of a pushed one: unit vector, [t], [1/s]
+  double direction[3] = {0, 0, 0}, mass = 0.0, drag = 0.0;    // of a pushed one: unit vector, [t], [1/s]
+  int stop = -1;                                              // the tool that a pushed one comes to stand on; -1: none
+  double furthest = std::numeric_limits<double>::infinity();  // along direction beyond that tool's displacement [mm]
   std::vector<double> drive;  // of the cycles to come: velocity (n, 3) [mm/s], or force (n) [N]
   double push = 0.0;          // force of the last cycle [N]
   double displacement[3] = {0, 0, 0}, velocity[3] = {0, 0, 0};  // [mm]; half a step back [mm/s]

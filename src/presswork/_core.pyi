@@ -609,6 +609,11 @@ class ShellLoop:
         Let a force place a tool of this mass [t] along a unit vector; drag [1/s].
         """
 
+    def stop_tool(self, tool: int, other: int, furthest: float) -> None:
+        """
+        Let a pushed tool stand on another that moves, once its displacement along its direction is so much [mm] beyond the other's.
+        """
+
     def move_tool(self, tool: int) -> None:
         """Let velocities move a tool again that a force has placed."""
 
@@ -786,6 +791,11 @@ class ShellLoopSingle:
     def push_tool(self, tool: int, direction: Sequence[float], mass: float, drag: float) -> None:
         """
         Let a force place a tool of this mass [t] along a unit vector; drag [1/s].
+        """
+
+    def stop_tool(self, tool: int, other: int, furthest: float) -> None:
+        """
+        Let a pushed tool stand on another that moves, once its displacement along its direction is so much [mm] beyond the other's.
         """
 
     def move_tool(self, tool: int) -> None:

@@ -219,6 +219,19 @@ def test_a_holder_is_moved_pushed_lifted_and_stands_still(tmp_path: Path) -> Non
     assert_same_bits(tmp_path / "part", result.folder)
 
 
+def test_the_holder_of_a_cup_drawn_through_comes_to_stand_on_the_die(tmp_path: Path) -> None:
+    """It follows the last of the flange onto the shoulder with all its force; bare, it is a sheet's thickness lower."""
+    case = cup("x", "y").model_dump(mode="json", exclude_none=True)
+    case["stages"] = [{"name": "draw", "velocity": 10e3, "tools": {"punch": {"stroke": 34}, "holder": {"force": 6000}}}]
+    outcome = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "cup", threads=1)
+    assert outcome.status == "completed", outcome.reason
+    history, points = outcome.result.history, outcome.result.points(-1)
+    assert history["holder.stroke"].max() == history["holder.stroke"][-1] == pytest.approx(1.0, abs=1e-9)
+    assert np.abs(history["holder.force"][history["punch.stroke"] > 25]).max() == 0.0
+    assert np.hypot(points[:, 0], points[:, 1]).max() < 16.5
+    assert abs(history["energy_error_percent"][-1]) < 0.5
+
+
 def test_the_implicit_procedure_refuses_a_tool_that_is_moved_and_pushed() -> None:
     case = close_draw_and_lift().model_copy(update={"procedure": "implicit"})
     with pytest.raises(CaseError, match="cannot move a tool in one stage and push it in another"):

@@ -11,8 +11,9 @@ from presswork.case.errors import Problem
 from presswork.case.stamping import StampingCase
 from presswork.case.stamping_tools import RectangularTool, RoundTool, StripTool
 from presswork.mesh.swept_tool import SweptTool
+from presswork.mesh.tool_clearance import sample_tool
 from presswork.mesh.tool_file import TriangulatedTool
-from presswork.model import FloatArray, Mesh
+from presswork.model import Mesh
 from presswork.model_stamping import StampingTool
 from presswork.sheet_law import make_sheet_law
 
@@ -203,7 +204,7 @@ def _check_pair(
         return None  # clearances in the plan are exact, and openings go right through
     if _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
         return None
-    points = _sample(one, case.blank.thickness)
+    points = sample_tool(one.shape, DRAWN_WITHIN * case.blank.thickness)
     surface = other.shape.surface()
     least = CLASH * case.blank.thickness if other.kind == "die" else 0.0
     begin = {tool.name: 0.0 for tool in (one, other)}
@@ -228,12 +229,3 @@ def _check_pair(
             return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, end[mover] - begin[mover])
         begin = end
     return None
-
-
-def _sample(tool: StampingTool, thickness: float) -> FloatArray:
-    """Return the corners and middles of a tool's triangles (n, 3), in its own frame."""
-    if isinstance(tool.shape, TriangulatedTool):
-        points, triangles = tool.shape.points, tool.shape.triangles
-    else:
-        points, triangles = tool.shape.triangulate(DRAWN_WITHIN * thickness)
-    return np.concatenate([points, points[triangles].mean(axis=1)])

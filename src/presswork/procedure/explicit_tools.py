@@ -61,12 +61,14 @@ class RigidTool:
         *,
         mass: float | None = None,
         damping: float = 0.0,
+        stop: tuple[RigidTool, float] | None = None,
     ) -> None:
         """Let a force place the tool along a direction (3), of any length.
 
         force [N]: constant, or (times [s], forces), straight between them and constant beyond.
         mass [t]: by default that of the sheet, added mass included: light enough to follow it, and stable. damping
-        [1/s] takes the share damping*dt of its momentum in a step.
+        [1/s] takes the share damping*dt of its momentum in a step. stop: it goes no further along direction than to
+        so many mm beyond the position of another tool, which is not pushed, and stands on that.
         """
         least = self._penalty * self._sheet_mass()
         if mass is not None and not mass >= least:
@@ -82,6 +84,10 @@ class RigidTool:
         self._force = check_table(times, forces, f"tool {self.name!r}: force")
         self.mass = self._sheet_mass() if mass is None else mass
         self._loop.push_tool(self.number, unit.tolist(), self.mass, damping)
+        if stop is not None:
+            if stop[0] is self or stop[0]._force is not None:
+                raise ExplicitError(f"tool {self.name!r}: stop = {stop[0].name!r}: name another, which is not pushed")
+            self._loop.stop_tool(self.number, stop[0].number, stop[1])
 
     @property
     def position(self) -> Array:

@@ -3,15 +3,19 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from presswork import _core
 from presswork.mesh.swept_tool import SweptTool
+from presswork.mesh.tool_clearance import find_clearance
 from presswork.model import FloatArray, IntArray
 from presswork.model_stamping import StampingBead, StampingModel, StampingStage, StampingTool, ToolAction
 from presswork.procedure.explicit import ExplicitShells
+from presswork.procedure.explicit_tools import RigidTool
 from presswork.procedure.motion import SmoothStroke
 from presswork.procedure.recording import Row
 from presswork.procedure.refinement import PlacedTool
@@ -37,6 +41,7 @@ class StampingTools:
             at_work.position = tool.position
         # a resumed run takes the same
         self._pushing_mass: float = before._pushing_mass if before else float(shells.mass[:, 0].sum())
+        self._stops: dict[str, tuple[str, float]] = before._stops if before else find_stops(model)
         self._shells = shells
         for bead in model.beads:
             shells.add_bead(bead.line, tabulate_share(model, bead))
@@ -55,10 +60,22 @@ class StampingTools:
             at_work.stop()
             if is_pushed_in(self._model, tool, number):
                 times, forces = tabulate_force(self._model, tool.name)
-                at_work.push(tool.way, (times, forces / self._model.whole), mass=self._pushing_mass)
+                at_work.push(
+                    tool.way,
+                    (times, forces / self._model.whole),
+                    mass=self._pushing_mass,
+                    stop=self._stop_in(tool, number),
+                )
                 continue
             action = stages[number].actions.get(tool.name, ToolAction()) if number < len(stages) else ToolAction()
             at_work.velocity = action.stroke * np.asarray(tool.way)
+
+    def _stop_in(self, tool: StampingTool, number: int) -> tuple[RigidTool, float] | None:
+        if tool.name not in self._stops:
+            return None
+        name, furthest = self._stops[tool.name]
+        index = [t.name for t in self._model.tools].index(name)
+        return None if is_pushed_in(self._model, self._model.tools[index], number) else (self._tools[index], furthest)
 
     def begin_row(self) -> None:
         """Forget the forces felt so far."""
@@ -148,6 +165,23 @@ def is_pushed_in(model: StampingModel, tool: StampingTool, number: int) -> bool:
     """Say whether a force places the tool in a stage: the last stage up to this one that names it pushes it."""
     named = [s.actions[tool.name] for s in model.stages[: number + 1] if tool.name in s.actions]
     return bool(named) and named[-1].force is not None
+
+
+def find_stops(model: StampingModel) -> dict[str, tuple[str, float]]:
+    """Return where pushed holders and dies come to stand on each other, bare: the other, and how far beyond it [mm].
+
+    By that much a pushed tool's position along its way is then beyond the other's. What cannot strike is left out.
+    """
+    found: dict[str, tuple[str, float]] = {}
+    for tool, other in itertools.permutations(model.tools, 2):
+        if not is_pushed(model, tool) or {tool.kind, other.kind} != {"holder", "die"}:
+            continue
+        between, way = np.subtract(tool.position, other.position), np.array(tool.way)
+        clearance = find_clearance(tool.shape, other.shape, between, way, DRAWN_WITHIN * model.sheet[0].thickness)
+        furthest = float(between @ way) + clearance
+        if furthest < found.get(tool.name, ("", math.inf))[1]:
+            found[tool.name] = other.name, furthest
+    return found
 
 
 def tabulate_force(model: StampingModel, name: str) -> tuple[FloatArray, FloatArray]:
