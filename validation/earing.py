@@ -223,7 +223,9 @@ def draw_picture(path: str, cups: dict[str, Rim], six: Rim) -> None:
         axes.set_xlabel("angle from the rolling direction [degree]")
         axes.set_ylabel("height of the rim [mm]")
         axes.set_xticks(range(0, 91, 15))
-        axes.legend(frameon=False, fontsize=7)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high + 0.3 * (high - low))  # room for the legend
+        axes.legend(frameon=False, fontsize=7, ncols=2, loc="upper center")
         clean_axes(axes)
     figure.savefig(path, dpi=130)
 

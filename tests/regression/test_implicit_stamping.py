@@ -142,6 +142,22 @@ def test_a_punch_that_goes_back_lets_go_and_the_holder_keeps_its_force(tmp_path)
     assert history["holder.force"][-1] == pytest.approx(HOLDER_FORCE, rel=1e-4)
 
 
+def test_a_holder_comes_to_stand_on_the_rising_die_as_the_cup_is_drawn_through(tmp_path) -> None:
+    """A round cup; bare, the holder is a sheet's thickness nearer to the die, and goes on with it."""
+    blank = {"shape": "circle", "diameter": 60, "thickness": 1, "element_size": 7.5, "material": "steel"}
+    tools = {"punch": (30, 5, 0.1), "die": (33, 5, 0.05), "holder": (34, 1, 0.05)}
+    history = run_stamping(
+        {**CUP, "blank": {**blank, "symmetry": ["x", "y"]}, "implicit": {}}, tmp_path / "out",
+        tools={kind: {"kind": kind, "shape": "round", "diameter": diameter, "edge_radius": edge, "mu": mu}
+               for kind, (diameter, edge, mu) in tools.items()},
+        stages=[{"name": "lift", "tools": {"die": {"stroke": 34}, "holder": {"force": 6000}}}],
+    ).history  # fmt: skip
+    bare = history["holder.stroke"] + history["die.stroke"]
+    assert bare.max() == bare[-1] == pytest.approx(1.0, abs=1e-6)
+    np.testing.assert_allclose(history["holder.force"][(bare < 0.99) & (history["die.stroke"] > 3)], 6000, rtol=1e-3)
+    assert history["holder.force"][-1] == 0.0
+
+
 def test_pictures_are_drawn(cup, tmp_path) -> None:
     names = [p.name for p in plot_all(cup, tmp_path, fields=["thickness_strain"])]
     assert {

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
@@ -104,6 +105,10 @@ class Push:
     force: FloatArray
     """Rows of part of the stage (0 to 1, increasing) and force on what is modelled [N] (n, 2), linear between them and
     constant beyond."""
+    stop: str = ""
+    """Name of a tool that no force places, on which it comes to stand; empty: none."""
+    clearance: float = math.inf
+    """How much further than that tool it has then gone along direction since the start [mm]."""
 
 
 @dataclass(frozen=True)

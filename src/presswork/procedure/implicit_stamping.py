@@ -7,6 +7,7 @@ has been gone, as they do in the explicit procedure. Time only matters to laws w
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -23,6 +24,7 @@ from presswork.procedure.stamping_tools import (
     bead_columns,
     by_stage,
     cut_surfaces,
+    find_stops,
     is_pushed,
     make_whole,
     stroke_of,
@@ -99,7 +101,10 @@ def _along(tool: StampingTool, stroke: float) -> tuple[float, float, float]:
 def _push_by_stage(model: StampingModel, tool: StampingTool) -> list[Push]:
     """Return the force of a pushed tool on what is modelled, over the part of each stage's way that has been gone."""
     times, forces = tabulate_force(model, tool.name)
-    return [Push(tool.way, rows) for rows in by_stage(model, times, forces / model.whole)]
+    stop, clearance = find_stops(model).get(tool.name, ("", math.inf))
+    if any(t.name == stop and is_pushed(model, t) for t in model.tools):
+        stop = ""
+    return [Push(tool.way, rows, stop, clearance) for rows in by_stage(model, times, forces / model.whole)]
 
 
 class ImplicitStamping(IncrementRecording):

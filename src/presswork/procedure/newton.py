@@ -184,7 +184,7 @@ class Equilibrium:
         self._timing.add("contact", started)
         pushed = None
         if self.pushed_sheet_tools.is_needed and point.sheet:
-            pushed = self.pushed_sheet_tools.evaluate(point.sheet, step.stage, step.fraction)
+            pushed = self.pushed_sheet_tools.evaluate(trial, point.sheet, step.stage, step.fraction)
         return Balance(constraints, friction, drag, floating, pushed, lacking, changes, self._mechanics.length)
 
     def _evaluate(

@@ -7,20 +7,25 @@ the tool's frame alone, so with K_i = -d f_i/d x_i of each node that it touches
     K dx - sum K_i w dq = r,        sum w K_i w dq - sum w K_i dx_i = F - sum w f_i,
 
 F the force that pushes, f_i the tool's force on the node. The first line is solved for both of its right-hand sides
-with the factors that there are, the second then gives dq.
+with the factors that there are, the second then gives dq. A tool goes no further than to its stop, another tool. While
+it stands there and the sheet bears less than F, the other bears the rest.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.model import FloatArray, Model, Push
+from presswork.model import BoolArray, FloatArray, Model, Push
 from presswork.procedure.floating_tools import LostWorkpieceError
 from presswork.procedure.sheet_contact import SheetForces
 from presswork.state import State
+
+STANDING = 1e-9
+"""Way to its stop at which a tool stands on it [mm]."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,11 @@ class Pushed:
     directions: FloatArray
     """Unit vectors (n, 3)."""
     missing: FloatArray
-    """What the sheet's resistance lacks of the force (n,) [N]."""
+    """What the sheet's resistance lacks of the force (n,) [N]; nothing of a tool that stands on its stop."""
+    room: FloatArray
+    """Way that is left to its stop (n,) [mm]."""
+    stands: BoolArray
+    """Whether its stop holds it (n,)."""
 
 
 class PushedSheetTools:
@@ -48,14 +57,23 @@ class PushedSheetTools:
     def _pushes(self, stage: int) -> Mapping[str, Push]:
         return self._model.stages[stage].sheet_tool_push
 
-    def evaluate(self, sheet: SheetForces, stage: int, fraction: float) -> Pushed:
+    def evaluate(self, trial: State, sheet: SheetForces, stage: int, fraction: float) -> Pushed:
         """Return what the tools lack at a fraction of a stage."""
         tools = self.numbers(stage)
         pushes = [self._pushes(stage)[self._model.sheet_tools[t].name] for t in tools]
         directions = np.array([p.direction for p in pushes]).reshape(-1, 3)
         demand = np.array([np.interp(fraction, *p.force.T) for p in pushes])
         missing = demand - np.einsum("ni,ni->n", directions, sheet.by_tool[tools].sum(axis=1))
-        return Pushed(tools, directions, missing)
+        room = np.array([self._room(trial, t, push) for t, push in zip(tools, pushes, strict=True)])
+        stands = (room < -STANDING) | ((room <= STANDING) & (missing > 0))
+        return Pushed(tools, directions, np.where(stands, 0.0, missing), room, stands)
+
+    def _room(self, trial: State, tool: int, push: Push) -> float:
+        if not push.stop:
+            return math.inf
+        other = [t.name for t in self._model.sheet_tools].index(push.stop)
+        way = trial.sheet_tool_move[tool] - trial.sheet_tool_move[other]
+        return push.clearance - float(way @ np.array(push.direction))
 
     def correct(
         self, pushed: Pushed, sheet: SheetForces, correction: FloatArray, respond: Callable[[FloatArray], FloatArray]
@@ -63,7 +81,7 @@ class PushedSheetTools:
         """Return the correction with the tools' travel in it, and that travel (n,) [mm].
 
         correction: with the tools held fast (n_points, 6), in the global frame. respond: solves for forces (n_points,
-        6). Raises LostWorkpieceError for a tool that touches nothing.
+        6). Raises LostWorkpieceError for a tool that touches nothing and has no stop to fall on.
         """
         n = len(pushed.tools)
         rows, responses = [], []
@@ -73,17 +91,22 @@ class PushedSheetTools:
             nodes, k = sheet.pairs[own, 0], sheet.blocks[own, :3, :3]
             column, row = np.zeros_like(correction), np.zeros_like(correction)
             column[nodes, :3], row[nodes, :3] = k @ w, w @ k
-            if not column.any():
+            falls = not column.any()
+            if falls and math.isinf(pushed.room[i]):
                 name = self._model.sheet_tools[t].name
                 raise LostWorkpieceError(f"the tool {name!r} is pushed by a force, but touches nothing that holds it")
-            rows.append(row)
             responses.append(respond(column))
+            if falls or pushed.stands[i]:
+                rows.append(np.zeros_like(row))
+                schur[i, i], rest[i] = 1.0, pushed.room[i]
+                continue
+            rows.append(row)
             schur[i, i] = float((column[:, :3] @ w).sum())
             rest[i] += float((row * correction).sum())
         for i, row in enumerate(rows):
             for j, response in enumerate(responses):
                 schur[i, j] -= float((row * response).sum())
-        travel = np.linalg.solve(schur, rest)
+        travel = np.minimum(np.linalg.solve(schur, rest), pushed.room)
         for response, q in zip(responses, travel, strict=True):
             correction = correction + q * response
         return correction, np.asarray(travel, dtype=np.float64)

@@ -73,9 +73,12 @@ class StampingTools:
     def _stop_in(self, tool: StampingTool, number: int) -> tuple[RigidTool, float] | None:
         if tool.name not in self._stops:
             return None
-        name, furthest = self._stops[tool.name]
+        name, clearance = self._stops[tool.name]
         index = [t.name for t in self._model.tools].index(name)
-        return None if is_pushed_in(self._model, self._model.tools[index], number) else (self._tools[index], furthest)
+        other = self._model.tools[index]
+        if is_pushed_in(self._model, other, number):
+            return None
+        return self._tools[index], float(np.subtract(tool.position, other.position) @ tool.way) + clearance
 
     def begin_row(self) -> None:
         """Forget the forces felt so far."""
@@ -168,9 +171,9 @@ def is_pushed_in(model: StampingModel, tool: StampingTool, number: int) -> bool:
 
 
 def find_stops(model: StampingModel) -> dict[str, tuple[str, float]]:
-    """Return where pushed holders and dies come to stand on each other, bare: the other, and how far beyond it [mm].
+    """Return on which other a pushed holder or die comes to stand, bare, and after how much of its way [mm].
 
-    By that much a pushed tool's position along its way is then beyond the other's. What cannot strike is left out.
+    The other has then not moved. What cannot strike is left out.
     """
     found: dict[str, tuple[str, float]] = {}
     for tool, other in itertools.permutations(model.tools, 2):
@@ -178,9 +181,8 @@ def find_stops(model: StampingModel) -> dict[str, tuple[str, float]]:
             continue
         between, way = np.subtract(tool.position, other.position), np.array(tool.way)
         clearance = find_clearance(tool.shape, other.shape, between, way, DRAWN_WITHIN * model.sheet[0].thickness)
-        furthest = float(between @ way) + clearance
-        if furthest < found.get(tool.name, ("", math.inf))[1]:
-            found[tool.name] = other.name, furthest
+        if clearance < found.get(tool.name, ("", math.inf))[1]:
+            found[tool.name] = other.name, clearance
     return found
 
 
