@@ -75,6 +75,8 @@ class Rim:
     """Of the outermost cells, sorted by angle."""
     volume: float
     """Of the cup over that of the blank."""
+    ironed: float
+    """Height [mm] that would be won if what is thicker than the gap between punch and die were thinned to it."""
 
     @property
     def ears(self) -> list[float]:
@@ -146,7 +148,9 @@ def draw_cup(sheet: str, cup: Cup = ESAFORM, size: float | None = None) -> Rim:
     outer = outer[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
     volume = (_areas(now[cells]) * np.exp(strain)).sum() / _areas(start[cells]).sum()
     height = now[rim, 2] - now[radius.argmin(), 2]
-    return Rim(angle[order], height[order], strain[outer], float(volume))
+    gap, round_quarter = 0.5 * (cup.die - cup.punch), 0.25 * np.pi * (cup.punch + cup.thickness)
+    excess = np.maximum(cup.thickness * np.exp(strain) - gap, 0.0) @ _areas(now[cells])
+    return Rim(angle[order], height[order], strain[outer], float(volume), float(excess / gap / round_quarter))
 
 
 def _areas(corners: np.ndarray) -> np.ndarray:
@@ -236,7 +240,7 @@ def describe(name: str, rim: Rim) -> str:
     return (
         f"{name:10s} {rim.at(0):6.2f} {rim.at(45):6.2f} {rim.at(90):6.2f} mean {rim.height.mean():.2f}, "
         f"{100 * rim.amplitude:.2f} %, ears at {', '.join(f'{a:.0f}' for a in rim.ears)}; volume {rim.volume:.4f}; "
-        f"rim's thickness strain {strain.min():.3f} to {strain.max():.3f}"
+        f"rim's thickness strain {strain.min():.3f} to {strain.max():.3f}; ironing would add {rim.ironed:.2f} mm"
     )
 
 
