@@ -96,7 +96,8 @@ template <class Real>
 void Tiles<Real>::close_rims(int first, int last, Real* force) const {
   for (int i = first; i < last; ++i) {
     Record sum{};
-    for (int s = rim_start_[i]; s < rim_start_[i + 1]; ++s) sum += load_record(partial_.data() + row_at(rim_partial_[s]));
+    for (int s = rim_start_[i]; s < rim_start_[i + 1]; ++s)
+      sum += load_record(partial_.data() + row_at(rim_partial_[s]));
     store_record<freedoms>(sum, force + row_at(rim_node_[i]));
   }
 }
