@@ -2,7 +2,6 @@
 #include "contact/sharp_places.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <unordered_set>
@@ -12,7 +11,7 @@ namespace presswork::contact {
 namespace {
 
 constexpr double least_fold = 0.01;  // [rad] between triangles that are flat together
-constexpr double sliver = 1e-3;      // width over length
+constexpr int parts = 4;             // of a segment near a swept surface
 
 // The sides between two triangles, and what is needed to walk over them.
 class Folds {
@@ -48,8 +47,8 @@ class Folds {
   }
 
   // Ends of the sharp ones.
-  std::vector<std::array<const double*, 2>> find_sharp(double length, double angle) const {
-    std::vector<std::array<const double*, 2>> found;
+  std::vector<FoldTree::Fold> find_sharp(double length, double angle) const {
+    std::vector<FoldTree::Fold> found;
     for (int slot = 0; slot < static_cast<int>(neighbour_.size()); ++slot) {
       const int other = neighbour_[slot];
       if (other < slot) continue;  // open, or seen from the other side
@@ -122,26 +121,20 @@ SharpPlaces::SharpPlaces(std::shared_ptr<const ToolSurface> surface, double leng
     pieces_ = swept->find_sharp(length, angle);
     return;
   }
-  const Folds folds(*surface_->triangles());
-  std::vector<double> points;
-  std::vector<int> triangles;
-  for (const auto& [a, b] : folds.find_sharp(length, angle)) {
-    const double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    const double size[3] = {std::abs(along[0]), std::abs(along[1]), std::abs(along[2])};
-    const auto least = std::min_element(size, size + 3) - size;
-    const double off[3] = {least == 0 ? 1.0 : 0.0, least == 1 ? 1.0 : 0.0, least == 2 ? 1.0 : 0.0};
-    double aside[3];
-    cross(along, off, aside);
-    const int first = static_cast<int>(points.size()) / 3;
-    points.insert(points.end(), a, a + 3);
-    points.insert(points.end(), b, b + 3);
-    for (int k = 0; k < 3; ++k) points.push_back(0.5 * (a[k] + b[k]) + sliver * aside[k]);
-    triangles.insert(triangles.end(), {first, first + 1, first + 2});
+  const auto folds = Folds(*surface_->triangles()).find_sharp(length, angle);
+  if (!folds.empty()) folds_ = std::make_unique<FoldTree>(folds);
+}
+
+double SharpPlaces::distance(const double a[3], const double b[3], int& hint) const {
+  if (folds_) return folds_->distance(a, b, hint);
+  // the middle of each part is as far as said, the rest by half its length less
+  double middle[3], way[3], least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) way[k] = (b[k] - a[k]) / parts;
+  for (int i = 0; i < parts; ++i) {
+    for (int k = 0; k < 3; ++k) middle[k] = a[k] + (i + 0.5) * way[k];
+    least = std::min(least, surface_->swept()->distance_to(pieces_, middle));
   }
-  if (triangles.empty()) return;
-  folds_ = std::make_unique<Triangulation>(static_cast<int>(points.size()) / 3, points.data(),
-                                           static_cast<int>(triangles.size()) / 3, triangles.data(),
-                                           std::numeric_limits<double>::infinity());
+  return std::max(least - 0.5 * std::sqrt(dot(way, way)), 0.0);
 }
 
 }  // namespace presswork::contact

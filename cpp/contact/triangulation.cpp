@@ -253,13 +253,6 @@ void Triangulation::descend(const float at[3], const double x[3], Near& near, fl
   }
 }
 
-double Triangulation::distance(const double x[3], int& hint) const {
-  Near near{std::numeric_limits<double>::infinity(), none, 0, {}};
-  search(x, hint, near);
-  hint = near.triangle;
-  return std::sqrt(near.distance2);
-}
-
 bool Triangulation::nearest(const double x[3], double reach, int& hint, Touch& touch) const {
   const double bound = std::max(reach, depth_);
   Near near{bound * bound, none, 0, {}};

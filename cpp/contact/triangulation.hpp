@@ -30,9 +30,6 @@ class Triangulation {
 
   double depth() const { return depth_; }
 
-  // Distance of x from the nearest triangle [mm], whichever side it is on.
-  double distance(const double x[3], int& hint) const;
-
   const std::vector<double>& points() const { return points_; }          // (n_points, 3)
   const std::vector<std::int32_t>& corners() const { return corners_; }  // (n, 3)
 

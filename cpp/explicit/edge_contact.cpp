@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "contact/vectors.hpp"
+#include "tensor/records.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -18,7 +19,12 @@ constexpr int samples = 5;           // along an edge that is new to a tool
 constexpr double level = 2e-3;       // slope of the gap along the edge that is none
 constexpr int most_steps = 12;       // of a search for the lowest place
 
-using contact::dot;
+template <class T>
+T dot(const T a[3], const T b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Pack size_of(Pack x) { return select(x < Pack(0.0), -x, x); }
 
 }  // namespace
 
@@ -34,19 +40,9 @@ EdgeContact::EdgeContact(int n_nodes, const std::vector<int>& cell_start, const 
   for (const auto& [a, b] : sorted) edges_.insert(edges_.end(), {a, b});
   for (int node : edges_) ++node_start_[node + 1];
   for (int i = 0; i < n_nodes; ++i) node_start_[i + 1] += node_start_[i];
-  node_end_.resize(edges_.size());
+  end_slot_.resize(edges_.size());
   std::vector<int> next(node_start_.begin(), node_start_.end() - 1);
-  std::vector<std::set<int>> near((std::size_t(n_nodes) + chunk - 1) / chunk);
-  for (int i = 0; i < static_cast<int>(edges_.size()); ++i) {
-    node_end_[next[edges_[i]]++] = i;
-    near[edges_[i] / chunk].insert(i / 2 / chunk);
-  }
-  near_start_.push_back(0);
-  for (const auto& chunks : near) {
-    near_.insert(near_.end(), chunks.begin(), chunks.end());
-    near_start_.push_back(static_cast<int>(near_.size()));
-  }
-  touches_.assign((std::size_t(n_edges()) + chunk - 1) / chunk, 0);
+  for (std::size_t i = 0; i < edges_.size(); ++i) end_slot_[i] = next[edges_[i]]++;
 }
 
 void EdgeContact::add(const Tool& tool) {
@@ -54,34 +50,20 @@ void EdgeContact::add(const Tool& tool) {
   if (tool.grip.edges) of.sharp = std::make_unique<contact::SharpPlaces>(tool.surface, 0.5 * length_, turn);
   if (of.sharp && !of.sharp->any()) of.sharp.reset();
   if (of.sharp) {
-    of.wake.assign(n_edges(), 0.0), of.at.assign(n_edges(), Touching{});
-    of.hint.assign(n_edges(), -1), of.sharp_hint.assign(n_edges(), -1);
-    force_.resize(6 * std::size_t(n_edges()), 0.0);
-    any_ = true;
+    of.at.assign(n_edges(), untouched);
+    of.wake.assign((n_edges() + width - 1) / width * std::size_t(width), never);
+    std::fill_n(of.wake.begin(), n_edges(), 0.0);
+    force_.resize(3 * edges_.size()), bears_.resize(edges_.size());
+    bearing_.resize((std::size_t(n_edges()) + chunk - 1) / chunk);
+    needed_ = true;
   }
   pairs_.push_back(std::move(of));
-  sums_.assign(touches_.size() * pairs_.size(), {});
+  sums_.assign(std::size_t(chunks()) * pairs_.size(), {});
 }
 
-bool EdgeContact::touches(int node_chunk) const {
-  for (int i = near_start_[node_chunk]; i < near_start_[node_chunk + 1]; ++i)
-    if (touches_[near_[i]]) return true;
-  return false;
-}
-
-void EdgeContact::add_to_node(int node, double force[3]) const {
-  for (int i = node_start_[node]; i < node_start_[node + 1]; ++i)
-    for (int k = 0; k < 3; ++k) force[k] += force_[3 * std::size_t(node_end_[i]) + k];
-}
-
-EdgeContact::Sums EdgeContact::sum_up(int tool) const {
-  Sums sum;
-  for (int c = 0; c < chunks(); ++c) {
-    const Sums& of = sums_[std::size_t(c) * pairs_.size() + tool];
-    sum.friction += of.friction, sum.damping += of.damping, sum.squeeze += of.squeeze;
-    for (int k = 0; k < 3; ++k) sum.force[k] += of.force[k];
-    sum.lost = std::min(sum.lost, of.lost);
-  }
+ContactSums EdgeContact::sum_up(int tool) const {
+  ContactSums sum;
+  for (int c = 0; c < chunks(); ++c) sum += sums_[std::size_t(c) * pairs_.size() + tool];
   return sum;
 }
 
@@ -121,7 +103,7 @@ void EdgeContact::add_forces(int tool, const Grip& grip, const Nodes& nodes, dou
 void EdgeContact::forget(int tool) {
   Pairs& of = pairs_[tool];
   std::fill(of.wake.begin(), of.wake.end(), never);
-  std::fill(of.at.begin(), of.at.end(), Touching{});
+  std::fill(of.at.begin(), of.at.end(), untouched);
 }
 
 void EdgeContact::wake(int tool) {
@@ -129,14 +111,22 @@ void EdgeContact::wake(int tool) {
   for (Touching& p : pairs_[tool].at) p.left = 0.0;
 }
 
-EdgeContact::Segment EdgeContact::see(const Tool& tool, const Ends& ends) {
-  Segment seen;
-  for (int k = 0; k < 3; ++k) {
-    seen.start[k] = ends.x[0][k] - tool.displacement[k];
-    seen.way[k] = ends.x[1][k] - ends.x[0][k];
+EdgeContact::Segment::Segment(const double a[3], const double b[3], const double displacement[3]) {
+  for (int k = 0; k < 3; ++k) start[k] = a[k] - displacement[k], way[k] = b[k] - a[k];
+  length = std::sqrt(dot(way, way));
+}
+
+int EdgeContact::find_awake(int c, const Pairs& of, double travel, int found[chunk]) const {
+  int n = 0;
+  const int first = c * chunk, last = std::min(n_edges(), first + chunk);
+  for (int e = first; e < last; e += width) {
+    Pack wake;
+    std::memcpy(&wake, &of.wake[e], sizeof wake);
+    if (!any(wake.v <= Pack(travel).v)) continue;
+    for (int lane = 0; lane < width; ++lane)
+      if (wake[lane] <= travel) found[n++] = e + lane;
   }
-  seen.length = std::sqrt(dot(seen.way, seen.way));
-  return seen;
+  return n;
 }
 
 // The place of least gap along an edge: from s on where it is known to be near, else from the least of some samples.
@@ -151,7 +141,7 @@ bool EdgeContact::find_lowest(const contact::ToolSurface& surface, const Segment
   auto look = [&](double at) {
     Place place{at, 0.0, false, {}};
     double x[3];
-    for (int k = 0; k < 3; ++k) x[k] = edge.start[k] + at * edge.way[k];
+    edge.locate(at, x);
     place.is_near = surface.nearest(x, reach_, hint, place.touch);
     if (place.is_near) place.slope = dot(place.touch.normal, edge.way) / edge.length;
     return place;
@@ -167,9 +157,14 @@ bool EdgeContact::find_lowest(const contact::ToolSurface& surface, const Segment
     if (!best.is_near || std::abs(best.slope) < level) return done(best);
     low = high = best;
     const double towards = best.slope > 0.0 ? -1.0 : 1.0;
-    for (double step = 0.01; step < 8.0; step *= 4.0) {
+    // to where it is opposite the place touched, which is the lowest if that is a corner; from there in growing steps
+    double opposite = 0.0;
+    for (int k = 0; k < 3; ++k) opposite += (best.touch.point[k] - edge.start[k]) * edge.way[k];
+    const double aside = std::abs(opposite / (edge.length * edge.length) - best.s);
+    for (double step = aside; step < 8.0; step = std::max(4.0 * step, 0.01)) {
       const Place next = look(std::clamp(best.s + towards * step, 0.0, 1.0));
       if (!next.is_near) return done(best);
+      if (std::abs(next.slope) < level) return done(next);
       (towards < 0.0 ? low : high) = next;
       if (next.slope * best.slope <= 0.0) break;
       if (next.s == 0.0 || next.s == 1.0) return done(next);
@@ -201,132 +196,189 @@ bool EdgeContact::find_lowest(const contact::ToolSurface& surface, const Segment
   return done(best);
 }
 
-// Ask the surface about one edge. Where it is off it falls asleep.
-void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const Nodes& nodes,
-                      Sums& sums) const {
+// Ask the surface about one edge. Where it is off it falls asleep, and is forgotten.
+void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const Nodes& nodes, int& lost) const {
   Touching& p = of.at[edge];
   const bool was_pressed = p.pressed > 0.0;
   const double half = std::max(half_at(tool.grip, nodes, edge, 0.0), half_at(tool.grip, nodes, edge, 1.0));
+  const auto sleep = [&](double away, double known) {
+    of.wake[edge] = tool.travel + reach_awake * away;
+    const std::int32_t hint = p.hint, sharp_hint = p.sharp_hint;
+    p = untouched;
+    p.seen = known, p.hint = hint, p.sharp_hint = sharp_hint;
+  };
   if (!was_pressed) {
-    double middle[3];
-    for (int k = 0; k < 3; ++k) middle[k] = seen.start[k] + 0.5 * seen.way[k];
-    const double away = of.sharp->distance(middle, of.sharp_hint[edge]) - 0.5 * seen.length - half;
-    if (away > memory_) {
-      of.wake[edge] = tool.travel + reach_awake * away;
-      p.seen = off;
-      return;
-    }
+    double end[3];
+    seen.locate(1.0, end);
+    const double away = of.sharp->distance(seen.start, end, p.sharp_hint) - half;
+    if (away > memory_) return sleep(away, off);
   }
   contact::Touch found;
-  double s = p.s;
-  if (!find_lowest(*tool.surface, seen, p.seen == followed, s, of.hint[edge], found)) {
-    if (was_pressed) sums.lost = std::min(sums.lost, n_nodes_ + edge);
-    p.seen = near;
-    of.wake[edge] = tool.travel + reach_awake * std::max(found.gap - half - 0.25 * seen.length, memory_);
-    return;
+  if (!find_lowest(*tool.surface, seen, p.seen == followed, p.s, p.hint, found)) {
+    if (was_pressed) lost = std::min(lost, n_nodes_ + edge);
+    return sleep(std::max(found.gap - half - 0.25 * seen.length, memory_), near);
   }
-  p.s = s;
-  if (!was_pressed) p.half = half_at(tool.grip, nodes, edge, s);
-  if (p.seen == off) p.spared = std::max(half_at(tool.grip, nodes, edge, s) - found.gap, 0.0);
+  if (!was_pressed) p.half = half_at(tool.grip, nodes, edge, p.s);
+  if (p.seen == off) p.spared = std::max(half_at(tool.grip, nodes, edge, p.s) - found.gap, 0.0);
   p.seen = followed;
   p.left = memory_;  // were it flat here, it need not be along the edge
-  p.offset = -found.gap, p.tilt = dot(found.normal, seen.way);
+  p.tilt = dot(found.normal, seen.way);
+  p.offset = dot(found.normal, seen.start) + p.s * p.tilt - found.gap;
+  std::copy_n(found.normal, 3, p.normal);
+}
+
+void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, const Ends& ends, const Nodes& nodes,
+                        double dt, int slot, LaneSums& sums, std::vector<int>& bearing) {
+  const Grip& grip = tool.grip;
+  const Pack zero(0.0);
+  // 1. ends in the tool's frame, and the pairs' two records
+  Pack at[2][4], velocity[2][4], start[3], way[3], moved[2][3], part_half[2], base(0.0);
+  for (int end = 0; end < 2; ++end) {
+    const double *places[width], *speeds[width];
+    for (int lane = 0; lane < width; ++lane) places[lane] = ends.x[end][lane], speeds[lane] = ends.v[end][lane];
+    load_records<4>(places, at[end]), load_records<4>(speeds, velocity[end]);
+    for (int k = 0; k < 3; ++k) moved[end][k] = Pack(dt) * (velocity[end][k] - Pack(tool.velocity[k]));
+  }
+  for (int k = 0; k < 3; ++k) start[k] = at[0][k] - Pack(tool.displacement[k]), way[k] = at[1][k] - at[0][k];
+  Touching nothing = untouched;  // for lanes that are left alone
+  Touching* pairs[width];
+  Pack::Mask awake;
+  for (int lane = 0; lane < width; ++lane) {
+    const int edge = edges[std::min(lane, n - 1)];
+    pairs[lane] = lane < n ? &of.at[edge] : &nothing;
+    awake[lane] = lane < n ? -1 : 0;
+    base.set(lane, std::min(nodes.base[node(edge, 0)], nodes.base[node(edge, 1)]));
+    for (int end = 0; end < 2; ++end) part_half[end].set(lane, grip.thickness ? nodes.half[node(edge, end)] : 0.0);
+  }
+  Pack asked[8], changing[8];
+  const auto load = [&] {
+    const double *first[width], *second[width];
+    for (int lane = 0; lane < width; ++lane) first[lane] = records_of(*pairs[lane]), second[lane] = first[lane] + 8;
+    load_records<8>(first, asked), load_records<8>(second, changing);
+  };
+  load();
+  const Pack &s = asked[0], *normal = asked + 1, &offset = asked[4], &tilt = asked[5];
+  Pack *shear = changing, &left = changing[3], &pressed = changing[4], &viscous = changing[5];
+  Pack &half_then = changing[6], &spared = changing[7];
+  // 2. the lowest place, asked for anew where an end has slipped or the edge turned on
+  Pack slip = zero;
+  for (const auto& of_end : moved) {
+    const Pack out = dot(normal, of_end);
+    Pack size = zero;
+    for (int k = 0; k < 3; ++k) size += size_of(of_end[k] - out * normal[k]);
+    slip = larger(slip, size);
+  }
+  left -= slip;
+  const Pack::Mask turned = size_of(dot(normal, way) - tilt) > Pack(0.1 * memory_);
+  const Pack::Mask asking = both(awake, either(left.v <= zero.v, turned));
+  if (any(asking)) {
+    const Pack known = left;
+    for (int lane = 0; lane < n; ++lane) {
+      if (!asking[lane]) continue;
+      const int edge = edges[lane];
+      ask(tool, of, edge, Segment(ends.x[0][lane], ends.x[1][lane], tool.displacement), nodes, sums.lost);
+      if (of.wake[edge] > tool.travel) pairs[lane] = &nothing, awake[lane] = 0;
+    }
+    load();
+    left = select(asking, left, known);
+  }
+  Pack dx[3], place[3];
   for (int k = 0; k < 3; ++k) {
-    p.normal[k] = found.normal[k];
-    p.offset += found.normal[k] * (seen.start[k] + s * seen.way[k]);
+    dx[k] = moved[0][k] + s * (moved[1][k] - moved[0][k]);
+    place[k] = start[k] + s * way[k];
+  }
+  const Pack half = part_half[0] + s * (part_half[1] - part_half[0]), in = half - (dot(normal, place) - offset);
+  spared = smaller(spared, larger(in, zero));
+  const Pack depth = in - spared, k = Pack(share * grip.penalty) * base;
+  // 3. what a change of thickness does to the spring is no work of the edge
+  const Pack then = pressed, squeezed = larger(then + half - half_then, zero);
+  const Pack stored = Pack(0.5) * k * (squeezed * squeezed - then * then);
+  sums.add(LaneSums::squeeze, slot, select(then > zero, stored, zero));
+  half_then = half;
+  // 4. off the tool: sleep, unless so near that it would be for a few cycles
+  const Pack::Mask off_it = both(awake, depth < Pack(-memory_));
+  if (any(off_it))
+    for (int lane = 0; lane < n; ++lane)
+      if (off_it[lane]) of.wake[edges[lane]] = tool.travel - reach_awake * depth[lane], pairs[lane]->seen = near;
+  left = select(off_it, zero, left);
+  // 5. normal force; the damper never pulls
+  const Pack::Mask on = both(awake, depth > zero);
+  pressed = select(on, depth, zero);
+  const Pack closing = dot(normal, dx), damped = viscous;
+  viscous = zero;
+  if (grip.damping > 0.0 && dt > 0.0) {
+    const double factor = 2.0 * share * grip.damping * std::sqrt(grip.penalty) * nodes.step / dt;
+    viscous = select(on, larger(-Pack(factor) * base * closing, -k * pressed), zero);
+  }
+  const Pack pressure = k * pressed + viscous;
+  sums.add(LaneSums::damping, slot, Pack(-0.5) * (damped + viscous) * closing);
+  // 6. friction: elastic trial in the present tangent plane, shortened to mu N
+  const Pack out = dot<Pack>(normal, shear), limit = Pack(grip.friction) * pressure;
+  Pack trial[3], work = zero, force[3];
+  for (int i = 0; i < 3; ++i) trial[i] = shear[i] - out * normal[i] - k * (dx[i] - closing * normal[i]);
+  const Pack size = dot(trial, trial);
+  const Pack::Mask slips = size > limit * limit;
+  const Pack ratio = select(slips, limit / square_root(select(slips, size, Pack(1.0))), Pack(1.0));
+  const Pack scale = select(on, ratio, zero);
+  for (int i = 0; i < 3; ++i) {
+    const Pack now = scale * trial[i];
+    work += (shear[i] + now) * dx[i];
+    shear[i] = now;
+    force[i] = pressure * normal[i] + now;
+    sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, force[i]);
+  }
+  sums.add(LaneSums::friction, slot, Pack(-0.5) * work);
+  // 7. what has changed, and the nodes' parts
+  double* second[width];
+  for (int lane = 0; lane < width; ++lane) second[lane] = records_of(*pairs[lane]) + 8;
+  store_records<8>(changing, second);
+  for (int lane = 0; lane < n; ++lane)
+    if (on[lane]) {
+      const double f[3] = {force[0][lane], force[1][lane], force[2][lane]};
+      give(edges[lane], s[lane], f, bearing);
+    }
+}
+
+void EdgeContact::give(int edge, double s, const double force[3], std::vector<int>& bearing) {
+  const int slots[2] = {end_slot_[2 * std::size_t(edge)], end_slot_[2 * std::size_t(edge) + 1]};
+  const bool is_first = !bears_[slots[0]];
+  if (is_first) bearing.push_back(edge);
+  for (int end = 0; end < 2; ++end) {
+    double* sum = &force_[3 * std::size_t(slots[end])];
+    for (int k = 0; k < 3; ++k) sum[k] = (is_first ? 0.0 : sum[k]) + (end == 0 ? 1.0 - s : s) * force[k];
+    bears_[slots[end]] = 1;
   }
 }
 
-void EdgeContact::touch(const Tool& tool, Pairs& of, int edge, const Ends& ends, const Nodes& nodes, double dt,
-                        Sums& sums, double force[3]) {
-  const Grip& grip = tool.grip;
-  Touching& p = of.at[edge];
-  const Segment seen = see(tool, ends);
-  // 1. the lowest place, asked for anew where an end has slipped or turned on
-  double way[2][3], slip = 0.0;
-  for (int i = 0; i < 2; ++i)
-    for (int k = 0; k < 3; ++k) way[i][k] = dt * (ends.v[i][k] - tool.velocity[k]);
-  for (const auto& of_end : way) {
-    double aside = 0.0;
-    const double out = dot(p.normal, of_end);
-    for (int k = 0; k < 3; ++k) aside += std::abs(of_end[k] - out * p.normal[k]);
-    slip = std::max(slip, aside);
-  }
-  p.left -= slip;
-  if (p.left <= 0.0 || std::abs(dot(p.normal, seen.way) - p.tilt) > 0.1 * memory_) {
-    ask(tool, of, edge, seen, nodes, sums);
-    if (of.wake[edge] > tool.travel) {  // nothing is near
-      const double known = p.seen;
-      p = Touching{};
-      p.seen = known;
-      return;
-    }
-  }
-  double dx[3], place[3];
-  for (int k = 0; k < 3; ++k) {
-    dx[k] = (1.0 - p.s) * way[0][k] + p.s * way[1][k];
-    place[k] = seen.start[k] + p.s * seen.way[k];
-  }
-  const double half = half_at(grip, nodes, edge, p.s), in = half - (dot(p.normal, place) - p.offset);
-  p.spared = std::min(p.spared, std::max(in, 0.0));
-  const double depth = in - p.spared;
-  const double k = stiffness(grip, nodes, edge);
-  // 2. what a change of thickness does to the spring is no work of the edge
-  if (p.pressed > 0.0) {
-    const double then = p.pressed, now = std::max(then + half - p.half, 0.0);
-    sums.squeeze += 0.5 * k * (now * now - then * then);
-  }
-  p.half = half;
-  if (depth < -memory_) {
-    of.wake[edge] = tool.travel - reach_awake * depth;
-    p.left = 0.0, p.seen = near;
-  }
-  // 3. normal force; the damper never pulls
-  const bool on = depth > 0.0;
-  const double pressed = on ? depth : 0.0, closing = dot(p.normal, dx);
-  double viscous = 0.0;
-  if (on && grip.damping > 0.0 && dt > 0.0)
-    viscous = std::max(-2.0 * grip.damping * k / std::sqrt(grip.penalty) * nodes.step / dt * closing, -k * pressed);
-  const double normal = k * pressed + viscous;
-  sums.damping -= 0.5 * (p.viscous + viscous) * closing;
-  // 4. friction: elastic trial in the present tangent plane, shortened to mu N
-  const double out = dot(p.normal, p.shear), limit = grip.friction * normal;
-  double shear[3], work = 0.0;
-  for (int i = 0; i < 3; ++i) shear[i] = p.shear[i] - out * p.normal[i] - k * (dx[i] - closing * p.normal[i]);
-  const double size = std::sqrt(dot(shear, shear)), ratio = !on ? 0.0 : size > limit ? limit / size : 1.0;
-  for (int i = 0; i < 3; ++i) {
-    const double now = ratio * shear[i];
-    work += (p.shear[i] + now) * dx[i];
-    p.shear[i] = now;
-    force[i] = normal * p.normal[i] + now;
-    sums.force[i] += force[i];
-  }
-  sums.friction -= 0.5 * work;
-  p.pressed = pressed, p.viscous = viscous;
-}
+// --- dump ----------------------------------------------------------------------------------------------------------
+// Per edge its numbers, when it wakes, and where it was found.
 
 std::size_t EdgeContact::dump_size() const {
   std::size_t size = 0;
-  for (const Pairs& of : pairs_) size += (rows + 3) * of.at.size();
+  for (const Pairs& of : pairs_) size += numbers * of.at.size();
   return size;
 }
 
 void EdgeContact::dump(int tool, std::vector<double>& to) const {
   const Pairs& of = pairs_[tool];
   for (std::size_t e = 0; e < of.at.size(); ++e) {
-    const auto* row = reinterpret_cast<const double*>(&of.at[e]);
-    to.insert(to.end(), row, row + rows);
-    for (double x : {of.wake[e], double(of.hint[e]), double(of.sharp_hint[e])}) to.push_back(x);
+    const Touching& p = of.at[e];
+    const double* row = records_of(p);
+    to.insert(to.end(), row, row + before_hints);
+    to.insert(to.end(), row + 8, row + 16);
+    for (double x : {of.wake[e], double(p.hint), double(p.sharp_hint)}) to.push_back(x);
   }
 }
 
 void EdgeContact::restore(int tool, const double*& from) {
   Pairs& of = pairs_[tool];
   for (std::size_t e = 0; e < of.at.size(); ++e) {
-    auto* row = reinterpret_cast<double*>(&of.at[e]);
-    for (int r = 0; r < rows; ++r) row[r] = *from++;
+    Touching& p = of.at[e];
+    std::copy_n(from, before_hints, records_of(p));
+    std::copy_n(from + before_hints, 8, records_of(p) + 8);
+    from += before_hints + 8;
     of.wake[e] = *from++;
-    of.hint[e] = static_cast<int>(*from++), of.sharp_hint[e] = static_cast<int>(*from++);
+    p.hint = static_cast<std::int32_t>(*from++), p.sharp_hint = static_cast<std::int32_t>(*from++);
   }
 }
 

@@ -14,15 +14,22 @@
 // nothing. An edge sleeps until the tool's `travel` has grown by 0.9 of what it is off them: no part of it can have
 // reached them before. Once pressed it stays awake until it lifts off. What nodes alone let it sink in before it came
 // to a sharp place, some 1e-3 mm, is spared: no force starts with a jump.
+//
+// Those of a chunk that are awake are taken together into packs of SIMD width, in the order of their numbers; sums run
+// over eight lanes whatever the width, as those of nodes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <vector>
 
 #include "contact/sharp_places.hpp"
+#include "explicit/lane_sums.hpp"
 #include "explicit/tools.hpp"
+#include "tensor/pack.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -38,9 +45,10 @@ class EdgeContact {
               double memory, double reach);
 
   void add(const Tool& tool);
-  bool any() const { return any_; }
+  // Whether a tool is sharp.
+  bool needed() const { return needed_; }
   int n_edges() const { return static_cast<int>(edges_.size()) / 2; }
-  int chunks() const { return any_ ? (n_edges() + chunk - 1) / chunk : 0; }
+  int chunks() const { return needed_ ? (n_edges() + chunk - 1) / chunk : 0; }
   int node(int edge, int end) const { return edges_[2 * std::size_t(edge) + end]; }
 
   // Nodes as they are now: of node i the half thickness and the base of stiffness, mass/dt^2 with the step dt.
@@ -48,22 +56,19 @@ class EdgeContact {
     const double *half, *base;
     double step;
   };
-  // Ends of an edge: positions and velocities.
-  struct Ends {
-    double x[2][4], v[2][4];
-  };
-  struct Sums {
-    double friction = 0.0, damping = 0.0, squeeze = 0.0, force[3] = {};
-    int lost = std::numeric_limits<int>::max();
-  };
-
   // Find the forces of a chunk of edges after a step of dt. locate(node, x, v) gives a node's place and velocity.
   template <class Locate>
   void visit(int c, int first_tool, const std::vector<Tool>& tools, const Nodes& nodes, double dt, Locate&& locate);
-  // Whether an edge of these nodes may have a force, and the force of its edges on one node, added.
-  bool touches(int node_chunk) const;
-  void add_to_node(int node, double force[3]) const;
-  Sums sum_up(int tool) const;
+  // Whether an edge of these nodes has a force, and the force of its edges on one node, added.
+  bool touches(int first_node, int last_node) const {
+    const int from = node_start_[first_node], to = node_start_[last_node];
+    return std::memchr(&bears_[from], 1, std::size_t(to - from)) != nullptr;
+  }
+  void add_to_node(int node, double force[3]) const {
+    for (int i = node_start_[node]; i < node_start_[node + 1]; ++i)
+      for (int k = 0; bears_[i] && k < 3; ++k) force[k] += force_[3 * std::size_t(i) + k];
+  }
+  ContactSums sum_up(int tool) const;
 
   // Energy in the springs of contact and of stick, summed over the edges of a tool.
   void add_stored(int tool, const Grip& grip, const Nodes& nodes, double& normal, double& shear) const;
@@ -81,75 +86,91 @@ class EdgeContact {
   void restore(int tool, const double*& from);
 
  private:
-  struct Touching {
-    double s, normal[3], offset, shear[3];
-    double tilt;     // normal.(x_b - x_a) then
+  static constexpr int width = pack_width;
+  // Two records of eight numbers.
+  struct alignas(64) Touching {
+    // 1. since the surface was asked last
+    double s, normal[3], offset;
+    double tilt;                    // normal.(x_b - x_a) then
+    double seen;                    // what is known of it, see below
+    std::int32_t hint, sharp_hint;  // of the surface and of its sharp places; -1: none
+    // 2. what changes in every cycle
+    double shear[3];
     double left;     // slip until the surface is asked again [mm]
     double pressed;  // [mm]; 0 off the tool
     double viscous;  // [N]
     double half;     // thickness at s when it was pressed [mm]
-    double spared;   // depth at which it came to them [mm]
-    double seen;     // what is known of it, see below
+    double spared;   // depth at which it came to the sharp places [mm]
   };
+  static const double* records_of(const Touching& p) { return reinterpret_cast<const double*>(&p); }
+  static double* records_of(Touching& p) { return reinterpret_cast<double*>(&p); }
   // Off the sharp places; near them, but off the tool; awake, s followed from ask to ask.
   static constexpr double off = 0.0, near = 1.0, followed = 2.0;
-  static constexpr int rows = sizeof(Touching) / sizeof(double);
+  static constexpr int before_hints = 7, numbers = before_hints + 8 + 3;  // of an edge in a dump
+  static constexpr Touching untouched{0, {0, 0, 0}, 0, 0, off, -1, -1, {0, 0, 0}, 0, 0, 0, 0, 0};
   struct Pairs {
     std::unique_ptr<contact::SharpPlaces> sharp;  // none: these are empty
-    std::vector<double> wake;                     // the tool's travel at which the edge may touch
+    std::vector<double> wake;  // (whole packs) the tool's travel at which the edge may touch; never, past the last
     std::vector<Touching> at;
-    std::vector<int> hint, sharp_hint;
   };
   // An edge in a tool's frame.
   struct Segment {
     double start[3], way[3], length;
+
+    Segment(const double a[3], const double b[3], const double displacement[3]);
+    void locate(double s, double x[3]) const {
+      for (int k = 0; k < 3; ++k) x[k] = start[k] + s * way[k];
+    }
+  };
+  // A pack of edges: places and velocities of their ends.
+  struct Ends {
+    alignas(64) double x[2][width][4], v[2][width][4];
   };
 
-  static Segment see(const Tool& tool, const Ends& ends);
+  // The edges of a chunk that are awake; gives how many.
+  int find_awake(int c, const Pairs& of, double travel, int found[chunk]) const;
   double stiffness(const Grip& grip, const Nodes& nodes, int edge) const;
   double half_at(const Grip& grip, const Nodes& nodes, int edge, double s) const;
   bool find_lowest(const contact::ToolSurface& surface, const Segment& edge, bool known, double& s, int& hint,
                    contact::Touch& found) const;
-  void ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const Nodes& nodes, Sums& sums) const;
-  void touch(const Tool& tool, Pairs& of, int edge, const Ends& ends, const Nodes& nodes, double dt, Sums& sums,
-             double force[3]);
+  void ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const Nodes& nodes, int& lost) const;
+  // Forces of a tool on a pack of n edges, the first of which has a slot in the sums.
+  void touch(const Tool& tool, Pairs& of, const int* edges, int n, const Ends& ends, const Nodes& nodes, double dt,
+             int slot, LaneSums& sums, std::vector<int>& bearing);
+  // Give an edge a force at s.
+  void give(int edge, double s, const double force[3], std::vector<int>& bearing);
 
   int n_nodes_;
   double length_, memory_, reach_;
-  bool any_ = false;
-  std::vector<int> edges_;                  // (n_edges, 2)
-  std::vector<int> node_start_, node_end_;  // of each node: 2 edge + end
-  std::vector<int> near_start_, near_;      // chunks of edges that share nodes with a chunk of nodes
-  std::vector<double> force_;               // (n_edges, 2, 3)
-  std::vector<std::uint8_t> touches_;       // of chunks
-  std::vector<Pairs> pairs_;                // of tools
-  std::vector<Sums> sums_;                  // (chunks, tools)
+  bool needed_ = false;
+  std::vector<int> edges_;  // (n_edges, 2)
+  std::vector<int> node_start_,
+      end_slot_;                           // of each node its ends of edges; of each end, 2 edge + end, its place there
+  std::vector<double> force_;              // (ends, 3), by nodes
+  std::vector<std::uint8_t> bears_;        // (ends), by nodes: whether it has a force
+  std::vector<std::vector<int>> bearing_;  // of each chunk the edges that have one
+  std::vector<Pairs> pairs_;               // of tools
+  std::vector<ContactSums> sums_;          // (chunks, tools)
 };
 
 template <class Locate>
 void EdgeContact::visit(int c, int first_tool, const std::vector<Tool>& tools, const Nodes& nodes, double dt,
                         Locate&& locate) {
-  const int first = c * chunk, last = std::min(n_edges(), first + chunk);
-  if (touches_[c])
-    std::fill(force_.begin() + 6 * std::ptrdiff_t(first), force_.begin() + 6 * std::ptrdiff_t(last), 0.0);
-  touches_[c] = 0;
+  for (int edge : bearing_[c])
+    bears_[end_slot_[2 * std::size_t(edge)]] = bears_[end_slot_[2 * std::size_t(edge) + 1]] = 0;
+  bearing_[c].clear();
+  int awake[chunk];
   for (std::size_t t = first_tool; t < tools.size(); ++t) {
-    Pairs& of = pairs_[t];
-    Sums& sums = sums_[std::size_t(c) * tools.size() + t] = {};
-    if (!of.sharp) continue;
-    for (int e = first; e < last; ++e) {
-      if (of.wake[e] > tools[t].travel) continue;
+    LaneSums sums;
+    const int n = pairs_[t].sharp ? find_awake(c, pairs_[t], tools[t].travel, awake) : 0;
+    for (int i = 0; i < n; i += width) {
       Ends ends;
-      for (int i = 0; i < 2; ++i) locate(node(e, i), ends.x[i], ends.v[i]);
-      double force[3] = {};
-      touch(tools[t], of, e, ends, nodes, dt, sums, force);
-      if (!(of.at[e].pressed > 0.0)) continue;
-      touches_[c] = 1;
-      for (int k = 0; k < 3; ++k) {
-        force_[6 * std::size_t(e) + k] += (1.0 - of.at[e].s) * force[k];
-        force_[6 * std::size_t(e) + 3 + k] += of.at[e].s * force[k];
-      }
+      for (int lane = 0; lane < width; ++lane)
+        for (int end = 0; end < 2; ++end)
+          locate(node(awake[std::min(i + lane, n - 1)], end), ends.x[end][lane], ends.v[end][lane]);
+      touch(tools[t], pairs_[t], awake + i, std::min(width, n - i), ends, nodes, dt, i, sums, bearing_[c]);
     }
+    sums_[std::size_t(c) * tools.size() + t] = n > 0 ? sums.sum_up() : ContactSums{};
   }
 }
 
@@ -159,14 +180,13 @@ double EdgeContact::deepest(int number, const Tool& tool, const Nodes& nodes, do
   const Pairs& of = pairs_[number];
   if (!of.sharp) return worst;
   for (int e = 0; e < n_edges(); ++e) {
-    Ends ends;
-    for (int i = 0; i < 2; ++i) locate(node(e, i), ends.x[i], ends.v[i]);
-    const Segment seen = see(tool, ends);
-    double middle[3], s = 0.5;
-    for (int k = 0; k < 3; ++k) middle[k] = seen.start[k] + 0.5 * seen.way[k];
+    double a[4], b[4], v[4], s = 0.5;
+    locate(node(e, 0), a, v), locate(node(e, 1), b, v);
+    const Segment seen(a, b, tool.displacement);
+    seen.locate(1.0, b);
     int sharp_hint = -1, hint = -1;
-    const double half = half_at(tool.grip, nodes, e, 0.5);
-    if (of.sharp->distance(middle, sharp_hint) > 0.5 * seen.length + half + memory_) continue;
+    const double half = half_at(tool.grip, nodes, e, 0.5);  // the middle may have gone through
+    if (of.sharp->distance(seen.start, b, sharp_hint) > 0.5 * seen.length + half + memory_) continue;
     contact::Touch found;
     if (!find_lowest(*tool.surface, seen, false, s, hint, found)) continue;
     const double depth = half_at(tool.grip, nodes, e, s) - found.gap;

@@ -166,7 +166,8 @@ void ToolContact::set_half(int slot, const Pack& half) {
     if (!any(then > zero)) continue;
     const Pack moved = then + half - load(half_, slot), now = select(moved > zero, moved, zero);
     const Pack k = Pack(0.5 * tools[t].grip.penalty) * load(base_, slot);
-    sums_[slot / chunk * tools.size() + t].add(squeeze, slot, select(then > zero, k * (now * now - then * then), zero));
+    sums_[slot / chunk * tools.size() + t].add(LaneSums::squeeze, slot,
+                                               select(then > zero, k * (now * now - then * then), zero));
   }
   for (int lane = 0; lane < width; ++lane) half_[slot + lane] = half[lane];
 }
@@ -223,7 +224,7 @@ void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const
     viscous = select(on, select(viscous < -k * pressed, -k * pressed, viscous), zero);
   }
   const Pack normal = k * pressed + viscous;
-  sums.add(damping, slot, Pack(-0.5) * (p.viscous + viscous) * closing);
+  sums.add(LaneSums::damping, slot, Pack(-0.5) * (p.viscous + viscous) * closing);
   // 4. friction: elastic trial in the present tangent plane, shortened to mu N
   const Pack out = dot(p.normal, p.shear), limit = Pack(grip.friction) * normal;
   Pack shear[3], work = zero;
@@ -237,9 +238,9 @@ void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const
     work += (p.shear[i] + now) * dx[i];
     p.shear[i] = now;
     on_sheet[i] += f;
-    sums.add(static_cast<Row>(force + i), slot, f);
+    sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, f);
   }
-  sums.add(friction, slot, Pack(-0.5) * work);
+  sums.add(LaneSums::friction, slot, Pack(-0.5) * work);
   p.pressed = pressed, p.viscous = viscous;
 }
 
@@ -283,17 +284,10 @@ void ToolContact::move_tools(int cycle, double dt, double fastest) {
 void ToolContact::close_cycle(int first_tool) {
   ++cycle_;
   for (std::size_t t = first_tool; t < tools.size(); ++t) {
-    double sum[6] = {};
-    for (int c = 0; c < node_chunks(); ++c) {
-      const LaneSums& of = sums_[c * tools.size() + t];
-      for (int r = 0; r < 6; ++r)
-        for (double lane : of.row[r]) sum[r] += lane;
-      total_.lost = std::min(total_.lost, of.lost);
-    }
-    const EdgeContact::Sums edges = edges_.sum_up(static_cast<int>(t));
-    total_.friction += sum[friction] + edges.friction, total_.damping += sum[damping] + edges.damping;
-    total_.squeeze += sum[squeeze] + edges.squeeze, total_.lost = std::min(total_.lost, edges.lost);
-    for (int i = 0; i < 3; ++i) tools[t].force[i] = -sum[force + i] - edges.force[i];
+    ContactSums sum = edges_.sum_up(static_cast<int>(t));
+    for (int c = 0; c < node_chunks(); ++c) sum += sums_[c * tools.size() + t].sum_up();
+    for (int i = 0; i < 3; ++i) tools[t].force[i] = -sum.force[i];
+    total_ += sum;
   }
 }
 

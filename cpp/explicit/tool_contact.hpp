@@ -29,6 +29,7 @@
 #include <vector>
 
 #include "explicit/edge_contact.hpp"
+#include "explicit/lane_sums.hpp"
 #include "explicit/tools.hpp"
 #include "tensor/records.hpp"
 
@@ -98,7 +99,7 @@ class ToolContact {
   std::vector<Tool> tools;
 
  private:
-  static constexpr int width = pack_width, group = 8;
+  static constexpr int width = pack_width, group = LaneSums::group;
   static constexpr double reach_awake = 0.9;  // of its gap a point sleeps
   using Mask = Pack::Mask;
 
@@ -116,19 +117,6 @@ class ToolContact {
     std::vector<Touching> packs;
     std::vector<int> hint;  // of each slot
   };
-  enum Row { friction, damping, squeeze, force };
-  struct LaneSums {
-    double row[6][group] = {};
-    int lost = std::numeric_limits<int>::max();
-    void add(Row r, int slot, Pack x) {
-      for (int lane = 0; lane < width; ++lane) row[r][slot % group + lane] += x[lane];
-    }
-  };
-  struct Sums {
-    double friction = 0.0, damping = 0.0, squeeze = 0.0;
-    int lost = std::numeric_limits<int>::max();
-  };
-
   // Slots: nodes, filled up to whole groups.
   static int fill(int n) { return (n + group - 1) / group * group; }
   double stiffness(int tool, int node) const { return tools[tool].grip.penalty * base_[node]; }
@@ -165,7 +153,7 @@ class ToolContact {
   std::vector<double> base_, half_;          // of slots: mass/dt^2 [N/mm], half the thickness [mm]
   std::vector<Pairs> pairs_;
   std::vector<LaneSums> sums_;  // (chunks, tools)
-  Sums total_;
+  ContactSums total_;
   double memory_, reach_, step_ = 0.0;
   EdgeContact edges_;
   double external_ = 0.0, drag_ = 0.0;  // work of what moves the tools; lost in their drag
@@ -236,12 +224,13 @@ void ToolContact::visit_edges(int c, const View& sheet, int first_tool) {
 template <class View, class Real>
 void ToolContact::visit_nodes(int c, const View& sheet, Real* net, int first_tool) {
   open_chunk(c, first_tool);
-  const bool edges_touch = edges_.any() && edges_.touches(c);
   for (int first = c * chunk; first < std::min(n_nodes_, (c + 1) * chunk); first += width) {
     Pack on_sheet[3];
+    const int last = std::min(n_nodes_, first + width);
     const bool touches = visit_pack(first, sheet, first_tool, c, on_sheet);
+    const bool edges_touch = edges_.needed() && edges_.touches(first, last);
     if (!touches && !edges_touch) continue;
-    for (int node = first; node < std::min(n_nodes_, first + width); ++node) {
+    for (int node = first; node < last; ++node) {
       double force[3];
       for (int i = 0; i < 3; ++i) force[i] = on_sheet[i][node - first];
       if (edges_touch) edges_.add_to_node(node, force);
