@@ -60,7 +60,7 @@ double FoldTree::distance2(const Line& fold, const Line& segment) {
   return dot(apart, apart);
 }
 
-double FoldTree::distance(const double a[3], const double b[3], int& hint) const {
+double FoldTree::distance(const double a[3], const double b[3], double near, int& hint) const {
   Line segment{{a[0], a[1], a[2]}, {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, 0.0};
   segment.length2 = dot(segment.way, segment.way);
   double low[3], high[3];
@@ -80,7 +80,7 @@ double FoldTree::distance(const double a[3], const double b[3], int& hint) const
   } stack[64];
   int count = 0;
   stack[count++] = {0, to_box(0)};
-  while (count > 0) {
+  while (count > 0 && least >= near * near) {
     const auto [box, away2] = stack[--count];
     if (away2 >= least) continue;
     if (boxes_[box].right == 0) {
@@ -88,9 +88,9 @@ double FoldTree::distance(const double a[3], const double b[3], int& hint) const
         if (const double d2 = distance2(lines_[i], segment); d2 < least) least = d2, hint = i;
       continue;
     }
-    Entry near{box + 1, to_box(box + 1)}, far{boxes_[box].right, to_box(boxes_[box].right)};
-    if (far.distance2 < near.distance2) std::swap(near, far);
-    stack[count++] = far, stack[count++] = near;
+    Entry nearer{box + 1, to_box(box + 1)}, farther{boxes_[box].right, to_box(boxes_[box].right)};
+    if (farther.distance2 < nearer.distance2) std::swap(nearer, farther);
+    stack[count++] = farther, stack[count++] = nearer;
   }
   return std::sqrt(least);
 }

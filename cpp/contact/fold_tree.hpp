@@ -15,9 +15,9 @@ class FoldTree {
   // At least one fold; their points are copied.
   explicit FoldTree(const std::vector<Fold>& folds);
 
-  // Distance between the segment from a to b and the nearest fold [mm]. hint is the fold found last (-1: unknown) and
-  // is updated; it speeds the search up.
-  double distance(const double a[3], const double b[3], int& hint) const;
+  // Distance between the segment from a to b and the nearest fold [mm], or to any fold that is nearer than `near`.
+  // hint is the fold found last (-1: unknown) and is updated; it speeds the search up.
+  double distance(const double a[3], const double b[3], double near, int& hint) const;
 
  private:
   static constexpr int leaf = 4;  // folds

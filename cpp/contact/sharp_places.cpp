@@ -125,8 +125,8 @@ SharpPlaces::SharpPlaces(std::shared_ptr<const ToolSurface> surface, double leng
   if (!folds.empty()) folds_ = std::make_unique<FoldTree>(folds);
 }
 
-double SharpPlaces::distance(const double a[3], const double b[3], int& hint) const {
-  if (folds_) return folds_->distance(a, b, hint);
+double SharpPlaces::distance(const double a[3], const double b[3], double near, int& hint) const {
+  if (folds_) return folds_->distance(a, b, near, hint);
   // the middle of each part is as far as said, the rest by half its length less
   double middle[3], way[3], least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) way[k] = (b[k] - a[k]) / parts;

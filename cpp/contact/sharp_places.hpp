@@ -22,8 +22,10 @@ class SharpPlaces {
 
   bool any() const { return folds_ || !pieces_.empty(); }
   // At least how far the segment from a to b, in the tool's frame, is from the nearest of them [mm]: exact for folds, a
-  // bound by an eighth of its length less for a swept surface. hint (-1: unknown) speeds it up.
-  double distance(const double a[3], const double b[3], int& hint) const;
+  // bound by an eighth of its length less for a swept surface; where it is nearer than `near` any value below that.
+  // hint
+  // (-1: unknown) speeds it up.
+  double distance(const double a[3], const double b[3], double near, int& hint) const;
 
  private:
   std::shared_ptr<const ToolSurface> surface_;

@@ -2,7 +2,10 @@
 #include "explicit/edge_contact.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -51,10 +54,10 @@ void EdgeContact::add(const Tool& tool) {
   if (of.sharp && !of.sharp->any()) of.sharp.reset();
   if (of.sharp) {
     of.at.assign(n_edges(), untouched);
-    of.wake.assign((n_edges() + width - 1) / width * std::size_t(width), never);
-    std::fill_n(of.wake.begin(), n_edges(), 0.0);
+    of.wake.assign(n_edges(), 0.0);
+    of.watch.resize((std::size_t(n_edges()) + chunk - 1) / chunk);
     force_.resize(3 * edges_.size()), bears_.resize(edges_.size());
-    bearing_.resize((std::size_t(n_edges()) + chunk - 1) / chunk);
+    bearing_.resize(of.watch.size());
     needed_ = true;
   }
   pairs_.push_back(std::move(of));
@@ -109,6 +112,7 @@ void EdgeContact::forget(int tool) {
 void EdgeContact::wake(int tool) {
   for (double& wake : pairs_[tool].wake) wake = wake < never ? 0.0 : wake;
   for (Touching& p : pairs_[tool].at) p.left = 0.0;
+  for (Watch& watch : pairs_[tool].watch) watch.next = 0.0;
 }
 
 EdgeContact::Segment::Segment(const double a[3], const double b[3], const double displacement[3]) {
@@ -116,17 +120,25 @@ EdgeContact::Segment::Segment(const double a[3], const double b[3], const double
   length = std::sqrt(dot(way, way));
 }
 
-int EdgeContact::find_awake(int c, const Pairs& of, double travel, int found[chunk]) const {
-  int n = 0;
-  const int first = c * chunk, last = std::min(n_edges(), first + chunk);
-  for (int e = first; e < last; e += width) {
-    Pack wake;
-    std::memcpy(&wake, &of.wake[e], sizeof wake);
-    if (!any(wake.v <= Pack(travel).v)) continue;
-    for (int lane = 0; lane < width; ++lane)
-      if (wake[lane] <= travel) found[n++] = e + lane;
+const std::vector<int>& EdgeContact::find_awake(int c, Pairs& of, double travel) const {
+  auto& [awake, next] = of.watch[c];
+  if (next <= travel) {
+    const int first = c * chunk;
+    awake.resize(std::min(n_edges() - first, chunk)), next = never;
+    std::iota(awake.begin(), awake.end(), first);
   }
-  return n;
+  std::size_t n = 0;
+  for (int edge : awake) {
+    if (of.wake[edge] > travel) {
+      next = std::min(next, of.wake[edge]);
+      continue;
+    }
+    awake[n++] = edge;
+    const auto* record = reinterpret_cast<const char*>(&of.at[edge]);
+    for (std::size_t line = 0; line < sizeof(Touching); line += 64) __builtin_prefetch(record + line, 1);
+  }
+  awake.resize(n);
+  return awake;
 }
 
 // The place of least gap along an edge: from s on where it is known to be near, else from the least of some samples.
@@ -210,7 +222,7 @@ void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen
   if (!was_pressed) {
     double end[3];
     seen.locate(1.0, end);
-    const double away = of.sharp->distance(seen.start, end, p.sharp_hint) - half;
+    const double away = of.sharp->distance(seen.start, end, half + memory_, p.sharp_hint) - half;
     if (away > memory_) return sleep(away, off);
   }
   contact::Touch found;
@@ -232,7 +244,7 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, co
   const Grip& grip = tool.grip;
   const Pack zero(0.0);
   // 1. ends in the tool's frame, and the pairs' two records
-  Pack at[2][4], velocity[2][4], start[3], way[3], moved[2][3], part_half[2], base(0.0);
+  Pack at[2][4], velocity[2][4], start[3], way[3], moved[2][3];
   for (int end = 0; end < 2; ++end) {
     const double *places[width], *speeds[width];
     for (int lane = 0; lane < width; ++lane) places[lane] = ends.x[end][lane], speeds[lane] = ends.v[end][lane];
@@ -243,13 +255,15 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, co
   Touching nothing = untouched;  // for lanes that are left alone
   Touching* pairs[width];
   Pack::Mask awake;
+  double of_nodes[3][width];
   for (int lane = 0; lane < width; ++lane) {
     const int edge = edges[std::min(lane, n - 1)];
     pairs[lane] = lane < n ? &of.at[edge] : &nothing;
     awake[lane] = lane < n ? -1 : 0;
-    base.set(lane, std::min(nodes.base[node(edge, 0)], nodes.base[node(edge, 1)]));
-    for (int end = 0; end < 2; ++end) part_half[end].set(lane, grip.thickness ? nodes.half[node(edge, end)] : 0.0);
+    of_nodes[0][lane] = std::min(nodes.base[node(edge, 0)], nodes.base[node(edge, 1)]);
+    for (int end = 0; end < 2; ++end) of_nodes[1 + end][lane] = grip.thickness ? nodes.half[node(edge, end)] : 0.0;
   }
+  const auto [base, half_a, half_b] = std::bit_cast<std::array<Pack, 3>>(of_nodes);
   Pack asked[8], changing[8];
   const auto load = [&] {
     const double *first[width], *second[width];
@@ -287,7 +301,7 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, co
     dx[k] = moved[0][k] + s * (moved[1][k] - moved[0][k]);
     place[k] = start[k] + s * way[k];
   }
-  const Pack half = part_half[0] + s * (part_half[1] - part_half[0]), in = half - (dot(normal, place) - offset);
+  const Pack half = half_a + s * (half_b - half_a), in = half - (dot(normal, place) - offset);
   spared = smaller(spared, larger(in, zero));
   const Pack depth = in - spared, k = Pack(share * grip.penalty) * base;
   // 3. what a change of thickness does to the spring is no work of the edge
@@ -380,6 +394,7 @@ void EdgeContact::restore(int tool, const double*& from) {
     of.wake[e] = *from++;
     p.hint = static_cast<std::int32_t>(*from++), p.sharp_hint = static_cast<std::int32_t>(*from++);
   }
+  for (Watch& watch : of.watch) watch.next = 0.0;
 }
 
 }  // namespace presswork::explicit_dynamics

@@ -108,10 +108,16 @@ class EdgeContact {
   static constexpr double off = 0.0, near = 1.0, followed = 2.0;
   static constexpr int before_hints = 7, numbers = before_hints + 8 + 3;  // of an edge in a dump
   static constexpr Touching untouched{0, {0, 0, 0}, 0, 0, off, -1, -1, {0, 0, 0}, 0, 0, 0, 0, 0};
+  // Edges of a chunk that are awake, in turn, and the tool's travel at which the next of the others may touch.
+  struct Watch {
+    std::vector<int> awake;
+    double next = 0.0;
+  };
   struct Pairs {
     std::unique_ptr<contact::SharpPlaces> sharp;  // none: these are empty
-    std::vector<double> wake;  // (whole packs) the tool's travel at which the edge may touch; never, past the last
+    std::vector<double> wake;                     // the tool's travel at which the edge may touch
     std::vector<Touching> at;
+    std::vector<Watch> watch;  // of chunks
   };
   // An edge in a tool's frame.
   struct Segment {
@@ -127,8 +133,7 @@ class EdgeContact {
     alignas(64) double x[2][width][4], v[2][width][4];
   };
 
-  // The edges of a chunk that are awake; gives how many.
-  int find_awake(int c, const Pairs& of, double travel, int found[chunk]) const;
+  const std::vector<int>& find_awake(int c, Pairs& of, double travel) const;
   double stiffness(const Grip& grip, const Nodes& nodes, int edge) const;
   double half_at(const Grip& grip, const Nodes& nodes, int edge, double s) const;
   bool find_lowest(const contact::ToolSurface& surface, const Segment& edge, bool known, double& s, int& hint,
@@ -159,18 +164,20 @@ void EdgeContact::visit(int c, int first_tool, const std::vector<Tool>& tools, c
   for (int edge : bearing_[c])
     bears_[end_slot_[2 * std::size_t(edge)]] = bears_[end_slot_[2 * std::size_t(edge) + 1]] = 0;
   bearing_[c].clear();
-  int awake[chunk];
   for (std::size_t t = first_tool; t < tools.size(); ++t) {
+    ContactSums& sum = sums_[std::size_t(c) * tools.size() + t] = {};
+    if (!pairs_[t].sharp) continue;
+    const std::vector<int>& awake = find_awake(c, pairs_[t], tools[t].travel);
+    const int n = static_cast<int>(awake.size());
     LaneSums sums;
-    const int n = pairs_[t].sharp ? find_awake(c, pairs_[t], tools[t].travel, awake) : 0;
     for (int i = 0; i < n; i += width) {
       Ends ends;
       for (int lane = 0; lane < width; ++lane)
         for (int end = 0; end < 2; ++end)
           locate(node(awake[std::min(i + lane, n - 1)], end), ends.x[end][lane], ends.v[end][lane]);
-      touch(tools[t], pairs_[t], awake + i, std::min(width, n - i), ends, nodes, dt, i, sums, bearing_[c]);
+      touch(tools[t], pairs_[t], &awake[i], std::min(width, n - i), ends, nodes, dt, i, sums, bearing_[c]);
     }
-    sums_[std::size_t(c) * tools.size() + t] = n > 0 ? sums.sum_up() : ContactSums{};
+    if (n > 0) sum = sums.sum_up();
   }
 }
 
@@ -186,7 +193,7 @@ double EdgeContact::deepest(int number, const Tool& tool, const Nodes& nodes, do
     seen.locate(1.0, b);
     int sharp_hint = -1, hint = -1;
     const double half = half_at(tool.grip, nodes, e, 0.5);  // the middle may have gone through
-    if (of.sharp->distance(seen.start, b, sharp_hint) > 0.5 * seen.length + half + memory_) continue;
+    if (of.sharp->distance(seen.start, b, 0.0, sharp_hint) > 0.5 * seen.length + half + memory_) continue;
     contact::Touch found;
     if (!find_lowest(*tool.surface, seen, false, s, hint, found)) continue;
     const double depth = half_at(tool.grip, nodes, e, s) - found.gap;
