@@ -2,10 +2,7 @@
 #include "explicit/edge_contact.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -54,10 +51,11 @@ void EdgeContact::add(const Tool& tool) {
   if (of.sharp && !of.sharp->any()) of.sharp.reset();
   if (of.sharp) {
     of.at.assign(n_edges(), untouched);
-    of.wake.assign(n_edges(), 0.0);
-    of.watch.resize((std::size_t(n_edges()) + chunk - 1) / chunk);
+    of.wake_group.assign((n_edges() + group - 1) / group, 0.0);
+    of.wake.assign(of.wake_group.size() * group, never);
+    std::fill_n(of.wake.begin(), n_edges(), 0.0);
     force_.resize(3 * edges_.size()), bears_.resize(edges_.size());
-    bearing_.resize(of.watch.size());
+    bearing_.resize((std::size_t(n_edges()) + chunk - 1) / chunk);
     needed_ = true;
   }
   pairs_.push_back(std::move(of));
@@ -112,7 +110,7 @@ void EdgeContact::forget(int tool) {
 void EdgeContact::wake(int tool) {
   for (double& wake : pairs_[tool].wake) wake = wake < never ? 0.0 : wake;
   for (Touching& p : pairs_[tool].at) p.left = 0.0;
-  for (Watch& watch : pairs_[tool].watch) watch.next = 0.0;
+  std::fill(pairs_[tool].wake_group.begin(), pairs_[tool].wake_group.end(), 0.0);
 }
 
 EdgeContact::Segment::Segment(const double a[3], const double b[3], const double displacement[3]) {
@@ -120,25 +118,21 @@ EdgeContact::Segment::Segment(const double a[3], const double b[3], const double
   length = std::sqrt(dot(way, way));
 }
 
-const std::vector<int>& EdgeContact::find_awake(int c, Pairs& of, double travel) const {
-  auto& [awake, next] = of.watch[c];
-  if (next <= travel) {
-    const int first = c * chunk;
-    awake.resize(std::min(n_edges() - first, chunk)), next = never;
-    std::iota(awake.begin(), awake.end(), first);
+int EdgeContact::find_awake(int c, Pairs& of, double travel, int found[chunk + 1]) const {
+  int n = 0;
+  const int groups = static_cast<int>(of.wake_group.size()), first = c * (chunk / group);
+  for (int g = first; g < std::min(groups, first + chunk / group); ++g) {
+    if (of.wake_group[g] > travel) continue;
+    const double* wake = &of.wake[g * std::size_t(group)];
+    const int before = n;
+    for (int i = 0; i < group; ++i) found[n] = g * group + i, n += wake[i] <= travel ? 1 : 0;
+    if (n == before) of.wake_group[g] = *std::min_element(wake, wake + group);
   }
-  std::size_t n = 0;
-  for (int edge : awake) {
-    if (of.wake[edge] > travel) {
-      next = std::min(next, of.wake[edge]);
-      continue;
-    }
-    awake[n++] = edge;
-    const auto* record = reinterpret_cast<const char*>(&of.at[edge]);
+  for (int i = 0; i < n; ++i) {
+    const auto* record = reinterpret_cast<const char*>(&of.at[found[i]]);
     for (std::size_t line = 0; line < sizeof(Touching); line += 64) __builtin_prefetch(record + line, 1);
   }
-  awake.resize(n);
-  return awake;
+  return n;
 }
 
 // The place of least gap along an edge: from s on where it is known to be near, else from the least of some samples.
@@ -239,35 +233,31 @@ void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen
   std::copy_n(found.normal, 3, p.normal);
 }
 
-void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, const Ends& ends, const Nodes& nodes,
-                        double dt, int slot, LaneSums& sums, std::vector<int>& bearing) {
+void EdgeContact::touch(const Tool& tool, Pairs& of, EdgePack& edges, const Nodes& nodes, double dt, int slot,
+                        LaneSums& sums, std::vector<int>& bearing) {
   const Grip& grip = tool.grip;
+  const int n = edges.n;
   const Pack zero(0.0);
   // 1. ends in the tool's frame, and the pairs' two records
-  Pack at[2][4], velocity[2][4], start[3], way[3], moved[2][3];
+  Pack at[2][4], velocity[2][4], start[3], way[3], moved[2][3], part_half[2] = {zero, zero}, base;
   for (int end = 0; end < 2; ++end) {
     const double *places[width], *speeds[width];
-    for (int lane = 0; lane < width; ++lane) places[lane] = ends.x[end][lane], speeds[lane] = ends.v[end][lane];
+    for (int lane = 0; lane < width; ++lane) places[lane] = edges.x[end][lane], speeds[lane] = edges.v[end][lane];
     load_records<4>(places, at[end]), load_records<4>(speeds, velocity[end]);
     for (int k = 0; k < 3; ++k) moved[end][k] = Pack(dt) * (velocity[end][k] - Pack(tool.velocity[k]));
+    if (grip.thickness) std::memcpy(&part_half[end], edges.half[end], sizeof(Pack));
   }
+  std::memcpy(&base, edges.base, sizeof base);
   for (int k = 0; k < 3; ++k) start[k] = at[0][k] - Pack(tool.displacement[k]), way[k] = at[1][k] - at[0][k];
   Touching nothing = untouched;  // for lanes that are left alone
-  Touching* pairs[width];
   Pack::Mask awake;
-  double of_nodes[3][width];
-  for (int lane = 0; lane < width; ++lane) {
-    const int edge = edges[std::min(lane, n - 1)];
-    pairs[lane] = lane < n ? &of.at[edge] : &nothing;
-    awake[lane] = lane < n ? -1 : 0;
-    of_nodes[0][lane] = std::min(nodes.base[node(edge, 0)], nodes.base[node(edge, 1)]);
-    for (int end = 0; end < 2; ++end) of_nodes[1 + end][lane] = grip.thickness ? nodes.half[node(edge, end)] : 0.0;
-  }
-  const auto [base, half_a, half_b] = std::bit_cast<std::array<Pack, 3>>(of_nodes);
+  for (int lane = 0; lane < width; ++lane) awake[lane] = lane < n ? -1 : 0;
+  for (int lane = n; lane < width; ++lane) edges.pair[lane] = &nothing;
   Pack asked[8], changing[8];
   const auto load = [&] {
     const double *first[width], *second[width];
-    for (int lane = 0; lane < width; ++lane) first[lane] = records_of(*pairs[lane]), second[lane] = first[lane] + 8;
+    for (int lane = 0; lane < width; ++lane)
+      first[lane] = records_of(*edges.pair[lane]), second[lane] = first[lane] + 8;
     load_records<8>(first, asked), load_records<8>(second, changing);
   };
   load();
@@ -289,9 +279,9 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, co
     const Pack known = left;
     for (int lane = 0; lane < n; ++lane) {
       if (!asking[lane]) continue;
-      const int edge = edges[lane];
-      ask(tool, of, edge, Segment(ends.x[0][lane], ends.x[1][lane], tool.displacement), nodes, sums.lost);
-      if (of.wake[edge] > tool.travel) pairs[lane] = &nothing, awake[lane] = 0;
+      const int edge = edges.edge[lane];
+      ask(tool, of, edge, Segment(edges.x[0][lane], edges.x[1][lane], tool.displacement), nodes, sums.lost);
+      if (of.wake[edge] > tool.travel) edges.pair[lane] = &nothing, awake[lane] = 0;
     }
     load();
     left = select(asking, left, known);
@@ -301,7 +291,7 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, co
     dx[k] = moved[0][k] + s * (moved[1][k] - moved[0][k]);
     place[k] = start[k] + s * way[k];
   }
-  const Pack half = half_a + s * (half_b - half_a), in = half - (dot(normal, place) - offset);
+  const Pack half = part_half[0] + s * (part_half[1] - part_half[0]), in = half - (dot(normal, place) - offset);
   spared = smaller(spared, larger(in, zero));
   const Pack depth = in - spared, k = Pack(share * grip.penalty) * base;
   // 3. what a change of thickness does to the spring is no work of the edge
@@ -313,7 +303,8 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, co
   const Pack::Mask off_it = both(awake, depth < Pack(-memory_));
   if (any(off_it))
     for (int lane = 0; lane < n; ++lane)
-      if (off_it[lane]) of.wake[edges[lane]] = tool.travel - reach_awake * depth[lane], pairs[lane]->seen = near;
+      if (off_it[lane])
+        of.wake[edges.edge[lane]] = tool.travel - reach_awake * depth[lane], edges.pair[lane]->seen = near;
   left = select(off_it, zero, left);
   // 5. normal force; the damper never pulls
   const Pack::Mask on = both(awake, depth > zero);
@@ -344,12 +335,12 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, const int* edges, int n, co
   sums.add(LaneSums::friction, slot, Pack(-0.5) * work);
   // 7. what has changed, and the nodes' parts
   double* second[width];
-  for (int lane = 0; lane < width; ++lane) second[lane] = records_of(*pairs[lane]) + 8;
+  for (int lane = 0; lane < width; ++lane) second[lane] = records_of(*edges.pair[lane]) + 8;
   store_records<8>(changing, second);
   for (int lane = 0; lane < n; ++lane)
     if (on[lane]) {
       const double f[3] = {force[0][lane], force[1][lane], force[2][lane]};
-      give(edges[lane], s[lane], f, bearing);
+      give(edges.edge[lane], s[lane], f, bearing);
     }
 }
 
@@ -394,7 +385,7 @@ void EdgeContact::restore(int tool, const double*& from) {
     of.wake[e] = *from++;
     p.hint = static_cast<std::int32_t>(*from++), p.sharp_hint = static_cast<std::int32_t>(*from++);
   }
-  for (Watch& watch : of.watch) watch.next = 0.0;
+  std::fill(of.wake_group.begin(), of.wake_group.end(), 0.0);
 }
 
 }  // namespace presswork::explicit_dynamics

@@ -86,7 +86,7 @@ class EdgeContact {
   void restore(int tool, const double*& from);
 
  private:
-  static constexpr int width = pack_width;
+  static constexpr int width = pack_width, group = LaneSums::group;
   // Two records of eight numbers.
   struct alignas(64) Touching {
     // 1. since the surface was asked last
@@ -108,16 +108,11 @@ class EdgeContact {
   static constexpr double off = 0.0, near = 1.0, followed = 2.0;
   static constexpr int before_hints = 7, numbers = before_hints + 8 + 3;  // of an edge in a dump
   static constexpr Touching untouched{0, {0, 0, 0}, 0, 0, off, -1, -1, {0, 0, 0}, 0, 0, 0, 0, 0};
-  // Edges of a chunk that are awake, in turn, and the tool's travel at which the next of the others may touch.
-  struct Watch {
-    std::vector<int> awake;
-    double next = 0.0;
-  };
   struct Pairs {
     std::unique_ptr<contact::SharpPlaces> sharp;  // none: these are empty
-    std::vector<double> wake;                     // the tool's travel at which the edge may touch
+    // The tool's travel at which an edge may touch, filled up to whole groups; a bound of it for each group.
+    std::vector<double> wake, wake_group;
     std::vector<Touching> at;
-    std::vector<Watch> watch;  // of chunks
   };
   // An edge in a tool's frame.
   struct Segment {
@@ -128,20 +123,25 @@ class EdgeContact {
       for (int k = 0; k < 3; ++k) x[k] = start[k] + s * way[k];
     }
   };
-  // A pack of edges: places and velocities of their ends.
-  struct Ends {
-    alignas(64) double x[2][width][4], v[2][width][4];
+  // n edges for a pack, filled up with the last of them: places and velocities of their ends, the smaller base of their
+  // nodes, half thicknesses, and where they are kept.
+  struct EdgePack {
+    alignas(64) double x[2][width][4], v[2][width][4], base[width], half[2][width];
+    const int* edge;
+    Touching* pair[width];
+    int n;
   };
 
-  const std::vector<int>& find_awake(int c, Pairs& of, double travel) const;
+  // The edges of a chunk that are awake; gives how many.
+  int find_awake(int c, Pairs& of, double travel, int found[chunk + 1]) const;
   double stiffness(const Grip& grip, const Nodes& nodes, int edge) const;
   double half_at(const Grip& grip, const Nodes& nodes, int edge, double s) const;
   bool find_lowest(const contact::ToolSurface& surface, const Segment& edge, bool known, double& s, int& hint,
                    contact::Touch& found) const;
   void ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const Nodes& nodes, int& lost) const;
-  // Forces of a tool on a pack of n edges, the first of which has a slot in the sums.
-  void touch(const Tool& tool, Pairs& of, const int* edges, int n, const Ends& ends, const Nodes& nodes, double dt,
-             int slot, LaneSums& sums, std::vector<int>& bearing);
+  // Forces of a tool on a pack of edges, the first of which has a slot in the sums.
+  void touch(const Tool& tool, Pairs& of, EdgePack& edges, const Nodes& nodes, double dt, int slot, LaneSums& sums,
+             std::vector<int>& bearing);
   // Give an edge a force at s.
   void give(int edge, double s, const double force[3], std::vector<int>& bearing);
 
@@ -167,15 +167,22 @@ void EdgeContact::visit(int c, int first_tool, const std::vector<Tool>& tools, c
   for (std::size_t t = first_tool; t < tools.size(); ++t) {
     ContactSums& sum = sums_[std::size_t(c) * tools.size() + t] = {};
     if (!pairs_[t].sharp) continue;
-    const std::vector<int>& awake = find_awake(c, pairs_[t], tools[t].travel);
-    const int n = static_cast<int>(awake.size());
+    int awake[chunk + 1];
+    const int n = find_awake(c, pairs_[t], tools[t].travel, awake);
     LaneSums sums;
     for (int i = 0; i < n; i += width) {
-      Ends ends;
-      for (int lane = 0; lane < width; ++lane)
-        for (int end = 0; end < 2; ++end)
-          locate(node(awake[std::min(i + lane, n - 1)], end), ends.x[end][lane], ends.v[end][lane]);
-      touch(tools[t], pairs_[t], &awake[i], std::min(width, n - i), ends, nodes, dt, i, sums, bearing_[c]);
+      EdgePack edges;
+      edges.edge = awake + i, edges.n = std::min(width, n - i);
+      for (int lane = 0; lane < width; ++lane) {
+        const int edge = awake[std::min(i + lane, n - 1)];
+        edges.pair[lane] = &pairs_[t].at[edge];
+        for (int end = 0; end < 2; ++end) {
+          locate(node(edge, end), edges.x[end][lane], edges.v[end][lane]);
+          edges.half[end][lane] = nodes.half[node(edge, end)];
+        }
+        edges.base[lane] = std::min(nodes.base[node(edge, 0)], nodes.base[node(edge, 1)]);
+      }
+      touch(tools[t], pairs_[t], edges, nodes, dt, i, sums, bearing_[c]);
     }
     if (n > 0) sum = sums.sum_up();
   }
