@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 _OVERHEAD_BYTES = 16384
 
 Meta = dict[str, int | float | str]
