@@ -4,15 +4,15 @@
     python validation/draw_bending.py [docs/img/draw_bending.png]
 
 draws a slice of the strip with shells of several sizes, at several speeds and with several points through the
-thickness, and strips of several widths with free edges, ten minutes, and prints the angles of wall and flange after
-springback and the radius of the wall's curl.
+thickness, and strips of several widths with free edges, a quarter of an hour, and prints the angles of wall and
+flange after springback and the radius of the wall's curl.
 """
 
 from __future__ import annotations
 
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from presswork.case import StampingCase, build_model
+from presswork.model import PrescribedDisplacement
+from presswork.model_stamping import StampingModel
+from presswork.procedure.implicit import ImplicitProcedure
+from presswork.procedure.springback import make_springback_model
+from presswork.procedure.stamping import ExplicitStamping
+from presswork.procedure.transfer import begin_with, carry_to_explicit
 from presswork.run import run_model
 
 LENGTH, THICKNESS, EDGE, STROKE, MU, HOLDER = 350.0, 0.78, 5.0, 70.0, 0.144, 70.0
@@ -33,8 +39,8 @@ NO_WIDTH_STRAIN = {
     "hardening": {"law": "swift", "K": K, "e0": E0, "n": N},
 }  # fmt: skip
 """The same steel in uniaxial tension, but that it does not narrow."""
-WIDTHS = ((35, 1, 3.5), (35, 1, 2.5), (35, 1.25, 1.25), (15, 1.25, 1.25), (7.5, 1.25, 1.25), (2.5, 1.25, 1.25),
-          (2.5, 1.25, 0.3125), (1, 1.25, 0.5), (0.5, 1.25, 0.25))  # fmt: skip
+WIDTHS = ((35, 1, 3.5), (35, 1, 2.5), (35, 1.25, 1.25), (35, 1.25, 3.5), (15, 1.25, 1.25), (7.5, 1.25, 1.25),
+          (2.5, 1.25, 1.25), (2.5, 0.625, 0.625), (2.5, 1.25, 0.3125), (1, 1.25, 0.5), (0.5, 1.25, 0.25))  # fmt: skip
 """Of strips with free edges, with the sides of their shells along and across [mm]."""
 WALL = (40.0, 10.0)
 """From there on the blank, from its middle, and up to so far beyond the stroke [mm]: drawn over the die's shoulder and
@@ -77,8 +83,7 @@ class Hat:
         return float(np.sqrt(c + 0.25 * (a**2 + b**2)))
 
 
-@cache
-def draw_strip(
+def strip_case(
     size: float,
     speed: float,
     points: int = 9,
@@ -88,18 +93,18 @@ def draw_strip(
     narrows: bool = True,
     length: float = LENGTH,
     stroke: float = STROKE,
-) -> Hat:
-    """Draw a slice one shell wide [mm] at a speed [m/s], and let it go; or a strip of a width, with free edges.
+) -> dict[str, Any]:
+    """Return the case of a slice one shell wide, size [mm], or of a strip of a width, with free edges; speed [m/s].
 
     across: side of its shells across [mm]. narrows: False for a steel without strain across, elastic or plastic.
     """
     breadth = 2 * size if width is None else width
 
-    def tool(kind: str, width: float) -> dict[str, Any]:
-        return {"kind": kind, "shape": "strip", "width": width, "edge_radius": EDGE, "mu": MU}
+    def tool(kind: str, opening: float) -> dict[str, Any]:
+        return {"kind": kind, "shape": "strip", "width": opening, "edge_radius": EDGE, "mu": MU}
 
-    case = {
-        "title": "draw bending of a slice",
+    return {
+        "title": "draw bending",
         "analysis": "stamping",
         "blank": {"shape": "rectangle", "size": [length, breadth], "thickness": THICKNESS,
                   "element_size": [size, across or size], "points": points, "symmetry": ["x", "y"],
@@ -112,7 +117,19 @@ def draw_strip(
         "springback": {},
         "output": {"steps": 1, "rows": 100},
     }  # fmt: skip
+
+
+def strip_model(case: dict[str, Any]) -> StampingModel:
+    """Return the Model of a case."""
     model = build_model(StampingCase.model_validate(case))
+    assert isinstance(model, StampingModel)
+    return model
+
+
+@cache
+def draw_strip(size: float, speed: float, points: int = 9, *, stroke: float = STROKE, **what: Any) -> Hat:
+    """Draw the strip of strip_case, and let it go."""
+    model = strip_model(strip_case(size, speed, points, stroke=stroke, **what))
     with tempfile.TemporaryDirectory() as scratch:
         outcome = run_model(model, Path(scratch) / "out")
         assert outcome.status == "completed", outcome.reason
@@ -125,8 +142,61 @@ def draw_strip(
     done, force = history["punch.stroke"][drawn], history["punch.force"][drawn]
     late = (done > 0.5 * stroke) & (done < 0.97 * stroke)
     ratio = (history["kinetic_energy"][drawn] / history["internal_energy"][drawn])[done > 0.1 * stroke]
-    tension = force[late].mean() / (2 * breadth)
+    tension = force[late].mean() / (2 * (what.get("width") or 2 * size))
     return Hat(formed[row][:, [0, 2]], free[row][:, [0, 2]], start[row, 0], float(tension), stroke, float(ratio.max()))
+
+
+def release_slowly(fade: float = 0.032, rest: float = 0.016, damping: float = 450.0) -> tuple[np.ndarray, np.ndarray]:
+    """Let a strip of 7.5 mm go by the implicit procedure, and by explicit dynamics; returns both displacements (n, 3).
+
+    Explicit: from the same state, with one-point shells; the force that they begin with fades in so long [s], and they
+    rest for so long, under a damping [1/s] of half the critical one of the strip's first mode.
+    """
+    forming = ExplicitStamping(strip_model(strip_case(1.25, 2, 7, width=7.5, length=200, stroke=45)))
+    for _ in forming.advance():
+        pass
+    sheet, model = forming.sheet(), make_springback_model(forming.model, forming.mesh)
+    implicit = ImplicitProcedure(model)
+    begin_with(sheet, implicit)
+    shells = carry_to_explicit(implicit)
+    for support in model.supports:
+        held = "".join(letter for letter, fixed in zip("uvwpqr", support.fix, strict=True) if fixed)
+        shells.fix(model.mesh.node_sets[support.node_set], held)
+    shells.force = shells.internal_force
+    cycles = int((fade + rest) / shells.dt)
+    scale = np.maximum(0.0, 1.0 - np.arange(cycles) * shells.dt / fade)
+    shells.advance(cycles, force_scale=scale, damping=damping)
+    for _ in implicit.advance():
+        pass
+    way = implicit.state.displacement[:, :3] + model.mesh.points - sheet.position
+    return way, shells.position - sheet.position
+
+
+def bend_and_straighten(width: float | None = None, half: float = 8.0) -> float:
+    """Turn the end of half a strip [mm] until it has the shoulder's curvature, and back, without tools or tension.
+
+    Returns the curvature that it gives up when it is let go [1/mm]; width: of a strip with free edges; else a slice.
+    """
+    side = half / 8
+    case = strip_case(side, 2, 15, width=width, across=width and width / 2, length=2 * half)
+    ways = {"bend": half / (EDGE + 0.5 * THICKNESS), "straighten": -half / (EDGE + 0.5 * THICKNESS)}
+    case |= {
+        "tools": {},
+        "stages": [{"name": name, "duration": "20 ms"} for name in ways],
+        "explicit": {"damping": 2e3},
+    }
+    model = strip_model(case)
+    stages = (replace(s, prescribed=(PrescribedDisplacement("right", 4, ways[s.name]),)) for s in model.stages)
+    model = replace(model, stages=tuple(stages))
+    with tempfile.TemporaryDirectory() as scratch:
+        outcome = run_model(model, Path(scratch) / "out")
+        assert outcome.status == "completed", outcome.reason
+        shapes = [outcome.result.points(step) for step in (-2, -1)]
+    row = np.flatnonzero(model.mesh.points[:, 1] < 1e-9)
+    row = row[np.argsort(model.mesh.points[row, 0])][:6]  # away from the end, where the strip is free to curl across
+    slopes = [np.arctan2(*np.diff(shape[row][:, [2, 0]], axis=0).T) for shape in shapes]
+    bent, free = ((slope[-1] - slope[0]) / (4 * side) for slope in slopes)
+    return float(abs(free - bent))
 
 
 def curl_by_theory(tension: float, layers: int = 201, steps: int = 150, *, beam: bool = False) -> float:
@@ -192,12 +262,15 @@ if __name__ == "__main__":
               f"{hat.free[-1, 1] - hat.formed[-1, 1]:14.2f} {100 * hat.kinetic:10.2f} % {hat.tension:8.1f}",
               flush=True)  # fmt: skip
     print("260 mm long, 60 mm deep, 2 m/s, 7 points: width, sides of shells [mm]: way of the end [mm], curl, theory")
-    strips = [(None, 1.25, 1.25, True), (None, 1.25, 1.25, False), (2.5, 1.25, 1.25, False)]
+    strips = [*((None, s, s, True) for s in (1.25, 1, 0.625)), (None, 1.25, 1.25, False),
+              (2.5, 1.25, 1.25, False), (0.5, 1.25, 0.25, False)]  # fmt: skip
     for width, size, across, narrows in [*strips, *((*strip, True) for strip in WIDTHS)]:
         hat = draw_strip(size, 2, 7, width=width, across=across, narrows=narrows, length=260, stroke=60)
         way, beam = np.hypot(*(hat.free[-1] - hat.formed[-1])), width is not None or not narrows
         print(f"{width or 'slice':>8} {size:6} {across:7} {'' if narrows else 'no width strain':15} {way:8.2f} "
               f"{hat.curl:8.1f} {curl_by_theory(hat.tension, beam=beam):8.1f}", flush=True)  # fmt: skip
+    ways = [np.linalg.norm(way, axis=1).max() for way in release_slowly()]
+    print("7.5 mm wide, 45 mm deep, let go: implicit {:.2f} mm, explicit {:.2f} mm".format(*ways), flush=True)
     print(*(f"theory under {t} N/mm: {curl_by_theory(t):.1f} mm;" for t in (10, 35, 50)))
     if len(sys.argv) > 1:
         draw_picture(sys.argv[1], {f"shells of {s} mm": draw_strip(s, 2) for s in (4, 2, 1, 0.7)})
