@@ -4,14 +4,15 @@
     python validation/draw_bending.py [docs/img/draw_bending.png]
 
 draws a slice of the strip with shells of several sizes, at several speeds and with several points through the
-thickness, five minutes, and prints the angles of wall and flange after springback and the radius of the wall's curl.
+thickness, and strips of several widths with free edges, a quarter of an hour, and prints the angles of wall and
+flange after springback and the radius of the wall's curl.
 """
 
 from __future__ import annotations
 
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,14 +21,30 @@ import numpy as np
 from scipy.optimize import brentq
 
 from presswork.case import StampingCase, build_model
+from presswork.model import PrescribedDisplacement
+from presswork.model_stamping import StampingModel
+from presswork.procedure.implicit import ImplicitProcedure
+from presswork.procedure.springback import make_springback_model
+from presswork.procedure.stamping import ExplicitStamping
+from presswork.procedure.transfer import begin_with, carry_to_explicit
 from presswork.run import run_model
 
 LENGTH, THICKNESS, EDGE, STROKE, MU, HOLDER = 350.0, 0.78, 5.0, 70.0, 0.144, 70.0
 """Of the benchmark [mm]; HOLDER: 2.45 kN on 35 mm [N/mm]. Punch 50 mm, die opening 52 mm."""
 YOUNG, POISSON, K, E0, N, R00, R90 = 206e3, 0.3, 565.32, 0.007117, 0.2589, 1.79, 2.27
 """Of its mild steel, as in the library."""
-WALL = (40.0, 80.0)
-"""Of the blank, from its middle [mm]: drawn over the die's shoulder and off it again, whatever the mesh."""
+NO_WIDTH_STRAIN = {
+    "young": YOUNG, "poisson": 0.0, "density": "7800 kg/m^3",
+    "yield_function": {"law": "hill1948", "r00": 0.01, "r45": 0.5, "r90": 0.01},
+    "hardening": {"law": "swift", "K": K, "e0": E0, "n": N},
+}  # fmt: skip
+"""The same steel in uniaxial tension, but that it does not narrow."""
+WIDTHS = ((35, 1, 3.5), (35, 1, 2.5), (35, 1.25, 1.25), (35, 1.25, 3.5), (15, 1.25, 1.25), (7.5, 1.25, 1.25),
+          (2.5, 1.25, 1.25), (2.5, 0.625, 0.625), (2.5, 1.25, 0.3125), (1, 1.25, 0.5), (0.5, 1.25, 0.25))  # fmt: skip
+"""Of strips with free edges, with the sides of their shells along and across [mm]."""
+WALL = (40.0, 10.0)
+"""From there on the blank, from its middle, and up to so far beyond the stroke [mm]: drawn over the die's shoulder and
+off it again, whatever the mesh."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +59,8 @@ class Hat:
     """Where they are on the blank (n,) [mm]."""
     tension: float
     """Mean punch force over the second half of the stroke, per width and wall [N/mm]."""
+    stroke: float
+    """Of the punch [mm]."""
     kinetic: float
     """Largest kinetic over internal energy while drawing, after a tenth of the stroke."""
 
@@ -58,32 +77,59 @@ class Hat:
     @property
     def curl(self) -> float:
         """Radius of the wall [mm], by least squares."""
-        wall = (self.along > WALL[0]) & (self.along < WALL[1])
+        wall = (self.along > WALL[0]) & (self.along < self.stroke + WALL[1])
         x, z = self.free[wall].T
         (a, b, c), *_ = np.linalg.lstsq(np.column_stack([x, z, np.ones_like(x)]), x**2 + z**2, rcond=None)
         return float(np.sqrt(c + 0.25 * (a**2 + b**2)))
 
 
-@cache
-def draw_strip(size: float, speed: float, points: int = 9) -> Hat:
-    """Draw a slice one shell wide [mm] at a speed [m/s], and let it go."""
+def strip_case(
+    size: float,
+    speed: float,
+    points: int = 9,
+    *,
+    width: float | None = None,
+    across: float | None = None,
+    narrows: bool = True,
+    length: float = LENGTH,
+    stroke: float = STROKE,
+) -> dict[str, Any]:
+    """Return the case of a slice one shell wide, size [mm], or of a strip of a width, with free edges; speed [m/s].
 
-    def tool(kind: str, width: float) -> dict[str, Any]:
-        return {"kind": kind, "shape": "strip", "width": width, "edge_radius": EDGE, "mu": MU}
+    across: side of its shells across [mm]. narrows: False for a steel without strain across, elastic or plastic.
+    """
+    breadth = 2 * size if width is None else width
 
-    case = {
-        "title": "draw bending of a slice",
+    def tool(kind: str, opening: float) -> dict[str, Any]:
+        return {"kind": kind, "shape": "strip", "width": opening, "edge_radius": EDGE, "mu": MU}
+
+    return {
+        "title": "draw bending",
         "analysis": "stamping",
-        "blank": {"shape": "rectangle", "size": [LENGTH, 2 * size], "thickness": THICKNESS, "element_size": size,
-                  "points": points, "material": "numisheet93_mild_steel", "symmetry": ["x", "y"]},
-        "boundary": {"slice": {"set": "top", "hold": "symmetry_y"}},
+        "blank": {"shape": "rectangle", "size": [length, breadth], "thickness": THICKNESS,
+                  "element_size": [size, across or size], "points": points, "symmetry": ["x", "y"],
+                  "material": "numisheet93_mild_steel" if narrows else "no_width_strain"},
+        "materials": {} if narrows else {"no_width_strain": NO_WIDTH_STRAIN},
+        "boundary": {} if width else {"slice": {"set": "top", "hold": "symmetry_y"}},
         "tools": {"punch": tool("punch", 50), "die": tool("die", 52), "holder": tool("holder", 52)},
         "stages": [{"name": "draw", "velocity": f"{speed} m/s",
-                    "tools": {"punch": {"stroke": STROKE}, "holder": {"force": f"{HOLDER * 2 * size} N"}}}],
+                    "tools": {"punch": {"stroke": stroke}, "holder": {"force": f"{HOLDER * breadth} N"}}}],
         "springback": {},
         "output": {"steps": 1, "rows": 100},
     }  # fmt: skip
+
+
+def strip_model(case: dict[str, Any]) -> StampingModel:
+    """Return the Model of a case."""
     model = build_model(StampingCase.model_validate(case))
+    assert isinstance(model, StampingModel)
+    return model
+
+
+@cache
+def draw_strip(size: float, speed: float, points: int = 9, *, stroke: float = STROKE, **what: Any) -> Hat:
+    """Draw the strip of strip_case, and let it go."""
+    model = strip_model(strip_case(size, speed, points, stroke=stroke, **what))
     with tempfile.TemporaryDirectory() as scratch:
         outcome = run_model(model, Path(scratch) / "out")
         assert outcome.status == "completed", outcome.reason
@@ -93,22 +139,76 @@ def draw_strip(size: float, speed: float, points: int = 9) -> Hat:
     row = np.flatnonzero(start[:, 1] < 1e-9)
     row = row[np.argsort(start[row, 0])]
     drawn = history["stage"] == "draw"
-    stroke, force = history["punch.stroke"][drawn], history["punch.force"][drawn]
-    late = (stroke > 0.5 * STROKE) & (stroke < 0.97 * STROKE)
-    ratio = (history["kinetic_energy"][drawn] / history["internal_energy"][drawn])[stroke > 0.1 * STROKE]
-    tension = force[late].mean() / (2 * 2 * size)
-    return Hat(formed[row][:, [0, 2]], free[row][:, [0, 2]], start[row, 0], float(tension), float(ratio.max()))
+    done, force = history["punch.stroke"][drawn], history["punch.force"][drawn]
+    late = (done > 0.5 * stroke) & (done < 0.97 * stroke)
+    ratio = (history["kinetic_energy"][drawn] / history["internal_energy"][drawn])[done > 0.1 * stroke]
+    tension = force[late].mean() / (2 * (what.get("width") or 2 * size))
+    return Hat(formed[row][:, [0, 2]], free[row][:, [0, 2]], start[row, 0], float(tension), stroke, float(ratio.max()))
 
 
-def curl_by_theory(tension: float, layers: int = 201, steps: int = 150) -> float:
+def release_slowly(fade: float = 0.032, rest: float = 0.016, damping: float = 450.0) -> tuple[np.ndarray, np.ndarray]:
+    """Let a strip of 7.5 mm go by the implicit procedure, and by explicit dynamics; returns both displacements (n, 3).
+
+    Explicit: from the same state, with one-point shells; the force that they begin with fades in so long [s], and they
+    rest for so long, under a damping [1/s] of half the critical one of the strip's first mode.
+    """
+    forming = ExplicitStamping(strip_model(strip_case(1.25, 2, 7, width=7.5, length=200, stroke=45)))
+    for _ in forming.advance():
+        pass
+    sheet, model = forming.sheet(), make_springback_model(forming.model, forming.mesh)
+    implicit = ImplicitProcedure(model)
+    begin_with(sheet, implicit)
+    shells = carry_to_explicit(implicit)
+    for support in model.supports:
+        held = "".join(letter for letter, fixed in zip("uvwpqr", support.fix, strict=True) if fixed)
+        shells.fix(model.mesh.node_sets[support.node_set], held)
+    shells.force = shells.internal_force
+    cycles = int((fade + rest) / shells.dt)
+    scale = np.maximum(0.0, 1.0 - np.arange(cycles) * shells.dt / fade)
+    shells.advance(cycles, force_scale=scale, damping=damping)
+    for _ in implicit.advance():
+        pass
+    way = implicit.state.displacement[:, :3] + model.mesh.points - sheet.position
+    return way, shells.position - sheet.position
+
+
+def bend_and_straighten(width: float | None = None, half: float = 8.0) -> float:
+    """Turn the end of half a strip [mm] until it has the shoulder's curvature, and back, without tools or tension.
+
+    Returns the curvature that it gives up when it is let go [1/mm]; width: of a strip with free edges; else a slice.
+    """
+    side = half / 8
+    case = strip_case(side, 2, 15, width=width, across=width and width / 2, length=2 * half)
+    ways = {"bend": half / (EDGE + 0.5 * THICKNESS), "straighten": -half / (EDGE + 0.5 * THICKNESS)}
+    case |= {
+        "tools": {},
+        "stages": [{"name": name, "duration": "20 ms"} for name in ways],
+        "explicit": {"damping": 2e3},
+    }
+    model = strip_model(case)
+    stages = (replace(s, prescribed=(PrescribedDisplacement("right", 4, ways[s.name]),)) for s in model.stages)
+    model = replace(model, stages=tuple(stages))
+    with tempfile.TemporaryDirectory() as scratch:
+        outcome = run_model(model, Path(scratch) / "out")
+        assert outcome.status == "completed", outcome.reason
+        shapes = [outcome.result.points(step) for step in (-2, -1)]
+    row = np.flatnonzero(model.mesh.points[:, 1] < 1e-9)
+    row = row[np.argsort(model.mesh.points[row, 0])][:6]  # away from the end, where the strip is free to curl across
+    slopes = [np.arctan2(*np.diff(shape[row][:, [2, 0]], axis=0).T) for shape in shapes]
+    bent, free = ((slope[-1] - slope[0]) / (4 * side) for slope in slopes)
+    return float(abs(free - bent))
+
+
+def curl_by_theory(tension: float, layers: int = 201, steps: int = 150, *, beam: bool = False) -> float:
     """Return the radius [mm] of a sheet in plane strain bent round the shoulder and straightened under tension [N/mm].
 
     Layers stay plane and under no stress across; Hill 1948, isotropic hardening, the sheet thins by its mean strain;
-    springback by M/(E' I). No element, no contact, no dynamics. The sheet is taken to fit the shoulder.
+    springback by M/(E' I). No element, no contact, no dynamics. The sheet is taken to fit the shoulder. beam: of layers
+    in uniaxial stress, free to narrow, and springback by M/(E I).
     """
     h = R00 / (1 + R00)
-    ratio = 1 / np.sqrt(1 - h**2 / (h + h / R90))
-    modulus = YOUNG / (1 - POISSON**2)
+    ratio = 1.0 if beam else 1 / np.sqrt(1 - h**2 / (h + h / R90))
+    modulus = YOUNG if beam else YOUNG / (1 - POISSON**2)
     height = THICKNESS * ((np.arange(layers) + 0.5) / layers - 0.5)
     stress, plastic, mean, before = np.zeros(layers), np.zeros(layers), 0.0, 0.0
 
@@ -161,6 +261,16 @@ if __name__ == "__main__":
         print(f"{size:8.1f} {speed:6} {points:6} {hat.angles[0]:12.2f} {hat.angles[1]:12.2f} {hat.curl:18.1f} "
               f"{hat.free[-1, 1] - hat.formed[-1, 1]:14.2f} {100 * hat.kinetic:10.2f} % {hat.tension:8.1f}",
               flush=True)  # fmt: skip
+    print("260 mm long, 60 mm deep, 2 m/s, 7 points: width, sides of shells [mm]: way of the end [mm], curl, theory")
+    strips = [*((None, s, s, True) for s in (1.25, 1, 0.625)), (None, 1.25, 1.25, False),
+              (2.5, 1.25, 1.25, False), (0.5, 1.25, 0.25, False)]  # fmt: skip
+    for width, size, across, narrows in [*strips, *((*strip, True) for strip in WIDTHS)]:
+        hat = draw_strip(size, 2, 7, width=width, across=across, narrows=narrows, length=260, stroke=60)
+        way, beam = np.hypot(*(hat.free[-1] - hat.formed[-1])), width is not None or not narrows
+        print(f"{width or 'slice':>8} {size:6} {across:7} {'' if narrows else 'no width strain':15} {way:8.2f} "
+              f"{hat.curl:8.1f} {curl_by_theory(hat.tension, beam=beam):8.1f}", flush=True)  # fmt: skip
+    ways = [np.linalg.norm(way, axis=1).max() for way in release_slowly()]
+    print("7.5 mm wide, 45 mm deep, let go: implicit {:.2f} mm, explicit {:.2f} mm".format(*ways), flush=True)
     print(*(f"theory under {t} N/mm: {curl_by_theory(t):.1f} mm;" for t in (10, 35, 50)))
     if len(sys.argv) > 1:
         draw_picture(sys.argv[1], {f"shells of {s} mm": draw_strip(s, 2) for s in (4, 2, 1, 0.7)})

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.part import Part
-from presswork.case.units import Angle, Length, Point, fault
+from presswork.case.units import Angle, Length, Point, Sides, fault
 
 _SECTION = model.Section(1.0)
 
@@ -50,7 +50,6 @@ class _Blank(Part):
 class _MeshedBlank(_Blank):
     """A blank that is meshed by the program."""
 
-    element_size: Length = Field(gt=0, description="largest side of an element, about [mm]")
     cells: Literal["quadrilaterals", "triangles"] = Field(
         default="quadrilaterals", description="triangles: each quadrilateral is cut by both diagonals"
     )
@@ -61,11 +60,14 @@ class RectangularBlank(_MeshedBlank):
 
     shape: Literal["rectangle"] = Field(description="a rectangle about the origin")
     size: Point = Field(description="length along x and y of the whole blank [mm]")
+    element_size: Sides = Field(description="largest side of an element, or [x, y], along each of them [mm]")
 
     @model_validator(mode="after")
     def _check_size(self) -> Self:
         if min(self.size) <= 0:
             raise fault("expected two values > 0", "give [x, y], both positive", key="size")
+        if min(self.element_size) <= 0:
+            raise fault("expected a value > 0, or two", "give one, or [x, y], both positive", key="element_size")
         return self
 
     def half_size(self) -> tuple[float, float]:
@@ -78,6 +80,7 @@ class CircularBlank(_MeshedBlank):
 
     shape: Literal["circle"] = Field(description="a circle about the origin")
     diameter: Length = Field(gt=0, description="diameter of the whole blank [mm]")
+    element_size: Length = Field(gt=0, description="largest side of an element, about [mm]")
 
     def half_size(self) -> tuple[float, float]:
         """Return half the width along x and y [mm]."""
@@ -96,6 +99,7 @@ class OutlinedBlank(_MeshedBlank):
         default=None, description="length unit of its coordinates; without it a drawing's own, or mm"
     )
     layer: str | None = Field(default=None, description="of a drawing: the layer that it is on; without it: all layers")
+    element_size: Length = Field(gt=0, description="largest side of an element, about [mm]")
 
 
 class BlankFile(_Blank):

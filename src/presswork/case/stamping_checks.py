@@ -37,13 +37,7 @@ def check_names(case: StampingCase) -> list[Problem]:
         remedy = suggest(case.blank.material, [*case.materials, *list_keys()], "materials, of the case and the library")
         problems.append(Problem("blank.material", "no such material", remedy, case.blank.material))
     if isinstance(case.blank, RectangularBlank | CircularBlank):
-        cuts = 2 ** len(set(case.blank.symmetry))
-        n_cells = 4 * float(np.prod(np.array(case.blank.half_size()) / case.blank.element_size)) / cuts
-        if n_cells > MOST_CELLS:
-            problems.append(explain_too_many(n_cells, case.blank.element_size))
-        if case.blank.element_size > max(case.blank.half_size()):
-            fault = f"larger than half of the blank, {max(case.blank.half_size()):g} mm"
-            problems.append(Problem("blank.element_size", fault, "make it smaller", case.blank.element_size))
+        problems += _check_element_size(case.blank)
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
     if isinstance(case.blank, BlankFile | OutlinedBlank) and case.blank.unit is not None:
         units["blank.unit"] = case.blank.unit
@@ -70,6 +64,18 @@ def check_names(case: StampingCase) -> list[Problem]:
             if tool not in case.tools
         ]
         problems += _check_timing(key, stage)
+    return problems
+
+
+def _check_element_size(blank: RectangularBlank | CircularBlank) -> list[Problem]:
+    """Return the problems of too many elements, and of too large ones."""
+    problems, most, largest = [], max(blank.half_size()), float(np.max(blank.element_size))
+    n_cells = 4 * float(np.prod(np.divide(blank.half_size(), blank.element_size))) / 2 ** len(set(blank.symmetry))
+    if n_cells > MOST_CELLS:
+        problems.append(explain_too_many(n_cells, float(np.min(blank.element_size))))
+    if largest > most:
+        fault = f"larger than half of the blank, {most:g} mm"
+        problems.append(Problem("blank.element_size", fault, "make it smaller", largest))
     return problems
 
 

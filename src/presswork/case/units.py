@@ -109,6 +109,14 @@ def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:
     return to_number(value[0], dimension), to_number(value[1], dimension)
 
 
+def to_sides(value: object) -> tuple[float, float]:
+    """Convert one length for both directions, or [x, y], each a number or a string with a unit."""
+    if isinstance(value, list | tuple):
+        return to_pair(value, LENGTH)
+    both = to_number(value, LENGTH)
+    return both, both
+
+
 def to_triple(value: object, dimension: Dimension) -> tuple[float, float, float]:
     """Convert [x, y, z], each a number or a string with a unit."""
     if not isinstance(value, list | tuple) or len(value) != 3:
@@ -155,6 +163,11 @@ Rate = Annotated[float, *_scalar(RATE)]
 HeatCapacity = Annotated[float, *_scalar(HEAT_CAPACITY)]
 Number = Annotated[float, *_scalar(PURE_NUMBER)]
 Point = Annotated[tuple[float, float], *_pair(LENGTH)]
+Sides = Annotated[
+    tuple[float, float],
+    BeforeValidator(to_sides),
+    WithJsonSchema({"anyOf": [_json_schema(LENGTH), {"type": "array", "items": _json_schema(LENGTH)}]}),
+]
 ForceVector = Annotated[tuple[float, float], *_pair(FORCE)]
 VelocityVector = Annotated[tuple[float, float], *_pair(VELOCITY)]
 Direction = Annotated[tuple[float, float], *_pair(PURE_NUMBER)]

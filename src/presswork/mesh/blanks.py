@@ -23,15 +23,22 @@ _ON_AXIS, _ON_DIAGONAL = 0.65, 0.75
 
 
 def mesh_rectangular_blank(
-    size: tuple[float, float], element_size: float, symmetry: Sequence[bool], *, triangles: bool = False
+    size: tuple[float, float],
+    element_size: float | tuple[float, float],
+    symmetry: Sequence[bool],
+    *,
+    triangles: bool = False,
 ) -> Mesh:
-    """Mesh a rectangle of size [mm] about the origin; symmetry: whether the planes x = 0 and y = 0 cut it."""
+    """Mesh a rectangle of size [mm] about the origin; symmetry: whether the planes x = 0 and y = 0 cut it.
+
+    element_size: largest side of a cell, or largest along x and along y [mm].
+    """
     half = 0.5 * np.array(size)
-    points, cells = _draw_grid(np.where(symmetry, 0.0, -half), half, element_size)
+    points, cells = _draw_grid(np.where(symmetry, 0.0, -half), half, np.asarray(element_size))
     return name_sets(points, [cells], symmetry, triangles)
 
 
-def _draw_grid(low: FloatArray, high: FloatArray, size: FloatArray | float) -> tuple[FloatArray, IntArray]:
+def _draw_grid(low: FloatArray, high: FloatArray, size: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return points (n, 2) and quadrilaterals of a rectangle; size: largest of a cell along x and y [mm]."""
     counts = np.maximum(1, np.ceil((high - low) / size - 1e-9)).astype(int)
     lines = [np.linspace(begin, end, n + 1) for begin, end, n in zip(low, high, counts, strict=True)]

@@ -27,6 +27,21 @@ def refuse(fragments: list[str], *changes: tuple[str, object]) -> None:
         assert fragment in str(error.value)
 
 
+@pytest.mark.parametrize(("size", "fragments"), [
+    ([2, 0], ["blank.element_size", "> 0"]),
+    ([2, -1], ["blank.element_size", "> 0"]),
+    (-1, ["blank.element_size", "> 0"]),
+    ([2, 60], ["blank.element_size = 60", "larger than half of the blank, 50 mm"]),
+    ([0.01, 0.01], ["blank.element_size", "elements, more than memory will hold"]),
+    ([2, "1 kg"], ["blank.element_size", "a length", "mass"]),
+    ([2, 1, 1], ["blank.element_size", "[x, y], two values"]),
+    ("wide", ["blank.element_size", "expected a length"]),
+])  # fmt: skip
+def test_sides_of_elements_that_fit_no_rectangle_are_refused(size, fragments) -> None:
+    blank = {key: value for key, value in CUP["blank"].items() if key != "diameter"}
+    refuse(fragments, ("blank", blank | {"shape": "rectangle", "size": [100, 40], "element_size": size}))
+
+
 @pytest.mark.parametrize(("path", "value", "fragments"), [
     ("tools.punch.diameter", 60, ["tools.punch", "negative", "are their kinds swapped?"]),
     ("tools.punch.kind", "die", ["tools.punch.kind", "called punch, but is a die"]),

@@ -55,6 +55,13 @@ def test_a_rectangle_has_its_sets() -> None:
     assert mesh.points[mesh.node_sets["edge"], 0].max() == 15.0
 
 
+def test_a_rectangle_has_the_sides_asked_for_along_each_direction() -> None:
+    mesh = mesh_rectangular_blank((30.0, 20.0), (2.5, 4.5), (True, True))
+    corners = mesh.points[mesh.blocks[0].connectivity]
+    assert len(corners) == 6 * 3
+    np.testing.assert_allclose(np.ptp(corners, axis=1), np.tile([2.5, 10 / 3, 0.0], (18, 1)))
+
+
 @pytest.mark.parametrize("symmetry", [[False, False], [True, True]])
 @pytest.mark.parametrize("mesh_blank", [lambda **k: mesh_rectangular_blank((30.0, 20.0), **k),
                                         lambda **k: mesh_circular_blank(30.0, **k)])  # fmt: skip
