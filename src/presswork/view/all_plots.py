@@ -24,7 +24,8 @@ from presswork.view.history_plot import (
     plot_history,
 )
 from presswork.view.interface_plot import plot_interface
-from presswork.view.mesh_plot import Mirror, panel_size, plot_mesh, plot_mesh_and_contours
+from presswork.view.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
+from presswork.view.mirror import Mirror
 from presswork.view.outline_plot import plot_outline
 from presswork.view.section_plot import plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell

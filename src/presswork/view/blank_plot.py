@@ -9,7 +9,7 @@ import numpy as np
 
 from presswork.model import FloatArray
 from presswork.results import Result
-from presswork.view.mesh_plot import Mirror
+from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import new_figure, require_matplotlib
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def plot_blank(result: Result, *, mirror: Mirror = "", figure: Figure | None = N
     for step, style, label in ((0, "C0-", "blank"), (-1, "C3--", "part, from above")):
         points = result.points(step)[:, :2]
         kept = _off_planes(points, edges, mirror)
-        for number, sign in enumerate(_signs(mirror)):
+        for number, sign in enumerate(IMAGES[mirror]):
             lines = points[kept] * sign
             x, y = (np.column_stack([lines[..., k], np.full(len(lines), np.nan)]).ravel() for k in (0, 1))
             ax.plot(x, y, style, linewidth=1.2, label=label if number == 0 else None)
@@ -41,16 +41,6 @@ def plot_blank(result: Result, *, mirror: Mirror = "", figure: Figure | None = N
     )
     ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False)
     return figure
-
-
-def _signs(mirror: Mirror) -> list[FloatArray]:
-    signs = [np.ones(2)]
-    for axis, name in enumerate("xy"):
-        if name in mirror:
-            flip = np.ones(2)
-            flip[axis] = -1.0
-            signs += [s * flip for s in signs]
-    return signs
 
 
 def _off_planes(points: FloatArray, edges: np.ndarray, mirror: Mirror) -> np.ndarray:

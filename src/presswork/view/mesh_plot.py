@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from presswork.model import FloatArray
 from presswork.post import average_to_nodes
 from presswork.results import Result, ResultError
 from presswork.view.cells import outline_cells, triangulate
+from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
 from presswork.view.tool_plot import draw_tools
 
@@ -19,15 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
-Mirror = Literal["", "x", "y", "xy"]
-"""Planes that the picture is mirrored by: the one normal to x, to y, or both; they pass through the origin."""
-
-_IMAGES: dict[str, list[tuple[int, int]]] = {
-    "": [(1, 1)],
-    "x": [(1, 1), (-1, 1)],
-    "y": [(1, 1), (1, -1)],
-    "xy": [(1, 1), (-1, 1), (1, -1), (-1, -1)],
-}
 _N_LEVELS = 16
 
 
@@ -78,7 +70,7 @@ def plot_contours(
 
     levels = _levels(values)
     shown = np.clip(np.nan_to_num(values, nan=levels[0]), levels[0], levels[-1])
-    for sign in _IMAGES[mirror]:
+    for sign in IMAGES[mirror]:
         x, y = (points * sign).T
         net = Triangulation(x, y, triangles)
         drawn = ax.tricontourf(net, shown, levels=levels, cmap=COLOURS, zorder=1)
@@ -126,7 +118,7 @@ def panel_size(result: Result, step: int, mirror: Mirror) -> tuple[float, float]
 
 def _limits(result: Result, step: int, mirror: Mirror) -> tuple[FloatArray, FloatArray]:
     """Return the corners of a frame around the body and its images."""
-    points = np.concatenate([result.points(step) * sign for sign in _IMAGES[mirror]])
+    points = np.concatenate([result.points(step) * sign for sign in IMAGES[mirror]])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.07 * float(np.max(high - low))
     return low - margin, high + margin
@@ -142,7 +134,7 @@ def _prepare(ax: Axes, result: Result, step: int, mirror: Mirror) -> None:
     axisymmetric = result.info.get("analysis") == "axisymmetric"
     ax.set_xlabel("radius r [mm]" if axisymmetric else "x [mm]")
     ax.set_ylabel("height z [mm]" if axisymmetric else "y [mm]")
-    draw_tools(ax, result, step, 0.05 * float(np.max(high - low)), _IMAGES[mirror])
+    draw_tools(ax, result, step, 0.05 * float(np.max(high - low)), IMAGES[mirror])
 
 
 def _scalar(result: Result, field: str, step: int) -> FloatArray:
@@ -177,7 +169,7 @@ def _draw_cells(
     limits = None
     if values is not None and np.isfinite(values).any():
         limits = float(np.nanmin(values[np.isfinite(values)])), float(np.nanmax(values[np.isfinite(values)]))
-    for sign in _IMAGES[mirror]:
+    for sign in IMAGES[mirror]:
         cells = PolyCollection([outline * sign for outline in outlines], linewidths=width, zorder=1)
         cells.set_edgecolor("0.15" if show_edges else "none")
         if values is None:
@@ -199,7 +191,7 @@ def _shade_points(ax: Axes, result: Result, field: str, step: int, mirror: Mirro
 
     points, values, triangles = result.points(step), _scalar(result, field, step), triangulate(result.mesh)
     shown = np.nan_to_num(values)
-    for sign in _IMAGES[mirror]:
+    for sign in IMAGES[mirror]:
         x, y = (points * sign).T
         net = Triangulation(x, y, triangles)
         drawn: ScalarMappable = ax.tripcolor(net, shown, shading="gouraud", cmap=COLOURS, zorder=0.9)

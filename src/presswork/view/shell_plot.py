@@ -13,7 +13,7 @@ from presswork.post.section import cut_tool
 from presswork.results import Result, ResultError
 from presswork.results.reader import IN_PLANE
 from presswork.view.cells import outline_cells
-from presswork.view.mesh_plot import Mirror
+from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, ZONE_COLOURS, describe_step, label_field, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
@@ -58,7 +58,8 @@ def plot_shell(
     colours = _colours(values, outlines, by_zone=field == ZONE_FIELD)
     width = float(np.clip(10.0 / np.sqrt(len(outlines)), 0.04, 0.6)) if show_edges else 0.0
     low, high = points.min(axis=0), points.max(axis=0)
-    for sign in _images(mirror):
+    for x, y in IMAGES[mirror]:
+        sign = (x, y, 1)
         faces = Poly3DCollection([o * sign for o in outlines], facecolors=colours, linewidths=width)
         faces.set_edgecolor((0.1, 0.1, 0.1, 0.7) if show_edges else colours)
         ax.add_collection3d(faces)
@@ -100,17 +101,6 @@ def _clip(lines: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
     kept = (first < last)[:, 0]
     ends = np.stack([first[kept], last[kept]], axis=1)
     return np.asarray(start[kept] + ends * along[kept])
-
-
-def _images(mirror: Mirror) -> list[FloatArray]:
-    """Return the factors on the coordinates of the sheet and its mirror images."""
-    signs = [np.ones(3)]
-    for axis, name in enumerate("xy"):
-        if name in mirror:
-            flip = np.ones(3)
-            flip[axis] = -1.0
-            signs += [s * flip for s in signs]
-    return signs
 
 
 def _cell_values(result: Result, field: str, step: int) -> FloatArray:
