@@ -27,7 +27,7 @@ from presswork.case.units import (
     Time,
     fault,
 )
-from presswork.case.workpiece import MeshFile, Rectangle
+from presswork.case.workpiece import MeshFile, Rectangle, assume_rectangle
 
 Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
 FREEDOMS: tuple[Freedom, ...] = ("x", "y", "z", "rx", "ry", "rz")
@@ -69,19 +69,13 @@ class ShellRectangle(Rectangle):
     )
 
 
-def _assume_rectangle(mesh: object) -> object:
-    if isinstance(mesh, dict) and "kind" not in mesh:
-        return {"kind": "file" if "path" in mesh else "rectangle", **mesh}
-    return mesh
-
-
 class ShellWorkpiece(Part):
     """The sheet that is formed."""
 
     material: str = Field(description="name of one of the [materials], or of the library")
     element: model.ShellElement = Field(description="element formulation")
     section: Section = Field(description="thickness and the points through it")
-    mesh: Annotated[ShellRectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
+    mesh: Annotated[ShellRectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_rectangle)] = Field(
         description="the mesh of the mid-surface"
     )
 

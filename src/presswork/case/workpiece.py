@@ -76,8 +76,8 @@ class MeshFile(Part):
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 
 
-def _assume_rectangle(mesh: object) -> object:
-    """A mesh without `kind` is a rectangle, unless it names a file."""
+def assume_rectangle(mesh: object) -> object:
+    """Take a mesh without `kind` for a rectangle, unless it names a file."""
     if isinstance(mesh, dict) and "kind" not in mesh:
         return {"kind": "file" if "path" in mesh else "rectangle", **mesh}
     return mesh
@@ -88,7 +88,7 @@ class Workpiece(Part):
 
     material: str = Field(description="name of one of the [materials]")
     element: model.SolidElement = Field(description="element formulation")
-    mesh: Annotated[Rectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(_assume_rectangle)] = Field(
+    mesh: Annotated[Rectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_rectangle)] = Field(
         description="the mesh of the workpiece"
     )
     velocity: VelocityVector | None = Field(
