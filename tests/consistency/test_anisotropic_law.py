@@ -74,13 +74,6 @@ def elastic_strain(stress: np.ndarray) -> np.ndarray:
     return np.stack([xx - POISSON * yy, yy - POISSON * xx, 2 * (1 + POISSON) * xy], axis=1) / YOUNG
 
 
-def elastic_stress(strain: np.ndarray) -> np.ndarray:
-    xx, yy, xy = strain.T
-    plane = YOUNG / (1 - POISSON**2)
-    stress = [plane * (xx + POISSON * yy), plane * (yy + POISSON * xx), YOUNG / 2 / (1 + POISSON) * xy]
-    return np.stack(stress, axis=1)
-
-
 def prepared_points(law: _core.SheetLaw, n: int, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """Stress and history of points that two different increments have hardened."""
     rng = np.random.default_rng(seed)

@@ -44,7 +44,8 @@ MAX_CHANGES = 4
 """Changes after which a slot keeps contact until the increment ends."""
 CREDIBLE = 0.05
 """Largest pressure that counts in full in the geometric tangent, over Young's modulus."""
-STICKS, SLIDES = 1, 2
+STICKS = 1
+"""Status of a slot that sticks."""
 
 
 @dataclass(frozen=True)

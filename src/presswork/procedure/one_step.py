@@ -23,8 +23,6 @@ from presswork.procedure.one_step_part import OneStepError, PartSurface
 
 FORCE_TOLERANCE = 1e-6
 """Largest unbalanced force over flow stress x thickness x edge length."""
-MOVE_TOLERANCE = 1e-7
-"""Largest correction over the size of the part."""
 MAX_ITERATIONS = 60
 _SHORTEST_STEP = 2.0**-12
 _TORN = -1.0
