@@ -15,17 +15,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import square_cup
 
 from presswork import Result
-from presswork.case import build_model, read_case
 from presswork.case.onestep import LAYERS
-from presswork.examples import copy_example
 from presswork.mesh.triangles import find_rims
 from presswork.model import Hardening, Material
 from presswork.model_onestep import OneStepModel
 from presswork.onestep import OneStepResult, solve_one_step
 from presswork.procedure import one_step_loads
-from presswork.run import run_model
 
 DEPTHS = (15.0, 20.0, 25.0)
 HOLDER_FORCE, MU = 15e3, 0.144
@@ -79,13 +77,8 @@ class Inverse:
 
 def draw_cup(folder: Path, element_size: float = 2.0, *overrides: str) -> Result:
     """Draw the example's cup to the last depth; a step is saved every millimetre."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "square_cup.toml").unlink(missing_ok=True)
-    keys = [f"stages.0.tools.punch.stroke={DEPTHS[-1]}", f"blank.element_size={element_size}", "output.steps=25"]
-    case = read_case(copy_example("square_cup", folder), [*keys, *overrides])
-    outcome = run_model(build_model(case), folder / "out", overwrite=True)
-    assert outcome.status == "completed", outcome.reason
-    return outcome.result
+    to_depth = [f"stages.0.tools.punch.stroke={DEPTHS[-1]}", "output.steps=25"]
+    return square_cup.draw_cup(folder, element_size, *to_depth, *overrides)
 
 
 def find_blank(cup: Result, depth: float, **process: float) -> Inverse:
