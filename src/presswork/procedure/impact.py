@@ -18,7 +18,7 @@ from presswork.procedure.explicit_solids import FREEDOMS, ExplicitSolids, Wall
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
 from presswork.procedure.solid_material import SolidMaterial
-from presswork.procedure.tool_quantities import find_way
+from presswork.procedure.tool_quantities import describe_plane, find_way, force_on_whole
 from presswork.results.fields import effective_stress
 
 ADDED_MASS = 2
@@ -131,11 +131,7 @@ class ExplicitImpact(RowRecording):
 
     def _measure(self, tool: Tool, wall: Wall, mean: FloatArray) -> Row:
         """Return stroke and force of the workpiece on the whole tool, as tool_quantities does."""
-        force = mean.copy()
-        for normal in (0, 1):
-            if tool.mirrored_across[normal]:
-                force[normal] = 0.0
-                force[1 - normal] *= 2.0
+        force = force_on_whole(tool, mean)
         way = find_way(self.model, tool)
         stroke, against = (0.0, np.hypot(*force)) if way is None else (wall.displacement @ way, -force @ way)
         values = {"stroke": stroke, "force": against, "force_x": force[0], "force_y": force[1], "force_z": 0.0}
@@ -158,13 +154,7 @@ class ExplicitImpact(RowRecording):
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={wall.name: wall.displacement for wall in self.walls},
             tool_angle={t.name: 0.0 for t in model.tools},
-            info={
-                "title": model.title,
-                "analysis": model.analysis,
-                "depth": model.depth,
-                "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
-                "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
-            },
+            info=describe_plane(model),
         )
 
     def _cell_fields(self) -> dict[str, FloatArray]:

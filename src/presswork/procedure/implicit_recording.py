@@ -16,7 +16,7 @@ from presswork.procedure.implicit import FRACTION, STAGE, TIME, ImplicitProcedur
 from presswork.procedure.increments import IncrementRecording
 from presswork.procedure.penetration import Penetration
 from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
-from presswork.procedure.tool_quantities import ToolQuantities, measure_tools
+from presswork.procedure.tool_quantities import ToolQuantities, describe_plane, measure_tools
 from presswork.results import history_columns
 from presswork.results.formability import FormingVerdict, formability_fields, judge_fields
 
@@ -96,14 +96,7 @@ class ImplicitRecording(IncrementRecording):
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
             tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.tools)},
-            info={
-                "title": model.title,
-                "analysis": model.analysis,
-                "depth": model.depth,
-                "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
-                "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
-                **(self._judged().to_info() if model.analysis == "shell" else {}),
-            },
+            info={**describe_plane(model), **(self._judged().to_info() if model.analysis == "shell" else {})},
         )
 
     def _judged(self) -> Formability:

@@ -24,6 +24,7 @@ from presswork.procedure.stamping_tools import (
     bead_columns,
     by_stage,
     cut_surfaces,
+    describe_stamping,
     find_stops,
     is_pushed,
     make_whole,
@@ -161,7 +162,6 @@ class ImplicitStamping(IncrementRecording):
         """Return the fields of the converged state."""
         state, model = self.procedure.state, self.model
         cells = self.procedure.mechanics.cell_fields(state)
-        planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
         return Snapshot(
             time=float(state.progress[TIME]),
             point_data={
@@ -171,7 +171,7 @@ class ImplicitStamping(IncrementRecording):
                 "contact_force": state.sheet_tool_force.sum(axis=0),
             },
             cell_data=cells | formability_fields(cells, self._judged),
-            info={"title": model.title, "analysis": "stamping", "symmetry": planes, **self._judged.to_info()},
+            info=describe_stamping(model),
             surfaces=cut_surfaces(model),
             tool_displacement=self._displacement(),
         )

@@ -23,7 +23,7 @@ from presswork.procedure.explicit_options import ShellOptions
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.refinement import SplitBlank, choose_shells
 from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
-from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, mean_speeds
+from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, describe_stamping, mean_speeds
 from presswork.procedure.transfer import SheetState, sheet_of_explicit
 from presswork.results.formability import formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
@@ -207,7 +207,6 @@ class ExplicitStamping(RowRecording):
         reaction = shells.internal_force * self._held()
         eqps = shells.history_at_points[..., 0]
         cells = self._fields.cell_fields(points, shells.thickness, shells.stress_at_points, eqps)
-        planes = "".join(name for name, is_cut in zip("xy", self.model.symmetry, strict=True) if is_cut)
         return Snapshot(
             time=shells.time,
             point_data={
@@ -217,7 +216,7 @@ class ExplicitStamping(RowRecording):
                 "contact_force": shells.contact_force,
             },
             cell_data=cells | formability_fields(cells, self._judged),
-            info={"title": self.model.title, "analysis": "stamping", "symmetry": planes, **self._judged.to_info()},
+            info=describe_stamping(self.model),
             surfaces=cut_surfaces(self.model),
             tool_displacement=self.tools.displacement(),
         )

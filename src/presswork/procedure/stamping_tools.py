@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from presswork import _core
+from presswork.formability import Info
 from presswork.mesh.swept_tool import SweptTool
 from presswork.mesh.tool_clearance import find_clearance
 from presswork.model import FloatArray, IntArray
@@ -143,6 +144,13 @@ def tool_text(model: StampingModel, row: Row) -> str:
     """Name the tools that have moved, with strokes and forces."""
     each = [(t.name, float(row[f"{t.name}.stroke"]), float(row[f"{t.name}.force"])) for t in model.tools]
     return "  ".join(f"{name} {stroke:.2f} mm {force / 1e3:.1f} kN" for name, stroke, force in each if stroke)
+
+
+def describe_stamping(model: StampingModel) -> Info:
+    """Return what results say of a stamping."""
+    planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
+    judged = model.sheet[1].formability
+    return {"title": model.title, "analysis": "stamping", "symmetry": planes, **judged.to_info()}
 
 
 def cut_surfaces(model: StampingModel) -> dict[str, tuple[FloatArray, IntArray]]:

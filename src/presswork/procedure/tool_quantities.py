@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork.formability import Info
 from presswork.model import FloatArray, Model, Tool, ToolMotion
 from presswork.procedure.implicit import ImplicitProcedure
 
@@ -36,11 +37,7 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
     vectors, torques = contact.tool_forces(state, procedure.equilibrium.fixed(stage))
     quantities = {}
     for t, tool in enumerate(procedure.model.tools):
-        vector = vectors[t].copy()
-        for normal in (0, 1):
-            if tool.mirrored_across[normal]:
-                vector[normal] = 0.0
-                vector[1 - normal] *= 2.0
+        vector = force_on_whole(tool, vectors[t])
         if tool.spring is not None:
             direction = np.asarray(tool.spring.direction)
             stroke, force = float(state.tool_travel[t] @ direction), float(vector @ direction)
@@ -52,6 +49,27 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
         torque = -float(torques[t]) * (-1.0 if motion.turn < 0 else 1.0)
         quantities[tool.name] = ToolQuantities(stroke, force, vector, float(state.tool_angle[t]), torque)
     return quantities
+
+
+def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:
+    """Return the force on the whole tool of that on what is modelled of it (2,) [N]."""
+    whole = force.copy()
+    for normal in (0, 1):
+        if tool.mirrored_across[normal]:
+            whole[normal] = 0.0
+            whole[1 - normal] *= 2.0
+    return whole
+
+
+def describe_plane(model: Model) -> Info:
+    """Return what results say of a case in the plane."""
+    return {
+        "title": model.title,
+        "analysis": model.analysis,
+        "depth": model.depth,
+        "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
+        "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
+    }
 
 
 def find_way(model: Model, tool: Tool) -> FloatArray | None:
