@@ -22,8 +22,7 @@ from presswork.case.onestep import LAYERS
 from presswork.mesh.triangles import find_rims
 from presswork.model import Hardening, Material
 from presswork.model_onestep import OneStepModel
-from presswork.onestep import OneStepResult, solve_one_step
-from presswork.procedure import one_step_loads
+from presswork.onestep import OneStepResult, loads, solve_one_step
 
 DEPTHS = (15.0, 20.0, 25.0)
 HOLDER_FORCE, MU = 15e3, 0.144
@@ -137,9 +136,9 @@ def print_influences(cup: Result) -> None:
     start = cup.mesh.points[:, :2]
     on_edge = np.isclose(start.max(axis=1), start.max())
     middle, corner = start[on_edge].min(axis=1).argmin(), start[on_edge].min(axis=1).argmax()
-    own = one_step_loads._GIVE
+    own = loads._GIVE
     for stiffness, holder in ((0.1, 1.0), (1.0, 1.0), (10.0, 1.0), (1.0, 2.0)):
-        one_step_loads._GIVE = own * stiffness
+        loads._GIVE = own * stiffness
         for depth in DEPTHS:
             inverse = find_blank(cup, depth, holder_force=holder * HOLDER_FORCE)
             off, (true, found), bottom = inverse.off_outline, inverse.strains, inverse.zones()["bottom"]
@@ -149,7 +148,7 @@ def print_influences(cup: Result) -> None:
                 f"punch {inverse.found.punch_force / 1e3:.1f} kN; "
                 f"bottom {found[bottom].mean():.3f}, of the increments {true[bottom].mean():.3f}"
             )
-    one_step_loads._GIVE = own
+    loads._GIVE = own
 
 
 if __name__ == "__main__":

@@ -24,8 +24,8 @@ from presswork.model_onestep import OneStepModel
 from presswork.model_stamping import AnyModel
 from presswork.onestep.commands import add_commands as add_onestep_commands
 from presswork.onestep.commands import compute as compute_onestep
+from presswork.onestep.part import OneStepError
 from presswork.post import trace_outline
-from presswork.procedure.one_step_part import OneStepError
 from presswork.results import write_outline
 from presswork.run import Outcome, StartError, check_start, run_model
 from presswork.run import Progress as RunProgress

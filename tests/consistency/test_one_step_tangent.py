@@ -7,9 +7,9 @@ from scipy.sparse import csr_matrix
 
 from presswork import _core
 from presswork.model import Hardening, Material, YieldFunction
-from presswork.procedure.one_step import Friction, OneStep, OneStepProblem
-from presswork.procedure.one_step_law import find_metric, make_law
-from presswork.procedure.one_step_part import prepare_part
+from presswork.onestep.law import find_metric, make_law
+from presswork.onestep.newton import Friction, OneStep, OneStepProblem
+from presswork.onestep.part import prepare_part
 
 HARDENINGS = {
     "linear": [200.0, 400.0],

@@ -20,7 +20,7 @@ from presswork.mesh.part_file import read_part, refine_edges
 from presswork.mesh.remesh import POOR
 from presswork.mesh.triangles import triangle_quality
 from presswork.onestep import solve_one_step
-from presswork.procedure.one_step_part import OneStepError
+from presswork.onestep.part import OneStepError
 
 
 def grid(nx: int, ny: int) -> tuple[np.ndarray, np.ndarray]:

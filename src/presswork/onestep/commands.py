@@ -15,9 +15,9 @@ from presswork.case import CaseError
 from presswork.case.onestep import OneStepCase, build_onestep_model
 from presswork.mesh import MeshError
 from presswork.model_onestep import OneStepModel
+from presswork.onestep.part import OneStepError
 from presswork.onestep.record import BLANK_DRAWING, BLANK_POINTS, run_one_step
 from presswork.onestep.stamping_case import check_case_path, write_stamping_case
-from presswork.procedure.one_step_part import OneStepError
 from presswork.results import OutputError, Result
 
 _BAD_INPUT, _GAVE_UP = 2, 3

@@ -14,11 +14,10 @@ from presswork.mesh.addendum import ON_PLANE
 from presswork.mesh.triangles import find_rims
 from presswork.model import BoolArray, FloatArray, IntArray
 from presswork.model_onestep import OneStepModel
-from presswork.procedure.flatten import flatten
-from presswork.procedure.one_step import Friction, OneStep, OneStepProblem, OneStepSolution, lay_over
-from presswork.procedure.one_step_fields import cell_means, nodal_thickness, triangle_fields
-from presswork.procedure.one_step_law import find_metric, make_law
-from presswork.procedure.one_step_loads import (
+from presswork.onestep.fields import cell_means, nodal_thickness, triangle_fields
+from presswork.onestep.flatten import flatten
+from presswork.onestep.law import find_metric, make_law
+from presswork.onestep.loads import (
     Holder,
     Tools,
     bead_friction,
@@ -28,7 +27,8 @@ from presswork.procedure.one_step_loads import (
     punch_force,
     radius_friction,
 )
-from presswork.procedure.one_step_part import OneStepError, prepare_part
+from presswork.onestep.newton import Friction, OneStep, OneStepProblem, OneStepSolution, lay_over
+from presswork.onestep.part import OneStepError, prepare_part
 
 _SETTLED = 0.01
 """Change of friction under the holder, and at the radii, from pass to pass over its sum that no longer matters."""

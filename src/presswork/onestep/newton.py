@@ -16,10 +16,10 @@ import numpy as np
 
 from presswork import _core
 from presswork.model import BoolArray, FloatArray, IntArray
+from presswork.onestep.law import STRAIN_METRIC
+from presswork.onestep.part import OneStepError, PartSurface
 from presswork.procedure.explicit_options import layer_rule
 from presswork.procedure.linear_solver import SolverError, make_solver
-from presswork.procedure.one_step_law import STRAIN_METRIC
-from presswork.procedure.one_step_part import OneStepError, PartSurface
 
 FORCE_TOLERANCE = 1e-6
 """Largest unbalanced force over flow stress x thickness x edge length."""

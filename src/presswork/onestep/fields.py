@@ -7,7 +7,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.model import FloatArray
-from presswork.procedure.one_step import OneStepProblem
+from presswork.onestep.newton import OneStepProblem
 
 
 def deformation_gradients(problem: OneStepProblem, blank: FloatArray) -> FloatArray:

@@ -9,8 +9,8 @@ import numpy as np
 
 from presswork.model import BoolArray, FloatArray
 from presswork.model_onestep import DrawBead
-from presswork.procedure.one_step import Friction
-from presswork.procedure.one_step_part import OneStepError, PartSurface
+from presswork.onestep.newton import Friction
+from presswork.onestep.part import OneStepError, PartSurface
 
 FLAT = 0.996
 """z of the normals of a flange: within 5 degrees of level."""

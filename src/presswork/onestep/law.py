@@ -7,7 +7,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.model import Material
-from presswork.procedure.one_step_part import OneStepError
+from presswork.onestep.part import OneStepError
 
 
 def strain_metric(hill: tuple[float, float, float, float]) -> list[float]:

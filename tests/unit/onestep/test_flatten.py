@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from presswork.mesh.triangles import find_rims
-from presswork.procedure import flatten as module
-from presswork.procedure.flatten import flatten
+from presswork.onestep import flatten as module
+from presswork.onestep.flatten import flatten
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "verification"))
 
