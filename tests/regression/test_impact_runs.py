@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_to_end, stop_after
+from whole_runs import assert_same_bits, run_to_end, stop_after, stop_within_a_row
 
 from presswork.case import Case, build_model
 from presswork.examples import copy_example
@@ -101,16 +101,8 @@ def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(
 def test_ctrl_c_within_a_row_goes_back_to_its_beginning(
     taylor_bar: dict[str, Any], bounced: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    model, advance, calls = build(taylor_bar), ExplicitSolids.advance, iter(range(10**6))
-
-    def interrupted(self: ExplicitSolids, *args: Any, **kwargs: Any) -> None:
-        advance(self, *args, **kwargs)
-        if next(calls) == 157:
-            raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(ExplicitSolids, "advance", interrupted)
-        outcome = run_model(model, tmp_path / "out", threads=1)
+    model = build(taylor_bar)
+    outcome = stop_within_a_row(model, tmp_path / "out", monkeypatch, ExplicitSolids, 158)
     assert outcome.status == "interrupted"
     assert 0 < len(outcome.result.history["time"]) < 40
     assert run_model(model, tmp_path / "out", threads=1, resume=True).status == "completed"

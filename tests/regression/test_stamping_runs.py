@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, stop_after
+from whole_runs import assert_same_bits, stop_after, stop_within_a_row
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
@@ -135,16 +135,8 @@ def test_a_resumed_run_and_one_with_two_threads_give_the_same_bits(pulled, tmp_p
 
 
 def test_ctrl_c_within_a_row_goes_back_to_its_beginning(pulled, tmp_path, monkeypatch) -> None:
-    model, advance, calls = build_model(StampingCase.model_validate(pull())), ExplicitShells.advance, iter(range(10**6))
-
-    def interrupted(self: ExplicitShells, *args: Any, **kwargs: Any) -> None:
-        advance(self, *args, **kwargs)
-        if next(calls) == 57:
-            raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(ExplicitShells, "advance", interrupted)
-        outcome = run_model(model, tmp_path / "out", threads=1)
+    model = build_model(StampingCase.model_validate(pull()))
+    outcome = stop_within_a_row(model, tmp_path / "out", monkeypatch, ExplicitShells, 58)
     assert outcome.status == "interrupted"
     assert 0 < len(outcome.result.history["time"]) < 20
     assert run_model(model, tmp_path / "out", threads=1, resume=True).status == "completed"

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.model_stamping import AnyModel
 from presswork.results import load_checkpoint
-from presswork.run import run_model
+from presswork.run import Outcome, run_model
 
 
 def run_stamping(data: dict[str, Any], folder: Path, **changes: Any) -> Result:
@@ -47,6 +48,22 @@ def run_in_two_parts(model: AnyModel, folder: Path, reports: int, *, threads: in
     outcome = run_model(model, folder, threads=threads, resume=True)
     assert outcome.status == "completed", outcome.reason
     return outcome.result
+
+
+def stop_within_a_row(
+    model: AnyModel, folder: Path, monkeypatch: pytest.MonkeyPatch, loop: type, calls: int
+) -> Outcome:
+    """Run a model on one thread; it is stopped, as Ctrl-C does, when the loop has been advanced so many times."""
+    advance, left = loop.advance, iter(range(calls - 1, -1, -1))
+
+    def interrupted(self: object, *args: Any, **kwargs: Any) -> None:
+        advance(self, *args, **kwargs)
+        if next(left) == 0:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(loop, "advance", interrupted)
+        return run_model(model, folder, threads=1)
 
 
 def assert_same_bits(folder: Path, wanted: Path) -> None:
