@@ -38,7 +38,6 @@ PYTHON_ROOMS = {
     "procedure": {
         "formability",
         "model",
-        "model_onestep",
         "model_stamping",
         "mesh",
         "state",
