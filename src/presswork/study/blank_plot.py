@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from presswork.model import FloatArray
-from presswork.study.sweep_plot import save_picture
-from presswork.view.style import COLOURS
+from presswork.view.style import COLOURS, save_picture
 
 if TYPE_CHECKING:
     from presswork.study.blank_shape import Draw

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.study.sweep_plot import save_picture
-from presswork.view.style import COLOURS, clean_axes
+from presswork.view.style import COLOURS, clean_axes, save_picture
 
 if TYPE_CHECKING:
     from presswork.study.calibrate import Calibration

@@ -10,14 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from presswork.results import OutputError
-from presswork.results.whole_file import replace_whole
 from presswork.view import plot_history
 from presswork.view.history_plot import find_moving_tools
-from presswork.view.style import COLOURS, DPI
+from presswork.view.style import COLOURS, save_picture
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from presswork.study.sweep import MemberResult
 
 PICTURE = "force_stroke.png"
@@ -51,13 +48,6 @@ def draw_curves(members: Sequence[MemberResult], folder: Path) -> Path | None:
         bbox_to_anchor=(1.0, 1.0),
     )
     return save_picture(figure, folder / PICTURE)
-
-
-def save_picture(figure: Figure, path: Path) -> Path:
-    """Write a PNG in the place of what is there. Raises OutputError."""
-    with replace_whole(path, needed_bytes=200_000) as temporary:
-        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.1)
-    return path
 
 
 def _has_curve(member: MemberResult) -> bool:

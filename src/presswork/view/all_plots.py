@@ -13,7 +13,7 @@ from presswork.post.draw_in import write_draw_in
 from presswork.post.section import write_section
 from presswork.results import OutputError, Result, ResultError
 from presswork.results.formability import FORMABILITY_FIELDS
-from presswork.results.whole_file import explain_write_error, replace_whole
+from presswork.results.whole_file import explain_write_error
 from presswork.view.blank_plot import plot_blank
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
@@ -29,7 +29,7 @@ from presswork.view.mirror import Mirror
 from presswork.view.outline_plot import plot_outline
 from presswork.view.section_plot import plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell
-from presswork.view.style import DPI, require_matplotlib
+from presswork.view.style import require_matplotlib, save_picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,7 +43,6 @@ SPRINGBACK_FIELDS = ("springback", "deviation")
 """Displacement since the part was let go; distance from its shape in the tools."""
 TEMPERATURE = "temperature"
 """Of a solid that plastic work heats."""
-_PNG_BYTES = 200_000
 
 
 def plot_all(
@@ -87,28 +86,30 @@ def plot_all(
         if result.is_stamping:
             figure = plot_section(result, 0.0, step, figure=_new_figure())
             figure.set_size_inches(7.0, 6.0)
-            paths.append(_save(figure, folder / f"section_{step:03d}.png"))
-            paths.append(_save(plot_outline(result, step, figure=_new_figure()), folder / f"outline_{step:03d}.png"))
+            paths.append(save_picture(figure, folder / f"section_{step:03d}.png"))
+            paths.append(
+                save_picture(plot_outline(result, step, figure=_new_figure()), folder / f"outline_{step:03d}.png")
+            )
             write_draw_in(result, folder / f"draw_in_{step:03d}.csv", step)
         for section in sections:
             paths.append(_draw_section(result, section, step, folder))
         if result.formability.curve is not None:
             figure = plot_forming_limit(result, step, figure=_new_figure())
             figure.set_size_inches(7.0, 5.2)
-            paths.append(_save(figure, folder / f"forming_limit_{step:03d}.png"))
+            paths.append(save_picture(figure, folder / f"forming_limit_{step:03d}.png"))
         for field in fields:
             if result.is_shell:
                 figure = plot_shell(result, field, step, mirror=mirror, figure=_new_figure())
-                paths.append(_save(figure, folder / f"shell_{field}_{step:03d}.png"))
+                paths.append(save_picture(figure, folder / f"shell_{field}_{step:03d}.png"))
                 continue
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
-            paths.append(_save(contours, folder / f"contours_{field}_{step:03d}.png"))
-            paths.append(_save(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
+            paths.append(save_picture(contours, folder / f"contours_{field}_{step:03d}.png"))
+            paths.append(save_picture(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
     if result.is_onestep:
-        return [*paths, _save(plot_blank(result, mirror=mirror, figure=_new_figure()), folder / "blank.png")]
+        return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=_new_figure()), folder / "blank.png")]
     paths += [*_plot_forces(result, folder), *_plot_energies(result, folder)]
     if result.surfaces and count > 1:
-        paths.append(_save(plot_draw_in(result, figure=_new_figure()), folder / "draw_in.png"))
+        paths.append(save_picture(plot_draw_in(result, figure=_new_figure()), folder / "draw_in.png"))
     return [*paths, *_plot_interfaces(result, folder, steps)]
 
 
@@ -130,7 +131,7 @@ def _draw_section(result: Result, section: tuple[float, float, float], step: int
     figure = plot_section(result, angle, step, start=(x, y), figure=_new_figure())
     figure.set_size_inches(7.0, 6.0)
     write_section(result, path.with_suffix(".csv"), float(np.radians(angle)), step, start=(x, y))
-    return _save(figure, path)
+    return save_picture(figure, path)
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:
@@ -140,11 +141,11 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
         return []
     figure = _new_figure()
     plot_history(result, ax=figure.subplots())
-    paths = [_save(figure, folder / ("force_angle.png" if turning else "force_stroke.png"))]
+    paths = [save_picture(figure, folder / ("force_angle.png" if turning else "force_stroke.png"))]
     for tool in turning:
         figure = _new_figure()
         plot_history(result, y=f"{tool}.torque", ax=figure.subplots())
-        paths.append(_save(figure, folder / f"torque_{tool}.png"))
+        paths.append(save_picture(figure, folder / f"torque_{tool}.png"))
     return paths
 
 
@@ -155,7 +156,7 @@ def _plot_energies(result: Result, folder: Path) -> list[Path]:
         return []
     figure = _new_figure()
     plot_energies(result, figure.subplots())
-    return [_save(figure, folder / "energies.png")]
+    return [save_picture(figure, folder / "energies.png")]
 
 
 def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequence[int]) -> list[Path]:
@@ -164,7 +165,11 @@ def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequ
         return []
     chosen = None if steps == "last" else steps
     figures = {tool: plot_interface(result, tool, chosen, figure=_new_figure()) for tool in result.tools}
-    return [_save(figure, folder / f"interface_{tool}.png") for tool, figure in figures.items() if figure.axes[0].lines]
+    return [
+        save_picture(figure, folder / f"interface_{tool}.png")
+        for tool, figure in figures.items()
+        if figure.axes[0].lines
+    ]
 
 
 def _draw_mesh(result: Result, field: str, step: int, mirror: Mirror) -> Figure:
@@ -190,10 +195,3 @@ def _create(folder: Path) -> None:
         raise OutputError(f"{folder} cannot be created: its parent folder does not exist") from error
     except OSError as error:
         raise explain_write_error(error, folder, 0) from error
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    """Write a PNG."""
-    with replace_whole(path, needed_bytes=_PNG_BYTES) as temporary:
-        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.1)
-    return path

@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from presswork.model import BoolArray, FloatArray, IntArray
-from presswork.results.whole_file import replace_whole
 from presswork.view.shell_plot import frame_axes
-from presswork.view.style import DPI, require_matplotlib
+from presswork.view.style import require_matplotlib, save_picture
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
 _COLOURS = np.array([[0.72, 0.74, 0.76], [0.78, 0.06, 0.18]])
 """Of the part and of what is undercut."""
-_PNG_BYTES = 500_000
 
 
 def draw_undercut(points: FloatArray, triangles: IntArray, over: BoolArray, path: Path) -> None:
@@ -52,5 +50,4 @@ def draw_undercut(points: FloatArray, triangles: IntArray, over: BoolArray, path
         f"{int(over.sum())} of {len(over)} triangles are undercut (red): along the draw direction -z they lie under it",
         fontsize="medium",
     )
-    with replace_whole(path, needed_bytes=_PNG_BYTES) as temporary:
-        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.1)
+    save_picture(figure, path, needed_bytes=500_000)

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from presswork.results import Result
+from presswork.results.whole_file import replace_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +28,13 @@ def new_figure(width: float, height: float) -> Figure:
     from matplotlib import pyplot
 
     return pyplot.figure(figsize=(width, height), layout="constrained")
+
+
+def save_picture(figure: Figure, path: Path, *, needed_bytes: int = 200_000) -> Path:
+    """Write a PNG in the place of what is there; needed_bytes: free on the disk. Raises OutputError."""
+    with replace_whole(path, needed_bytes=needed_bytes) as temporary:
+        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.1)
+    return path
 
 
 def require_matplotlib() -> None:
