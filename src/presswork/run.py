@@ -143,6 +143,7 @@ class _Run:
         self.model = model
         self.history = History(folder / HISTORY, recording.columns)
         self.saved_steps = 0
+        self.recorded = 0
         self.log = logging.getLogger(f"presswork.{id(self)}")
         self.log.setLevel(logging.INFO)
         self.log.propagate = False
@@ -155,7 +156,7 @@ class _Run:
     # --- the way through ---------------------------------------------------------------------------------------------
 
     def complete(self, on_increment: Callable[[Progress], None] | None) -> Outcome:
-        """Advance to the end, recording; always leaves a checkpoint and a summary."""
+        """Advance to the end, recording; always leaves a checkpoint of what the history holds, and a summary."""
         status: Status = "completed"
         reason = ""
         try:
@@ -167,7 +168,8 @@ class _Run:
             status, reason = "interrupted", "stopped by the user or a signal; continue with --resume"
         if status != "completed":
             self.log.info("%s: %s", status, reason)
-            self.save_checkpoint()
+            if self.recording.number == self.recorded:  # else it was stopped before all of it was: the last one stands
+                self.save_checkpoint()
             self._save_last_state()
         self._write_summary(status, reason)
         timing = self.recording.timing
@@ -185,6 +187,7 @@ class _Run:
         self.history.append(recording.row(report))
         if report.is_save_point:
             self.save_step()
+        self.recorded = report.number
         if report.number % recording.checkpoint_every == 0 or recording.remaining() == 0.0:
             self.save_checkpoint()
         recording.timing.add("output", started)
@@ -241,9 +244,10 @@ class _Run:
             raise OutputError(f"{self.folder / CHECKPOINT}: {error}; use --overwrite to start anew") from error
         self.recording.load_meta(meta)
         self.saved_steps = int(meta["saved_steps"])
-        self.history.truncate(int(meta["increments"]))
+        self.recorded = int(meta["increments"])
+        self.history.truncate(self.recorded)
         truncate_steps(self.folder / RESULTS, self.saved_steps)
-        self.log.info("resumed after increment %d", int(meta["increments"]))
+        self.log.info("resumed after increment %d", self.recorded)
 
     def _write_summary(self, status: Status, reason: str) -> None:
         recording = self.recording

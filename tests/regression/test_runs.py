@@ -17,6 +17,9 @@ from whole_runs import assert_same_bits, stop_after
 
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
+from presswork.procedure.implicit import IncrementReport
+from presswork.procedure.implicit_recording import ImplicitRecording
+from presswork.procedure.recording import Row
 from presswork.results import load_checkpoint
 
 SMALL = ["workpiece.mesh.cells=[6,6]", "output.checkpoint_every=3"]
@@ -57,6 +60,26 @@ def test_interrupted_run_resumes_to_the_same_bits(small_case, reference, tmp_pat
     for reports in (5, 1, 11):
         assert run(small_case, tmp_path / "out", resume=True, on_increment=stop_after(reports)).status == "interrupted"
     assert run(small_case, tmp_path / "out", resume=True).status == "completed"
+    assert_same_bits(tmp_path / "out", reference)
+
+
+def test_ctrl_c_between_an_increment_and_its_row_resumes_to_the_same_bits(
+    small_case, reference, tmp_path, monkeypatch
+) -> None:
+    """The history lacks the row then: the checkpoint before it stands."""
+    row, calls = ImplicitRecording.row, iter(range(1, 100))
+
+    def interrupted(self: ImplicitRecording, report: IncrementReport) -> Row:
+        if next(calls) == 8:
+            raise KeyboardInterrupt
+        return row(self, report)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ImplicitRecording, "row", interrupted)
+        outcome = run(small_case, tmp_path / "out", threads=1)
+    assert outcome.status == "interrupted"
+    assert len(outcome.result.history["time"]) == 7
+    assert run(small_case, tmp_path / "out", resume=True, threads=1).status == "completed"
     assert_same_bits(tmp_path / "out", reference)
 
 
