@@ -58,7 +58,15 @@ void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Dou
 
 template <class Real>
 auto advance(ShellLoop<Real>& self, double dt, Doubles force_scale, Doubles velocity_scale, double damping) {
-  require(force_scale.size() == velocity_scale.size(), "force_scale and velocity_scale must have the same length");
+  const std::size_t n = force_scale.size();
+  require(n == velocity_scale.size(), "force_scale and velocity_scale must have the same length");
+  if (self.contact)
+    for (const auto& tool : self.contact->tools)
+      require(tool.removed || tool.drive.size() >= (tool.pushed ? n : 3 * n),
+              "a tool is not driven for as many cycles");
+  if (self.beads)
+    for (const auto& bead : self.beads->beads)
+      require(bead.share.size() >= n, "a bead is not driven for as many cycles");
   nb::gil_scoped_release release;
   const auto failure =
       self.advance(static_cast<int>(force_scale.size()), dt, damping, force_scale.data(), velocity_scale.data());
@@ -72,6 +80,10 @@ void inherit(ShellLoop<Real>& self, const ShellLoop<Real>& from, Doubles positio
   const std::size_t n = self.nodes.n, elements = self.n_elements();
   require(node_parents.size() == 4 * n && parent.size() == elements && share.size() == elements,
           "node_parents must have shape (n_nodes, 4), parent and share (n)");
+  const auto holds = [](Ints numbers, int end) {
+    return std::all_of(numbers.data(), numbers.data() + numbers.size(), [&](int i) { return i >= 0 && i < end; });
+  };
+  require(holds(node_parents, from.nodes.n) && holds(parent, from.n_elements()), "a parent is not there");
   require(!self.contact || (from.contact && self.contact->tools.size() == from.contact->tools.size()),
           "the tools must be those of the other loop");
   set_columns(self.nodes.position.data(), self.nodes.n, 4, 3, position, "position must have shape (n_nodes, 3)");

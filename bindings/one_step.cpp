@@ -44,8 +44,9 @@ void bind_one_step(nb::module_& m) {
       [](Ints triangles, Doubles share, Doubles axes, Doubles edges, Doubles curvature, Doubles bases, Doubles blank,
          double thickness, const DeformationLaw& law, std::vector<double> height, std::vector<double> weight,
          bool with_stiffness) {
-        const std::size_t n = triangles.shape(0), n_nodes = blank.shape(0);
         require(triangles.ndim() == 2 && triangles.shape(1) == 3, "triangles must have shape (n, 3)");
+        require(blank.ndim() == 2, "blank must have shape (n_nodes, 2)");
+        const std::size_t n = triangles.shape(0), n_nodes = blank.shape(0);
         require(share.size() == n && axes.size() == 6 * n && edges.size() == 4 * n && curvature.size() == 3 * n,
                 "share (n), axes (n, 2, 3), edges (n, 2, 2), curvature (n, 3)");
         require(bases.size() == 6 * n_nodes && blank.size() == 2 * n_nodes,

@@ -20,12 +20,14 @@ void make_sheet(SheetUnder* self, std::vector<Ints> blocks) {
     for (std::size_t i = 0; i < cells.shape(0); ++i) start.push_back(start.back() + static_cast<int>(cells.shape(1)));
   }
   require(!corner.empty(), "there are no cells");
+  require(*std::min_element(corner.begin(), corner.end()) >= 0, "a cell names a node that is not there");
   new (self) SheetUnder(std::move(start), std::move(corner));
 }
 
 auto find_beneath(const SheetUnder& self, Doubles places, Doubles points, Ints from) {
   require(places.ndim() == 2 && places.shape(1) == 2, "places must have shape (n, 2)");
   require(points.ndim() == 2 && points.shape(1) == 3, "points must have shape (n_points, 3)");
+  require(points.shape(0) > std::size_t(self.last_node()), "a cell names a node that is not there");
   const std::size_t n = places.shape(0);
   require(from.size() == n, "cells must have shape (n)");
   int *cell, *node;

@@ -5,8 +5,8 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/shared_ptr.h>
 
+#include <algorithm>
 #include <array>
-#include <cstring>
 
 #include "arrays.hpp"
 #include "explicit/loop.hpp"
@@ -145,7 +145,7 @@ void bind_tools(nb::class_<Loop>& loop) {
             const auto dump = self.contact ? self.contact->dump() : std::vector<double>{};
             double* to;
             auto array = new_array({dump.size()}, &to);
-            std::memcpy(to, dump.data(), dump.size() * sizeof(double));
+            std::copy(dump.begin(), dump.end(), to);
             return array;
           },
           "All that contact remembers.")

@@ -6,6 +6,7 @@
 // begins at that edge the next time.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -34,6 +35,7 @@ class SheetUnder {
   // Take a cell, or none (-1), for the one found last.
   void stand_on(int cell, Beneath& at) const;
   int n_cells() const { return static_cast<int>(start_.size()) - 1; }
+  int last_node() const { return *std::max_element(corner_.begin(), corner_.end()); }
 
  private:
   int corners(int cell) const { return start_[cell + 1] - start_[cell]; }

@@ -53,7 +53,10 @@ void Drawbeads::restore(const std::vector<double>& from) {
   for (Point& p : points_) {
     p.force = *at++, p.stiffness = *at++;
     for (double& d : p.direction) d = *at++;
-    sheet_.stand_on(static_cast<int>(*at++), p.beneath);
+    const double cell = *at++;
+    if (!(cell >= -1.0 && cell < sheet_.n_cells()))
+      throw std::invalid_argument("the dump's beads are not those of this run");
+    sheet_.stand_on(static_cast<int>(cell), p.beneath);
     p.beneath.inside = *at++ != 0.0;
     for (double& w : p.beneath.weight) w = *at++;
   }

@@ -22,6 +22,8 @@ SolidBlock::SolidBlock(std::string_view element, std::vector<int> cells, const d
     use<Cell::quad4, Treatment::one_point>();
   else
     throw std::invalid_argument("the explicit loop has no element of this name");
+  if (this->cells.empty() || this->cells.size() % nodes_ != 0)
+    throw std::invalid_argument("cells must have shape (n > 0, nodes of the element)");
   n_ = static_cast<int>(this->cells.size()) / nodes_;
   const auto n = static_cast<std::size_t>(n_);
   stress.resize(4 * n), eqps.resize(n), rise.resize(n), hourglass.resize(2 * n), volume.resize(n), work.resize(2 * n);

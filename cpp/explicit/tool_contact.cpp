@@ -64,7 +64,11 @@ void ToolContact::remove(int tool) {
     const double pressed = value(tool, node, &Touching::pressed), k = stiffness(tool, node);
     if (pressed > 0.0) normal += 0.5 * k * pressed * pressed;
   }
+  if (tools[tool].pushed) normal += 0.5 * tools[tool].mass * dot(tools[tool].velocity, tools[tool].velocity);
   total_.damping += normal;
+  tools[tool].pushed = false, tools[tool].removed = true;
+  for (Tool& other : tools)
+    if (other.stop == tool) other.stop = -1;
   for (Touching& p : pairs_[tool].packs) {
     for (Pack& s : p.shear) s = Pack(0.0);
     p.pressed = p.viscous = Pack(0.0), p.wake = Pack(never);
@@ -254,7 +258,7 @@ void ToolContact::move_tools(int cycle, double dt, double fastest) {
   };
   for (Tool& tool : tools) {
     if (tool.pushed) continue;
-    const double* after = &tool.drive[3 * std::size_t(cycle)];
+    const double* after = tool.removed ? tool.velocity : &tool.drive[3 * std::size_t(cycle)];
     for (int i = 0; i < 3; ++i) external_ -= tool.force[i] * 0.5 * (tool.velocity[i] + after[i]) * dt;
     move(tool, after);
   }

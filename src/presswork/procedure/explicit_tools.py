@@ -186,7 +186,9 @@ class ToolsOfRun:
 
     def remove_tool(self, name: str) -> None:
         """Take a tool away."""
-        self._loop.remove_tool(self.tools.pop(name).number)
+        tool = self.tools.pop(name)
+        self._new_tools = [new for new in self._new_tools if new is not tool]
+        self._loop.remove_tool(tool.number)
 
     @property
     def contact_force(self) -> Array:

@@ -62,3 +62,7 @@ def test_cells_of_wrong_form_are_refused(disc) -> None:
         _core.SheetUnder([np.zeros((2, 5), dtype=np.int32)])
     with pytest.raises(ValueError, match="no such cell"):
         _core.SheetUnder([cells]).find(np.zeros((1, 2)), points, np.array([len(cells)], dtype=np.int32))
+    with pytest.raises(ValueError, match="names a node that is not there"):
+        _core.SheetUnder([cells]).find(np.zeros((1, 2)), points[:-1], np.array([-1], dtype=np.int32))
+    with pytest.raises(ValueError, match="names a node that is not there"):
+        _core.SheetUnder([cells - 1])

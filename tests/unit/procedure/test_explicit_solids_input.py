@@ -141,3 +141,9 @@ def test_a_dump_of_another_set_of_walls() -> None:
     other.add_wall("anvil", [[-1, 0, 20, 0, 0, 0, 0]])
     with pytest.raises(ExplicitError, match="the dump has 0 walls, the run 1"):
         other.restore(dump)
+
+
+def test_cells_of_another_element_are_refused() -> None:
+    law = SolidMaterial(**STEEL).make_law()
+    with pytest.raises(ValueError, match=r"shape \(n > 0, nodes of the element\)"):
+        start()._loop.add("tri3", np.array([[0, 1, 4, 3]], dtype=np.int32), law, STEEL["density"])

@@ -129,3 +129,46 @@ def test_a_node_that_goes_through_is_reported() -> None:
     sheet.velocity = start
     with pytest.raises(ExplicitError, match=r"node \d has gone through a tool .*push them less hard"):
         sheet.advance(60)
+
+
+def test_a_tool_taken_away_needs_no_drive_and_keeps_no_energy() -> None:
+    """F for 10 cycles from rest gives m v^2/2 with v = 10 dt F/m; that goes with the tool, and long calls go on."""
+    sheet = build(height=3.0)
+    sheet.add_tool("never", TABLE)
+    sheet.remove_tool("never")
+    tool = sheet.add_tool("holder", TABLE)
+    tool.push([0, 0, -1], 1.0)
+    sheet.advance(10)
+    assert tool.mass is not None
+    kinetic = 0.5 * (10 * sheet.dt) ** 2 / tool.mass
+    sheet.remove_tool("holder")
+    sheet.advance(1000)
+    energies = sheet.energies()
+    assert energies.kinetic == 0.0
+    assert energies.damping == pytest.approx(kinetic, rel=1e-12)
+    assert energies.external == pytest.approx(kinetic, rel=1e-12)
+
+
+def test_a_loop_refuses_what_would_lead_it_beyond_its_arrays() -> None:
+    sheet = build(height=3.0)
+    sheet.add_tool("die", TABLE)
+    sheet.advance(5)
+    loop, six = sheet._loop, np.ones(6)
+    with pytest.raises(ValueError, match="a tool is not driven for as many cycles"):
+        loop.advance(sheet.dt, six, six)
+    loop.drive_tool(0, np.zeros((6, 3)))
+    loop.add_bead(np.array([[0.5, 0.5]]), np.array([[1.0, 0.0]]), np.ones(1), force=1.0)
+    with pytest.raises(ValueError, match="a bead is not driven for as many cycles"):
+        loop.advance(sheet.dt, six, six)
+    loop.drive_bead(0, six)
+    loop.advance(sheet.dt, six, six)
+    dump = np.array(loop.dump_beads())
+    loop.restore_beads(dump)
+    dump[5] = len(CELLS)  # the cell beneath
+    with pytest.raises(ValueError, match="beads are not those of this run"):
+        loop.restore_beads(dump)
+    other = build(height=3.0)
+    parents, whole = np.zeros((6, 4), dtype=np.int32), np.arange(2, dtype=np.int32)
+    for nodes, cells in ((parents + 6, whole), (parents, whole + 1), (parents - 1, whole)):
+        with pytest.raises(ValueError, match="a parent is not there"):
+            other._loop.inherit(build()._loop, POINTS, nodes, cells, np.ones(2), other.dt)
