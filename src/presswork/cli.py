@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Column
 
 from presswork import CaseError, OutputError, Result, __version__, build_model
 from presswork.case import describe, json_schema, read_case
@@ -129,13 +130,14 @@ def _run_onestep(model: OneStepModel, folder: Path, overwrite: bool, threads: in
 
 def _compute(model: AnyModel, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
+        TextColumn("{task.description}", table_column=Column(no_wrap=True, overflow="ellipsis", ratio=1)),
+        BarColumn(bar_width=16, table_column=Column(no_wrap=True, min_width=16)),
+        TextColumn("{task.percentage:>3.0f} %", table_column=Column(no_wrap=True, min_width=5)),
+        TimeElapsedColumn(table_column=Column(no_wrap=True, min_width=7)),
+        TextColumn("left", table_column=Column(no_wrap=True, min_width=4)),
+        TimeRemainingColumn(table_column=Column(no_wrap=True, min_width=7)),
     )
-    with Progress(*columns, console=console, disable=quiet, transient=False) as bar:
+    with Progress(*columns, console=console, disable=quiet, expand=True) as bar:
         task = bar.add_task(model.title, total=1.0)
 
         def show(progress: RunProgress) -> None:

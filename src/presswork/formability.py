@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
-ZONES = ("safe", "risk of cracks", "cracks", "insufficient stretch", "wrinkling tendency", "wrinkles")
+ZONES = ("safe", "risk of cracks", "cracks", "insufficient stretch", "wrinkling tendency", "wrinkles unless held")
 """Names of the zones, by the number that find_zones gives."""
 CRACKS = ZONES.index("cracks")
 LEAST_STRETCH = 0.02
@@ -104,9 +104,9 @@ def find_zones(
     """Return the zone of formability of strain points, as an index into ZONES.
 
     cracks: above the curve. risk of cracks: within `margin` of its height (custom: 0.1 for steel, 0.08 for aluminium).
-    wrinkles: the sheet thickens, minor < -major. wrinkling tendency: between that and uniaxial tension, minor =
-    -r/(1+r) major. insufficient stretch: |major| and |minor| below `least_stretch`. safe: the rest. A point is in the
-    first of these that holds, cracks before all, insufficient stretch before wrinkles.
+    wrinkles unless held: the sheet thickens, minor < -major; a holder keeps it flat. wrinkling tendency: between that
+    and uniaxial tension, minor = -r/(1+r) major. insufficient stretch: |major| and |minor| below `least_stretch`. safe:
+    the rest. A point is in the first of these that holds, cracks before all, insufficient stretch before wrinkles.
     """
     major, minor = np.asarray(major, dtype=float), np.asarray(minor, dtype=float)
     reserve = find_margin(major, minor, curve)

@@ -32,6 +32,7 @@ from presswork.results import (
     Result,
     append_step,
     load_checkpoint,
+    occupy,
     open_output_folder,
     read_history,
     save_checkpoint,
@@ -88,14 +89,15 @@ def run_model(
     """
     recording = _begin(model, threads)
     path = open_output_folder(folder, overwrite=overwrite, resume=resume)
-    run = _Run(recording, path, fingerprint(model))
-    if resume:
-        run.load()
-    else:
-        (path / CASE).write_text(model.case_text, encoding="utf-8")
-        run.save_step()
-        run.save_checkpoint()
-    return run.complete(on_increment)
+    with occupy(path):
+        run = _Run(recording, path, fingerprint(model))
+        if resume:
+            run.load()
+        else:
+            (path / CASE).write_text(model.case_text, encoding="utf-8")
+            run.save_step()
+            run.save_checkpoint()
+        return run.complete(on_increment)
 
 
 def check_start(model: AnyModel) -> None:

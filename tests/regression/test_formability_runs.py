@@ -63,7 +63,7 @@ def zones_of(result: Result, inside: float, outside: float) -> set[str]:
 
 def test_a_deep_cup_wrinkles_in_its_flange_and_nowhere_cracks(drawn: Result) -> None:
     """The edge of a drawn flange is in compression alone: it thickens. The bottom is hardly stretched."""
-    assert zones_of(drawn, 27.0, 30.0) == {"wrinkles"}
+    assert zones_of(drawn, 27.0, 30.0) == {"wrinkles unless held"}
     assert zones_of(drawn, 0.0, 10.0) <= {"safe", "insufficient stretch"}
     summary = drawn.summary
     assert summary["formability"]["failing_cells"] == 0

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork.case.describe_material import describe_forming_limit, describe_material
+from presswork.mesh.flange import find_held_area
 from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray
 from presswork.model_stamping import StampingModel, StampingStage, StampingTool
@@ -16,6 +17,8 @@ SECONDS = 0.25e-6
 """Of one core for an element and a cycle with contact, about."""
 ELEMENTS_ROUND_AN_EDGE = 3
 """Of a quarter turn: the fewest that bend a sheet round it without large errors."""
+MANY_CYCLES = 5e6
+"""A hundred times those of a usual draw."""
 WAVE = 0.85
 """Stable step over shortest side/wave speed, about."""
 
@@ -56,7 +59,7 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
         yield f"support: {support.node_set} held in {', '.join(names)}"
     for number, stage in enumerate(problem.stages, 1):
         yield f'stage {number} "{stage.name}", {stage.duration:.4g} s, {stage.ramp:.3g} s to start and to stop:'
-        yield from (f"  {line}" for line in _describe_stage(stage))
+        yield from (f"  {line}" for line in _describe_stage(problem, stage))
     for line in problem.trim:
         low, high = line.polygon.min(axis=0), line.polygon.max(axis=0)
         reach = f"x {low[0]:.4g} to {high[0]:.4g} mm, y {low[1]:.4g} to {high[1]:.4g} mm"
@@ -78,6 +81,8 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     split = f", up to {1 / finest**2:g} times as long where all is split" if problem.refinement else ""
     time = f"about {seconds:.2g} s on one core (an estimate){split}"
     yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, {time}"
+    if cycles > MANY_CYCLES:
+        yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
 
 
 def _finest(problem: StampingModel) -> float:
@@ -123,7 +128,8 @@ def _describe_tool(tool: StampingTool) -> str:
     return f"{tool.kind}, {shape}, at ({x:g}, {y:g}, {z:g}) mm, friction {tool.mu:g}"
 
 
-def _describe_stage(stage: StampingStage) -> Iterator[str]:
+def _describe_stage(problem: StampingModel, stage: StampingStage) -> Iterator[str]:
+    holders = {tool.name: tool for tool in problem.tools if tool.kind == "holder"}
     for name, action in stage.actions.items():
         if action.force is None:
             speed = abs(action.stroke) / (stage.duration - stage.ramp)
@@ -131,6 +137,11 @@ def _describe_stage(stage: StampingStage) -> Iterator[str]:
         else:
             forces = action.force[:, 1]
             span = f"{forces[0]:g} N" if len(forces) == 1 else f"{forces.min():g} to {forces.max():g} N over the stroke"
-            yield f"{name} pushes with {span}"
+            pressure = ""
+            if name in holders:
+                at = holders[name]
+                area = find_held_area(problem.mesh, at.shape.surface(), at.position) * problem.whole
+                pressure = f", at most {forces.max() / area:.3g} MPa on the flange as it starts" if area > 0 else ""
+            yield f"{name} pushes with {span}{pressure}"
     for p in stage.prescribed:
         yield f"{p.node_set} moves by {p.value:g} mm along {'xyz'[p.component]}"

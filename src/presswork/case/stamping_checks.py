@@ -22,6 +22,8 @@ from presswork.sheet_law import make_sheet_law
 
 MOST_CELLS = 5_000_000
 KINDS = ("punch", "die", "holder")
+THINNEST = 0.002
+"""[mm] Foil of aluminium is rolled down to 0.004 mm."""
 CLEAR = 0.01
 """Part of the thickness by which a tool may start in the blank."""
 FASTEST = 0.1
@@ -36,6 +38,9 @@ def check_names(case: StampingCase) -> list[Problem]:
     if case.blank.material not in case.materials:
         remedy = suggest(case.blank.material, [*case.materials, *list_keys()], "materials, of the case and the library")
         problems.append(Problem("blank.material", "no such material", remedy, case.blank.material))
+    if case.blank.thickness < THINNEST:
+        fault, remedy = "thinner than any rolled metal", 'plain numbers are mm: 0.8, or "0.8 mm"'
+        problems.append(Problem("blank.thickness", fault, remedy, case.blank.thickness))
     if isinstance(case.blank, RectangularBlank | CircularBlank):
         problems += _check_element_size(case.blank)
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
@@ -127,6 +132,10 @@ def check_tools(case: StampingCase) -> list[Problem]:
             problems.append(Problem(f"{key}.gap", fault, "make it at least that, or push the holder", tool.gap))
         if tool.gap is not None and not any(other.kind == "die" for other in case.tools.values()):
             problems.append(Problem(f"{key}.gap", "there is no die to keep a gap to", "add one", tool.gap))
+        first = case.stages[0].tools.get(name)
+        if tool.gap is not None and first is not None and first.force is not None:
+            fault = "the holder is to stand at this distance from the die, and to be pushed by a force from the start"
+            problems.append(Problem(f"{key}.gap", fault, "give the gap or the force", tool.gap))
     drawn = {name: tool for name, tool in case.tools.items() if isinstance(tool, DrawnTool)}
     for punch_name, punch in drawn.items():
         for die_name, die in drawn.items():

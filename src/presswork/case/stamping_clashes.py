@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import itertools
+import logging
 
 import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.case.stamping import StampingCase
 from presswork.case.stamping_tools import RectangularTool, RoundTool, StripTool
+from presswork.mesh.flange import find_held_area
 from presswork.mesh.swept_tool import SweptTool
 from presswork.mesh.tool_clearance import sample_tool
 from presswork.mesh.tool_file import TriangulatedTool
@@ -17,8 +19,12 @@ from presswork.model import Mesh
 from presswork.model_stamping import StampingTool
 from presswork.sheet_law import make_sheet_law
 
+logger = logging.getLogger(__name__)
+
 IDLE = 2.0
 """Thicknesses between die and holder from which on it holds nothing."""
+LOOSE = 5e-4
+"""Part of the sheet's yield stress as a holder's pressure: less than a tenth of what is usual, about 1 %."""
 SQUEEZED = 0.9
 """Part of the thickness to which a holder may be moved towards the die."""
 CLASH = 0.5
@@ -169,7 +175,7 @@ def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...
     sheet = case.materials[case.blank.material].to_model(case.blank.material)
     strength = float(make_sheet_law(sheet).flow_stress(np.zeros(1))[0][0])
     for holder in (t for t in tools if t.kind == "holder"):
-        area = _held_area(mesh, holder) * 2 ** len(set(case.blank.symmetry))
+        area = find_held_area(mesh, holder.shape.surface(), holder.position) * 2 ** len(set(case.blank.symmetry))
         for index, stage in enumerate(case.stages):
             action = stage.tools.get(holder.name)
             if action is None or action.force is None:
@@ -185,15 +191,11 @@ def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...
                     f"{strength:.4g} MPa"
                 )
                 problems.append(Problem(key, fault, 'plain numbers are N; a few MPa are usual: "10 kN"', max(forces)))
+            elif area > 0 and max(forces) / area < LOOSE * strength:
+                text = "%s = %g: presses the flange with %.2g MPa: it will wrinkle unless the sheet is thick; "
+                text += "1 to 3 MPa are usual for mild steel, and plain numbers are N"
+                logger.warning(text, key, max(forces), max(forces) / area)
     return problems
-
-
-def _held_area(mesh: Mesh, holder: StampingTool) -> float:
-    """Return the area of the cells over which a holder's face lies nearest [mm2]."""
-    corners = mesh.points[mesh.blocks[0].connectivity]
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1]), axis=1)
-    gap = holder.shape.surface().nearest(corners.mean(axis=1) - np.asarray(holder.position))[0]
-    return float(area[gap < gap.min() + 1e-3 * np.sqrt(area.mean())].sum())
 
 
 def _check_pair(

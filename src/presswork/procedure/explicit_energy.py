@@ -16,6 +16,8 @@ WORTH_A_WARNING = 5.0
 """Per cent of the internal energy."""
 FORMED = 0.1
 """Part of the last internal energy from which on kinetic energy is compared with it: a blank at rest has none."""
+YIELD_OFFSET = 0.002
+"""Plastic strain that defines the yield strength: a sheet that has so much on the mean is being formed."""
 ENERGIES = ("kinetic", "internal", "hourglass", "contact", "friction", "damping", "external")
 """Of an EnergyBalance, in the order of history.csv."""
 
@@ -40,10 +42,15 @@ class EnergyBalance:
     contact: float = 0.0
     friction: float = 0.0
 
-    def warnings(self) -> list[str]:
-        """Say what is out of hand: kinetic or hourglass energy above 5 % of the internal, an error above 5 %."""
+    def warnings(self, formed: float = 0.0) -> list[str]:
+        """Say what is out of hand: kinetic or hourglass energy above 5 % of the internal, an error above 5 %.
+
+        formed: internal energy [N mm] from which on the first two are compared with it: a sheet at rest has none, so
+        that in its first moments any motion is more.
+        """
         found = []
-        kinetic, hourglass = (100 * e / max(self.internal, 1e-300) for e in (self.kinetic, self.hourglass))
+        compared = self.internal if self.internal >= formed else np.inf
+        kinetic, hourglass = (100 * e / max(compared, 1e-300) for e in (self.kinetic, self.hourglass))
         if kinetic > 5:
             found.append(
                 f"kinetic energy is {kinetic:.3g} % of the internal: this is not quasi-static; drive the tools slower "

@@ -12,7 +12,8 @@ Array = npt.NDArray[np.float64]
 HEAVIEST = 1e-6
 """Density [t/mm3] beyond which a unit must be wrong: 50 times that of osmium."""
 
-
+STRONGEST_DAMPING = 0.1
+"""Part of its momentum that mass damping may take from the sheet in a step."""
 SOLIDS = ("quad4_1pt", "tri3")
 """Elements with one point; tri3 in the crossed pattern is 4CST."""
 
@@ -120,3 +121,12 @@ def check_solids(mesh: Mesh, n_materials: int, axisymmetric: bool, depth: float,
                 f"cell {cell} of {block.element} (nodes {cells[cell].tolist()}) has no area or a corner of 180 degrees "
                 "or more: give its nodes counter-clockwise"
             )
+
+
+def check_damping(damping: float, step: float) -> None:
+    """Raise ExplicitError if mass damping [1/s] would stop a sheet within a few steps [s], as in tar."""
+    if damping * step > STRONGEST_DAMPING:
+        raise ExplicitError(
+            f"explicit.damping = {damping:g} 1/s: it would stop the sheet within {1 / damping:.2g} s, and a step is "
+            f"{step:.2g} s; take a few times 1/duration of the stage, or leave it out"
+        )

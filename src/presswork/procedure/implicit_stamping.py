@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray, Model, OutputSettings, Push, SheetTool, Stage
 from presswork.model_stamping import StampingModel, StampingStage, StampingTool
+from presswork.procedure.held_flange import warn_of_holders
 from presswork.procedure.implicit import TIME, ImplicitProcedure, IncrementReport
 from presswork.procedure.increments import IncrementRecording
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
@@ -212,6 +213,7 @@ class ImplicitStamping(IncrementRecording):
         energy = self.procedure.energy_balance()
         untouched = find_never_touched([t.name for t in self.model.tools], history)
         warnings = [f"the tool {name} never touched the blank" for name in untouched]
+        warnings += warn_of_holders(self.model, history, float(fields["thickness"].max()))
         if abs(energy["error_percent"]) > WORTH_A_WARNING:
             error = f"the energy balance is off by {energy['error_percent']:.3g} %"
             warnings.append(f"{error}: set implicit.max_increment lower")
@@ -226,5 +228,5 @@ class ImplicitStamping(IncrementRecording):
             "time_simulated": float(state.progress[TIME]),
             "formability": verdict.to_summary(),
             "linear_solver": self.procedure.equilibrium.solver.name,
-            "warnings": warnings,
+            "warnings": [*warnings, *verdict.warnings()],
         }

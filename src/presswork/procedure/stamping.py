@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from presswork.model import BoolArray, Mesh
 from presswork.model_stamping import Refinement, StampingModel, StampingStage
 from presswork.procedure.explicit import FREEDOMS, PHASES, SAFETY, ExplicitShells
-from presswork.procedure.explicit_energy import EnergyBalance, MassScaling, warn_of_energies
+from presswork.procedure.explicit_energy import YIELD_OFFSET, EnergyBalance, MassScaling, warn_of_energies
 from presswork.procedure.explicit_fields import OnePointFields
+from presswork.procedure.explicit_input import check_damping
 from presswork.procedure.explicit_options import ShellOptions
+from presswork.procedure.held_flange import warn_of_holders
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.refinement import SplitBlank, choose_shells
 from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
@@ -49,8 +51,12 @@ class ExplicitStamping(RowRecording):
         self._judged = model.sheet[1].formability
         self.shells = self._make_shells()
         self._mass = float(self.shells.mass[:, 0].sum())
+        material = model.sheet[1]
+        yield_stress = float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
+        self._formed = YIELD_OFFSET * yield_stress * self._mass / material.density
         if model.explicit.target_step is not None:
             self._scale_mass(model.explicit.target_step)
+        check_damping(model.explicit.damping, self._longest_step())
         self.tools = StampingTools(model, self.shells)
         self._begin_stage()
         self.shells.advance(0)  # contact is found, and refused where the sheet starts in a tool
@@ -182,11 +188,11 @@ class ExplicitStamping(RowRecording):
 
     def log_lines(self, report: RowReport) -> list[str]:
         """Say where the row ended, and what is out of hand."""
-        return [*super().log_lines(report), *(f"warning: {warning}" for warning in report.energies.warnings())]
+        return [*super().log_lines(report), *(f"warning: {each}" for each in report.energies.warnings(self._formed))]
 
     def progress_text(self, report: RowReport) -> str:
-        """Name stage and cycle."""
-        return f"{report.stage}: cycle {int(self._progress[CYCLES])}  {self.tools.text()}"
+        """Name stage, tools and cycle: what a narrow terminal cuts off comes last."""
+        return "  ".join(t for t in (f"{report.stage}:", self.tools.text(), f"cycle {self._progress[CYCLES]:.0f}") if t)
 
     def row(self, report: RowReport) -> Row:
         """Return the row of the history."""
@@ -289,6 +295,7 @@ class ExplicitStamping(RowRecording):
             "formability": verdict.to_summary(),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
+                *warn_of_holders(self.model, history, float(fields["thickness"].max())),
                 *warn_of_energies(history),
                 *verdict.warnings(),
             ],

@@ -2,7 +2,7 @@
 """The output folder: written by a run, a whole file at a time, and read back by `Result`."""
 
 from presswork.results.checkpoint import load_checkpoint, save_checkpoint
-from presswork.results.folder import open_output_folder
+from presswork.results.folder import occupy, open_output_folder
 from presswork.results.history import History, history_columns, read_history
 from presswork.results.outline_file import write_outline
 from presswork.results.reader import Result, ResultBlock, ResultError, ResultMesh
@@ -21,6 +21,7 @@ __all__ = [
     "count_steps",
     "history_columns",
     "load_checkpoint",
+    "occupy",
     "open_output_folder",
     "read_history",
     "save_checkpoint",

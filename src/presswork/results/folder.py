@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from presswork.results.whole_file import OutputError, explain_write_error
@@ -25,7 +28,7 @@ def open_output_folder(path: Path | str, *, overwrite: bool = False, resume: boo
 
     A new folder is created in an existing parent. A folder that holds results is refused unless `overwrite` (its
     results are deleted, other files stay) or `resume` (it must hold a checkpoint). Stale NAME.tmp files are removed.
-    Raises OutputError with the remedy.
+    One in which a run is at work is refused. Raises OutputError with the remedy.
     """
     folder = Path(path)
     if overwrite and resume:
@@ -33,6 +36,8 @@ def open_output_folder(path: Path | str, *, overwrite: bool = False, resume: boo
     if resume and not (folder / CHECKPOINT).is_file():
         raise OutputError(f"{folder} holds no {CHECKPOINT} to resume from; run with --overwrite to start anew")
     _create(folder)
+    with occupy(folder):
+        pass
     present = [name for name in _WORTH_KEEPING if (folder / name).exists()]
     if present and not (overwrite or resume):
         raise OutputError(
@@ -44,6 +49,26 @@ def open_output_folder(path: Path | str, *, overwrite: bool = False, resume: boo
     for name in [*stale, *(_MADE_BY_A_RUN if overwrite else ())]:
         _delete(folder / name)
     return folder
+
+
+@contextmanager
+def occupy(folder: Path) -> Iterator[None]:
+    """Keep other runs out of the folder meanwhile; a process that is killed leaves it free.
+
+    Raises OutputError where one is at work.
+    """
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            remedy = "wait until it has ended, or choose another folder by --output"
+            raise OutputError(f"another run is at work in {folder}; {remedy}") from None
+        except OSError:
+            pass  # a file system that knows no locks
+        yield
+    finally:
+        os.close(handle)
 
 
 def _create(folder: Path) -> None:

@@ -58,6 +58,7 @@ def test_model_holds_what_the_case_says() -> None:
         assert part in words
     assert "elements round the edge of punch; elements of 2.6 mm would be 3" in words
     assert "hint" not in describe(build(blank__element_size=2.5))
+    assert 'velocities are mm/s, and "2 m/s" is usual' in describe(build(stages__0__velocity=2))
 
 
 def test_the_density_is_that_of_a_metal_with_this_modulus() -> None:
@@ -68,7 +69,8 @@ def test_the_density_is_that_of_a_metal_with_this_modulus() -> None:
 
 
 def test_a_gap_lifts_the_holder_off_the_die() -> None:
-    tools = {tool.name: tool for tool in build(tools__holder__gap=1.1).tools}
+    model = build(tools__holder__gap=1.1, stages__0__tools={"punch": {"stroke": 20}})
+    tools = {tool.name: tool for tool in model.tools}
     assert tools["holder"].position[2] - tools["die"].position[2] == pytest.approx(1.1)
 
 
@@ -103,6 +105,7 @@ def test_times_follow_from_velocity_duration_and_ramp() -> None:
     ("tools.punch.edge_radius", 26, ["tools.punch.edge_radius", "larger than the punch's radius of 25 mm"]),
     ("tools.die.edge_radius", 0, ["tools.die.edge_radius", "sharp edge"]),
     ("tools.die.gap", 1, ["tools.die.gap", "only a holder"]),
+    ("blank.thickness", 0.0008, ["blank.thickness = 0.0008", "thinner than any rolled metal", "plain numbers are mm"]),
     ("tools.holder.gap", 0.7, ["tools.holder.gap", "smaller than the blank's thickness of 0.8 mm"]),
     ("tools.holder.face_width", 20, ["tools.holder.face_width", "larger than the holder", "3 mm beyond"]),
     ("tools.punch.face_width", 20, ["tools.punch.face_width", "no face"]),

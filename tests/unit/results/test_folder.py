@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from presswork.results import OutputError, open_output_folder
+from presswork.results import OutputError, occupy, open_output_folder
 
 
 def test_new_folder_is_created(tmp_path: Path) -> None:
@@ -75,3 +75,11 @@ def test_folder_that_cannot_be_written_is_an_error(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(Path, "write_bytes", refuse)
     with pytest.raises(OutputError, match="Permission denied"):
         open_output_folder(tmp_path)
+
+
+def test_folder_in_which_a_run_is_at_work_is_refused_and_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "history.csv").write_text("growing")
+    with occupy(tmp_path), pytest.raises(OutputError, match=r"another run is at work in .*--output"):
+        open_output_folder(tmp_path, overwrite=True)
+    assert (tmp_path / "history.csv").read_text() == "growing"
+    open_output_folder(tmp_path, overwrite=True)
