@@ -41,7 +41,14 @@ void SolidLoop::add(std::string_view element, std::vector<int> cells, const Adia
     std::copy_n(nodes.data() + SolidBlock::node_record * std::size_t(i), 2, points.data() + 2 * std::size_t(i));
   blocks.emplace_back(element, std::move(cells), points.data(), law, density, section);
   weigh();
-  tiles_.cut(n_nodes, blocks);
+  make_tiles();
+}
+
+void SolidLoop::make_tiles() {
+  std::vector<TiledBlock> views;
+  for (const auto& block : blocks)
+    views.push_back({block.n(), SolidBlock::lanes, block.nodes_each(), SolidBlock::force_record, block.cells.data()});
+  tiles_.cut(n_nodes, views);
 }
 
 void SolidLoop::weigh() {
@@ -169,7 +176,7 @@ SolidLoop::Work SolidLoop::move_nodes(int first, int last, const Step& step, dou
   return sum;
 }
 
-int SolidLoop::advance_tile(const SolidTiles::Tile& tile, double dt, double* scratch) {
+int SolidLoop::advance_tile(const Tile& tile, double dt, double* scratch) {
   const int failed = blocks[tile.block].advance(nodes.data(), dt, tile.first, tile.last, scratch);
   tiles_.sum_tile(tile, scratch, internal_force.data());
   return failed < 0 ? -1 : tile.numbered_from + failed;
@@ -178,7 +185,7 @@ int SolidLoop::advance_tile(const SolidTiles::Tile& tile, double dt, double* scr
 int SolidLoop::advance(int n, double dt, double dt_before, double damping, const double* force_scale,
                        const double* velocity_scale) {
   const int n_chunks = (n_nodes + chunk - 1) / chunk, n_tiles = static_cast<int>(tiles_.tiles().size());
-  const int n_rims = tiles_.n_rims(), rim_chunks = (n_rims + chunk - 1) / chunk;
+  const int n_rims = tiles_.n_rim_nodes(), rim_chunks = (n_rims + chunk - 1) / chunk;
   int n_elements = 0;
   for (const auto& block : blocks) n_elements += block.n();
   std::vector<Work> sums(n_chunks);
@@ -190,7 +197,7 @@ int SolidLoop::advance(int n, double dt, double dt_before, double damping, const
 #pragma omp parallel if (shared)
   {
     const int thread = omp_get_thread_num(), n_threads = omp_get_num_threads();
-    AlignedArray<double> scratch(tiles_.scratch_size());
+    AlignedArray<double> scratch = tiles_.make_scratch();
     for (int cycle = 0; cycle < n; ++cycle) {
       shares.deal(thread, n_threads);
       const Step step{dt, cycle == 0 ? 0.5 * (dt_before + dt) : dt, damping, force_scale[cycle], velocity_scale[cycle]};
@@ -222,7 +229,7 @@ int SolidLoop::advance(int n, double dt, double dt_before, double damping, const
       if (failed != INT_MAX) break;  // the same for all threads
 #pragma omp for schedule(static)
       for (int c = 0; c < rim_chunks; ++c)
-        tiles_.sum_rims(c * chunk, std::min(n_rims, (c + 1) * chunk), internal_force.data());
+        tiles_.close_rims(c * chunk, std::min(n_rims, (c + 1) * chunk), internal_force.data());
     }
   }
   return failed == INT_MAX ? -1 : failed;

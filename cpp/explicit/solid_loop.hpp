@@ -3,7 +3,7 @@
 // number of threads.
 //
 // A cycle: nodes    a = (f_ext - f_int)/m, v += a h, walls correct v, x += v dt
-//          cells    forces at x, over the move v dt, tile by tile (solid_tiles.hpp)
+//          cells    forces at x, over the move v dt, tile by tile (tile_sums.hpp)
 // h is the mean of this step and the last, so the step may change from call to call. At the end of a call x and f_int
 // belong to time t, v to t - dt/2.
 //
@@ -17,7 +17,7 @@
 
 #include "explicit/rigid_wall.hpp"
 #include "explicit/solid_block.hpp"
-#include "explicit/solid_tiles.hpp"
+#include "explicit/tile_sums.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -73,6 +73,7 @@ class SolidLoop {
     double push = mean_dt / (1.0 + 0.5 * damping * mean_dt);
   };
   std::size_t padded() const { return (std::size_t(n_nodes) + 3) / 4 * 4; }
+  void make_tiles();
   void mark_special();
   // Velocity half a step on of one node, and what forces and walls do meanwhile: over the whole step, when the walls'
   // forces are kept too, or over its first half.
@@ -82,13 +83,13 @@ class SolidLoop {
   Work move_nodes(int first, int last, const Step& step, double* wall_force);
   void move_four(int first, const Step& step, Record& external, Record& damped);
   void move_one(int node, const Step& step, Work& sum, double* wall_force);
-  int advance_tile(const SolidTiles::Tile& tile, double dt, double* scratch);
+  int advance_tile(const Tile& tile, double dt, double* scratch);
 
   std::vector<std::uint8_t> contact_, fixed_;  // (n); (n, 2): velocity is prescribed
   std::vector<std::uint8_t> special_;          // of each four nodes: one touches walls or is held
   AlignedArray<double> inverse_mass_;          // (n, 2) [1/t]
   std::vector<double> prescribed_;             // (n, 2)
-  SolidTiles tiles_;
+  TileSums<double, 2> tiles_;
 };
 
 }  // namespace presswork::explicit_dynamics
