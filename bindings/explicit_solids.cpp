@@ -24,35 +24,52 @@ void assign(std::vector<double>& to, Doubles from, const char* message) {
   std::copy_n(from.data(), to.size(), to.begin());
 }
 
-// A nodal field (n_nodes, 2) that can be set.
-template <std::vector<double> SolidLoop::* field>
+// Two numbers a node (n_nodes, 2) of rows of `stride`, that can be set.
+template <AlignedArray<double> SolidLoop::* field, int stride>
 void bind_field(nb::class_<SolidLoop>& c, const char* name, const char* text) {
   c.def_prop_rw(
-      name, [](const SolidLoop& self) { return copy(self.*field, {std::size_t(self.n_nodes), 2}); },
-      [](SolidLoop& self, Doubles x) { assign(self.*field, x, "the array must have shape (n_nodes, 2)"); },
+      name,
+      [](const SolidLoop& self) {
+        double* to;
+        auto array = new_array({std::size_t(self.n_nodes), 2}, &to);
+        for (int i = 0; i < self.n_nodes; ++i)
+          std::copy_n((self.*field).data() + stride * std::size_t(i), 2, to + 2 * std::size_t(i));
+        return array;
+      },
+      [](SolidLoop& self, Doubles x) {
+        require(x.size() == 2 * std::size_t(self.n_nodes), "the array must have shape (n_nodes, 2)");
+        for (int i = 0; i < self.n_nodes; ++i)
+          std::copy_n(x.data() + 2 * std::size_t(i), 2, (self.*field).data() + stride * std::size_t(i));
+      },
       nb::rv_policy::move, text);
 }
 
-// A field of all cells of all blocks (n, width).
-template <std::vector<double> SolidBlock::* field, int width>
+std::size_t count_cells(const SolidLoop& loop) {
+  std::size_t n = 0;
+  for (const auto& block : loop.blocks) n += block.n();
+  return n;
+}
+
+// Rows of the state of all cells of all blocks (n, width).
+template <int row, int width>
 void bind_cells(nb::class_<SolidLoop>& c, const char* name, const char* text) {
   c.def_prop_rw(
       name,
       [](const SolidLoop& self) {
-        std::vector<double> all;
-        for (const auto& b : self.blocks) all.insert(all.end(), (b.*field).begin(), (b.*field).end());
-        const std::size_t n = all.size() / width;
-        return width > 1 ? copy(all, {n, std::size_t(width)}) : copy(all, {n});
+        const std::size_t n = count_cells(self);
+        double* to;
+        auto array = width > 1 ? new_array({n, std::size_t(width)}, &to) : new_array({n}, &to);
+        for (const auto& block : self.blocks)
+          for (int e = 0; e < block.n(); ++e)
+            for (int i = 0; i < width; ++i) *to++ = block.value(e, row + i);
+        return array;
       },
       [](SolidLoop& self, Doubles x) {
-        std::size_t n = 0;
-        for (const auto& b : self.blocks) n += (b.*field).size();
-        require(x.size() == n, "the array must have one row a cell");
+        require(x.size() == width * count_cells(self), "the array must have one row a cell");
         const double* from = x.data();
-        for (auto& b : self.blocks) {
-          std::copy_n(from, (b.*field).size(), (b.*field).begin());
-          from += (b.*field).size();
-        }
+        for (auto& block : self.blocks)
+          for (int e = 0; e < block.n(); ++e)
+            for (int i = 0; i < width; ++i) block.set_value(e, row + i, *from++);
       },
       nb::rv_policy::move, text);
 }
@@ -90,7 +107,8 @@ void bind_law(nb::module_& m) {
               std::copy_n(stress.data() + 4 * i, 4, point.stress);
               point.eqps = eqps.data()[i];
               new_rise[i] = rise.data()[i];
-              update_adiabatic_mises(law, strain.data() + 4 * i, dt, point, new_rise[i]);
+              const HardeningPoint<double> hard(law.hardening, point.eqps);
+              update_adiabatic_mises(law, strain.data() + 4 * i, dt, hard, point, new_rise[i]);
               std::copy_n(point.stress, 4, new_stress + 4 * i);
               new_eqps[i] = point.eqps;
             }
@@ -197,12 +215,10 @@ void bind_explicit_solids(nb::module_& m) {
       .def(
           "bound_frequencies",
           [](const SolidLoop& self) {
-            std::size_t n = 0;
-            for (const auto& b : self.blocks) n += b.n();
             double* squared;
-            auto array = new_array({n}, &squared);
+            auto array = new_array({count_cells(self)}, &squared);
             for (const auto& b : self.blocks) {
-              b.bound_frequencies(self.position.data(), squared);
+              b.bound_frequencies(self.nodes.data(), squared);
               squared += b.n();
             }
             return array;
@@ -211,9 +227,9 @@ void bind_explicit_solids(nb::module_& m) {
       .def(
           "prescribe",
           [](SolidLoop& self, Bytes fixed, Doubles velocity) {
-            require(fixed.size() == self.fixed.size(), "fixed must have shape (n_nodes, 2)");
-            assign(self.prescribed, velocity, "velocity must have shape (n_nodes, 2)");
-            std::copy_n(fixed.data(), fixed.size(), self.fixed.begin());
+            const std::size_t size = 2 * std::size_t(self.n_nodes);
+            require(fixed.size() == size && velocity.size() == size, "the arrays must have shape (n_nodes, 2)");
+            self.prescribe(fixed.data(), velocity.data());
           },
           nb::arg("fixed"), nb::arg("velocity"), "Prescribe velocities of the freedoms marked in fixed (n_nodes, 2).")
       .def("weigh", &SolidLoop::weigh, "Sum up the nodes' masses after a change of mass_factor.")
@@ -239,17 +255,32 @@ void bind_explicit_solids(nb::module_& m) {
           },
           [](SolidLoop& self, std::array<double, 4> w) { self.work = {w[0], w[1], w[2], w[3]}; },
           "Work up to half a step back: external, damping, contact, friction [N mm].");
-  bind_field<&SolidLoop::position>(c, "position", "Positions (n_nodes, 2) [mm].");
-  bind_field<&SolidLoop::velocity>(c, "velocity", "Velocities (n_nodes, 2), half a step back [mm/s].");
-  bind_field<&SolidLoop::force>(c, "force", "Nodal forces from outside (n_nodes, 2) [N].");
-  bind_field<&SolidLoop::internal_force>(c, "internal_force", "Internal forces (n_nodes, 2) [N].");
-  bind_cells<&SolidBlock::mass_factor, 1>(c, "mass_factor",
-                                          "Mass of each cell over its true one (n); then call weigh.");
-  bind_cells<&SolidBlock::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");
-  bind_cells<&SolidBlock::eqps, 1>(c, "eqps", "Equivalent plastic strain (n).");
-  bind_cells<&SolidBlock::rise, 1>(c, "rise", "Rise of temperature since the start (n).");
-  bind_cells<&SolidBlock::hourglass, 2>(c, "hourglass", "Hourglass forces (n, 2) [N].");
-  bind_cells<&SolidBlock::work, 2>(c, "cell_work", "Work of stress and of hourglass control (n, 2) [N mm].");
+  bind_field<&SolidLoop::nodes, SolidBlock::node_record>(c, "position", "Positions (n_nodes, 2) [mm].");
+  bind_field<&SolidLoop::velocity, 2>(c, "velocity", "Velocities (n_nodes, 2), half a step back [mm/s].");
+  bind_field<&SolidLoop::force, 2>(c, "force", "Nodal forces from outside (n_nodes, 2) [N].");
+  bind_field<&SolidLoop::internal_force, 2>(c, "internal_force", "Internal forces (n_nodes, 2) [N].");
+  c.def_prop_rw(
+      "mass_factor",
+      [](const SolidLoop& self) {
+        std::vector<double> all;
+        for (const auto& b : self.blocks) all.insert(all.end(), b.mass_factor.begin(), b.mass_factor.end());
+        return copy(all, {all.size()});
+      },
+      [](SolidLoop& self, Doubles x) {
+        require(x.size() == count_cells(self), "the array must have one value a cell");
+        const double* from = x.data();
+        for (auto& b : self.blocks) {
+          std::copy_n(from, b.n(), b.mass_factor.begin());
+          from += b.n();
+        }
+      },
+      nb::rv_policy::move, "Mass of each cell over its true one (n); then call weigh.");
+  using State = SolidBlock::State;
+  bind_cells<State::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");
+  bind_cells<State::eqps, 1>(c, "eqps", "Equivalent plastic strain (n).");
+  bind_cells<State::rise, 1>(c, "rise", "Rise of temperature since the start (n).");
+  bind_cells<State::hourglass, 2>(c, "hourglass", "Hourglass forces (n, 2) [N].");
+  bind_cells<State::work, 2>(c, "cell_work", "Work of stress and of hourglass control (n, 2) [N mm].");
 }
 
 }  // namespace presswork::bindings

@@ -31,8 +31,6 @@ struct BlockView {
   int first_cell = 0;          // of the block in the mesh
   UmatPlace when = {};         // stage, increment and times
   UmatFault* fault = nullptr;  // (n_packs)
-  // of AdiabaticMises: user is the rise of temperature (n_cells, q), when.dt the time of the increment
-  double* work = nullptr;  // (n_cells, 2) [N mm]: those of stress and of hourglass control are added, or null
 };
 
 }  // namespace presswork

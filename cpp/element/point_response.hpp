@@ -11,7 +11,7 @@
 #pragma once
 
 #include "kinematics/increment.hpp"
-#include "material/adiabatic_mises.hpp"
+#include "material/von_mises.hpp"
 
 namespace presswork {
 
@@ -139,26 +139,6 @@ void respond(const PointSettings& settings, const VonMises& law, const T F[5], P
     point::thesis_modulus(settings, F, inc, D, unturned, a);
   for (auto& row : a) point::turn_gradient(inc.cosine, inc.sine, row[0], row[1], row[2], row[3]);
   for (int k = 0; k < 5; ++k) point::turn_gradient(inc.cosine, inc.sine, a[0][k], a[1][k], a[2][k], a[3][k]);
-}
-
-// Advance a point by F in the time dt without a tangent; `rise` of temperature goes from t to t+dt with the state.
-// Returns the work of the stress, by its mean over the increment, per volume at t.
-template <class T>
-T respond(const PointSettings& settings, const AdiabaticMises& law, const T F[5], double dt, PointState<T>& state,
-          T& rise, PointResponse<T>& response) {
-  Increment<T> inc;
-  measure_increment(F, settings.measure, false, inc);
-  T before[4], after[4];
-  for (int i = 0; i < 4; ++i) before[i] = state.stress[i];
-  update_adiabatic_mises(law, inc.strain, dt, state, rise);
-  T work(0.0);
-  for (int i = 0; i < 4; ++i) {
-    after[i] = state.stress[i];
-    work += T(0.5) * (before[i] + inc.jacobian * after[i]) * inc.strain[i];
-  }
-  turn_stress(inc.cosine, inc.sine, after, state.stress);
-  for (int i = 0; i < 4; ++i) response.stress[i] = state.stress[i];
-  return work;
 }
 
 }  // namespace presswork

@@ -72,7 +72,7 @@ struct Solid2d : SolidGeometry<cell, n_points> {
   // Evaluate the pack whose first cell is `first`. Returns the index of a cell turned inside out, or -1.
   template <class Law>
   static int evaluate(const BlockView& b, const PointSettings& settings, const Law& law, int pack) {
-    constexpr bool is_umat = std::is_same_v<Law, Umat>, is_adiabatic = std::is_same_v<Law, AdiabaticMises>;
+    constexpr bool is_umat = std::is_same_v<Law, Umat>;
     static_assert(!(is_umat && treatment == Treatment::one_point), "hourglass control needs a flow stress");
     const int first = pack * pack_width;
     int cells[pack_width];
@@ -122,17 +122,9 @@ struct Solid2d : SolidGeometry<cell, n_points> {
       T F[5] = {g[q].F[0], g[q].F[1], g[q].F[2], g[q].F[3], g[q].F[4]};
       if constexpr (treatment == Treatment::fbar) Geometry::use_mean_dilatation(b, mean, g[q], F);
       PointResponse<T> response;
-      T stress_work(0.0), hourglass_work(0.0);
       if constexpr (is_umat) {
         const UmatLanes lanes = find_lanes(b, law, cells, std::min(pack_width, b.n_cells - first), x, du, g, q);
         respond(settings, law, lanes, first, F, state, response, b.fault[pack]);
-      } else if constexpr (is_adiabatic) {
-        T rise;
-        for (int lane = 0; lane < pack_width; ++lane)
-          rise.set(lane, b.user_n[static_cast<std::size_t>(cells[lane]) * n_points + q]);
-        stress_work = respond(settings, law, F, b.when.dt, state, rise, response) * g[q].volume_t;
-        for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane)
-          b.user[static_cast<std::size_t>(cells[lane]) * n_points + q] = rise[lane];
       } else {
         respond(settings, law, F, state, response);
       }
@@ -149,13 +141,10 @@ struct Solid2d : SolidGeometry<cell, n_points> {
         T Q[2];
         for (int lane = 0; lane < pack_width; ++lane)
           for (int i = 0; i < 2; ++i) Q[i].set(lane, b.hourglass_n[2 * cells[lane] + i]);
-        const VonMises* mises;
-        if constexpr (is_adiabatic)
-          mises = &law.mises;
-        else
-          mises = &law;
-        hourglass_work = Forces::add_hourglass(*mises, b.hourglass_fraction, x, du, g[q], now, eqps_n, Q, force,
-                                               with_K ? K : nullptr);
+        T flow, slope;
+        law.hardening.evaluate(eqps_n, flow, slope);
+        Forces::add_hourglass(Forces::hourglass_modulus(law, eqps_n, flow, slope), b.hourglass_fraction, x, du, g[q],
+                              now, Q, force, with_K ? K : nullptr);
         for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane)
           for (int i = 0; i < 2; ++i) b.hourglass[2 * cells[lane] + i] = Q[i][lane];
       }
@@ -164,11 +153,6 @@ struct Solid2d : SolidGeometry<cell, n_points> {
         for (int i = 0; i < 4; ++i) b.stress[4 * at + i] = state.stress[i][lane];
         b.eqps[at] = state.eqps[lane];
         b.volume[at] = dv[lane];
-        if constexpr (is_adiabatic)
-          if (b.work) {
-            b.work[2 * cells[lane]] += stress_work[lane];
-            b.work[2 * cells[lane] + 1] += hourglass_work[lane];
-          }
       }
     }
 

@@ -57,9 +57,15 @@ struct SolidForces {
     }
   }
 
-  // Returns the work of the hourglass forces.
-  static T add_hourglass(const VonMises& law, double fraction, const T x[][2], const T du[][2],
-                         const SolidPoint<nodes>& g, const T now[][3], T eqps_n, T Q[2], T* force, T* K) {
+  // G before first yield, then flow + slope/3 of the hardening at t, at most G.
+  static T hourglass_modulus(const VonMises& law, T eqps_n, T flow, T slope) {
+    const T elastic(law.shear_modulus());
+    return select(eqps_n > T(0.0), smaller(flow + slope * T(1.0 / 3), elastic), elastic);
+  }
+
+  // Returns the work of the hourglass forces; modulus as above.
+  static T add_hourglass(T modulus, double fraction, const T x[][2], const T du[][2], const SolidPoint<nodes>& g,
+                         const T now[][3], T Q[2], T* force, T* K) {
     // 1. hourglass vectors at t and at t+dt: orthogonal to every linear field there
     constexpr double h[4] = {1, -1, 1, -1};
     T at_t[2] = {T(0.0), T(0.0)}, at_end[2] = {T(0.0), T(0.0)}, norm(0.0), gamma[4], gamma_end[4];
@@ -73,13 +79,8 @@ struct SolidForces {
       gamma[a] = T(0.25) * (T(h[a]) - at_t[0] * g.grad[a][0] - at_t[1] * g.grad[a][1]);
       gamma_end[a] = T(0.25) * (T(h[a]) - at_end[0] * now[a][0] - at_end[1] * now[a][1]);
     }
-    // 2. modulus now
-    T flow, slope;
-    law.hardening.evaluate(eqps_n, flow, slope);
-    const T elastic(law.shear_modulus());
-    T modulus = select(eqps_n > T(0.0), smaller(flow + slope * T(1.0 / 3), elastic), elastic);
-    T k = T(2.0 * fraction) * modulus * g.volume_t * norm;
-    // 3. forces, turned with the material; gamma at t+dt keeps the balance of moments
+    // 2. forces, turned with the material; gamma at t+dt keeps the balance of moments
+    const T k = T(2.0 * fraction) * modulus * g.volume_t * norm;
     T a = g.F[0] + g.F[3], b = g.F[2] - g.F[1], trace = square_root(a * a + b * b);
     T c = a / trace, s = b / trace;
     T turned[2] = {c * Q[0] - s * Q[1], s * Q[0] + c * Q[1]};
@@ -91,7 +92,7 @@ struct SolidForces {
       work += T(0.5) * (turned[i] + Q[i]) * mode;
       for (int n = 0; n < 4; ++n) force[2 * n + i] += gamma_end[n] * Q[i];
     }
-    // 4. tangent: dQ (stiffness, and turning: dtheta = (a db - b da) / (a^2 + b^2)) and d gamma_end = -B (gamma_end.du)
+    // 3. tangent: dQ (stiffness, and turning: dtheta = (a db - b da) / (a^2 + b^2)) and d gamma_end = -B (gamma_end.du)
     if (!K) return work;
     T inv = T(1.0) / (trace * trace);
     for (int m = 0; m < 4; ++m) {

@@ -1,66 +1,75 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plane-strain or axisymmetric solids of one kind, law and density in the explicit loop: state, masses, bound of the
-// frequency. The elements themselves are those of the implicit procedure (element/solid2d.hpp), evaluated without a
-// tangent.
+// frequency. The elements are those of element/solid2d_one_point.hpp.
 #pragma once
 
 #include <string_view>
 #include <vector>
 
-#include "element/solid2d.hpp"
+#include "element/solid2d_one_point.hpp"
+#include "explicit/nodes.hpp"
 
 namespace presswork::explicit_dynamics {
 
-// What is common to the blocks of a run.
-struct SolidSettings {
-  bool axisymmetric = false;
-  double depth = 1.0;  // of plane strain [mm]
-  double hourglass_fraction = 0.05;
-  StrainMeasure measure = StrainMeasure::log;
-};
-
 class SolidBlock {
  public:
+  static constexpr int lanes = pack_width;
+  static constexpr int node_record = 4;      // of a node, as cells load it: x, y, then by how much the cycle moves it
+  static constexpr int force_record = 8;     // of a cell: x and y of the force on four nodes, a triangle's last unused
+  using State = OnePointSolid<Cell::quad4>;  // rows: the triangle's are the same
+
   // cells (n, nodes) of element "tri3" or "quad4_1pt"; points (n_points, 2) [mm]; density [t/mm3]. Throws
   // std::invalid_argument for another element.
   SolidBlock(std::string_view element, std::vector<int> cells, const double* points, const AdiabaticMises& law,
-             double density, const SolidSettings& settings);
+             double density, const ExplicitSolidSection& section);
 
   int n() const { return n_; }
-  int n_packs() const { return (n_ + pack_width - 1) / pack_width; }
+  int n_packs() const { return (n_ + lanes - 1) / lanes; }
   int nodes_each() const { return nodes_; }
-  std::size_t force_size() const { return std::size_t(n_packs()) * 2 * nodes_ * pack_width; }
 
-  // Advance a pack from points by increment in dt; force as in BlockView. Returns the number of a cell turned inside
+  // Advance packs [first, last) by the moves of a cycle of dt that has taken the nodes to where they are; nodes:
+  // records as above; force: records of their cells, from the first pack on. Returns the number of a cell turned inside
   // out, or -1.
-  int advance(const double* points, const double* increment, double dt, double* force, int pack);
-  // Bound of each cell's squared frequency [1/s2], elastic, at the given points.
-  void bound_frequencies(const double* points, double* squared) const;
+  int advance(const double* nodes, double dt, int first, int last, double* force) {
+    return (this->*advance_)(nodes, dt, first, last, force);
+  }
+  // Bound of each cell's squared frequency [1/s2], elastic, at the present positions.
+  void bound_frequencies(const double* nodes, double* squared) const { (this->*bound_)(nodes, squared); }
 
-  std::vector<int> cells;                       // (n, nodes)
-  std::vector<double> mass;                     // (n, nodes) of its nodes [t]: density times int N_a dV
-  std::vector<double> mass_factor;              // (n) of mass scaling, from 1
-  std::vector<double> stress, eqps, rise;       // (n, 4), (n), (n)
-  std::vector<double> hourglass, volume, work;  // (n, 2), (n), (n, 2) as in BlockView
+  double value(int cell, int row) const { return state_.data()[index(cell, row)]; }
+  // Sets the copies in the last pack as well.
+  void set_value(int cell, int row, double x) {
+    for (int copy = cell; copy < (cell == n_ - 1 ? n_packs() * lanes : cell + 1); ++copy)
+      state_.data()[index(copy, row)] = x;
+  }
+
+  const std::vector<int> cells;     // (n, nodes)
+  std::vector<double> mass;         // (n, nodes) of its nodes [t]: density times int N_a dV
+  std::vector<double> mass_factor;  // (n) of mass scaling, from 1
 
  private:
-  using Advance = int (*)(const BlockView&, const PointSettings&, const AdiabaticMises&, int);
-  using Measure = void (*)(const SolidBlock&, const double* points, int pack, double* squared);
-  template <Cell cell, Treatment treatment>
-  void use();
-  template <Cell cell, Treatment treatment>
-  static void bound_pack(const SolidBlock& block, const double* points, int pack, double* squared);
+  template <Cell cell>
+  void use(const double* points);
+  template <Cell cell>
+  int advance_packs(const double* nodes, double dt, int first, int last, double* force);
+  template <Cell cell>
+  void bound_packs(const double* nodes, double* squared) const;
   template <Cell cell>
   void set_masses(const double* points);
-  BlockView view(const double* points, const double* increment, double dt, double* force);
+  std::size_t index(int cell, int row) const {
+    return (std::size_t(cell / lanes) * State::rows + row) * lanes + cell % lanes;
+  }
 
   AdiabaticMises law_;
   double density_;
-  SolidSettings settings_;
+  ExplicitSolidSection section_;
   int nodes_ = 0, n_ = 0;
-  Advance advance_ = nullptr;
-  Measure bound_ = nullptr;
-  void (SolidBlock::*weigh_)(const double*) = nullptr;
+  // Packs: [pack][node][lane], [pack][row][lane]. The last is filled up with copies of the last cell that take part in
+  // no assembly.
+  std::vector<int> packed_;
+  AlignedArray<double> state_;
+  int (SolidBlock::*advance_)(const double*, double, int, int, double*) = nullptr;
+  void (SolidBlock::*bound_)(const double*, double*) const = nullptr;
 };
 
 }  // namespace presswork::explicit_dynamics

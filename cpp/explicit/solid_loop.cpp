@@ -4,32 +4,51 @@
 #include <algorithm>
 #include <climits>
 
+#include <omp.h>
+
+#include "explicit/work_shares.hpp"
+
 namespace presswork::explicit_dynamics {
 
 namespace {
 
 constexpr int chunk = 256;             // nodes whose work is summed up in one go: the sums do not depend on the threads
-constexpr int serial_elements = 4000;  // fewer are left to one thread: waking a second costs more than it gives
+constexpr int serial_elements = 2000;  // fewer are left to one thread: waking a second costs more than it gives
 
 }  // namespace
 
-SolidLoop::SolidLoop(int n_nodes, const double* points, const std::uint8_t* contact, const SolidSettings& settings)
-    : settings(settings),
+SolidLoop::SolidLoop(int n_nodes, const double* points, const std::uint8_t* contact,
+                     const ExplicitSolidSection& section)
+    : section(section),
       n_nodes(n_nodes),
-      position(points, points + 2 * std::size_t(n_nodes)),
-      velocity(position.size()),
-      force(position.size()),
-      prescribed(position.size()),
-      internal_force(position.size()),
+      nodes(SolidBlock::node_record * padded()),
+      velocity(2 * padded()),
+      force(2 * padded()),
+      internal_force(2 * padded()),
       mass(n_nodes),
-      fixed(position.size()),
       contact_(contact, contact + n_nodes),
-      increment_(position.size()) {}
+      fixed_(2 * std::size_t(n_nodes)),
+      special_(padded() / 4),
+      inverse_mass_(2 * padded()),
+      prescribed_(2 * std::size_t(n_nodes)) {
+  for (int i = 0; i < n_nodes; ++i)
+    std::copy_n(points + 2 * std::size_t(i), 2, nodes.data() + SolidBlock::node_record * std::size_t(i));
+}
 
 void SolidLoop::add(std::string_view element, std::vector<int> cells, const AdiabaticMises& law, double density) {
-  blocks.emplace_back(element, std::move(cells), position.data(), law, density, settings);
+  std::vector<double> points(2 * std::size_t(n_nodes));
+  for (int i = 0; i < n_nodes; ++i)
+    std::copy_n(nodes.data() + SolidBlock::node_record * std::size_t(i), 2, points.data() + 2 * std::size_t(i));
+  blocks.emplace_back(element, std::move(cells), points.data(), law, density, section);
   weigh();
-  find_sources();
+  make_tiles();
+}
+
+void SolidLoop::make_tiles() {
+  std::vector<TiledBlock> views;
+  for (const auto& block : blocks)
+    views.push_back({block.n(), SolidBlock::lanes, block.nodes_each(), SolidBlock::force_record, block.cells.data()});
+  tiles_.cut(n_nodes, views);
 }
 
 void SolidLoop::weigh() {
@@ -37,47 +56,39 @@ void SolidLoop::weigh() {
   for (const auto& block : blocks)
     for (std::size_t i = 0; i < block.cells.size(); ++i)
       mass[block.cells[i]] += block.mass_factor[i / block.nodes_each()] * block.mass[i];
+  for (int i = 0; i < n_nodes; ++i)
+    for (int k = 0; k < 2; ++k) inverse_mass_.data()[2 * std::size_t(i) + k] = mass[i] > 0.0 ? 1.0 / mass[i] : 0.0;
 }
 
 void SolidLoop::add_wall(std::vector<double> segments, double mu) {
   walls.push_back(std::make_unique<RigidWall>(n_nodes, std::move(segments), mu));
+  mark_special();
 }
 
-void SolidLoop::find_sources() {
-  std::vector<std::vector<std::size_t>> of_node(n_nodes);
-  std::size_t start = 0;
-  block_start_.clear();
-  for (const auto& block : blocks) {
-    block_start_.push_back(start);
-    const std::size_t nodes = block.nodes_each();
-    for (std::size_t i = 0; i < block.cells.size(); ++i) {
-      const std::size_t cell = i / nodes, a = i % nodes;
-      of_node[block.cells[i]].push_back(start + (cell / pack_width * 2 * nodes + 2 * a) * pack_width +
-                                        cell % pack_width);
-    }
-    start += block.force_size();
-  }
-  element_force_.assign(start, 0.0);
-  source_.clear(), source_start_.assign(1, 0);
-  for (const auto& sources : of_node) {
-    source_.insert(source_.end(), sources.begin(), sources.end());
-    source_start_.push_back(source_.size());
-  }
+void SolidLoop::prescribe(const std::uint8_t* fixed, const double* velocity) {
+  std::copy_n(fixed, fixed_.size(), fixed_.begin());
+  std::copy_n(velocity, prescribed_.size(), prescribed_.begin());
+  mark_special();
+}
+
+void SolidLoop::mark_special() {
+  std::fill(special_.begin(), special_.end(), 0);
+  for (std::size_t i = 0; i < std::size_t(n_nodes); ++i)
+    if (fixed_[2 * i] || fixed_[2 * i + 1] || (contact_[i] && !walls.empty())) special_[i / 4] = 1;
 }
 
 SolidLoop::Work SolidLoop::step_node(int node, const Step& step, bool whole, double after[2]) const {
   const std::size_t at = 2 * std::size_t(node);
-  const double m = mass[node], half = 0.5 * step.damping * step.mean_dt;
-  const double kept = (1.0 - half) / (1.0 + half), push = m > 0.0 ? step.mean_dt / ((1.0 + half) * m) : 0.0;
-  const double *v = &velocity[at], *inner = &internal_force[at];
+  const double m = mass[node], kept = step.kept, push = m > 0.0 ? step.push / m : 0.0;
+  const double *x = nodes.data() + 2 * at, *v = velocity.data() + at, *inner = internal_force.data() + at;
   // 1. forces and prescribed velocities; the outer force of these is the one that gives them
   double outer[2], free[2];
   for (int i = 0; i < 2; ++i) {
-    outer[i] = step.force_scale * force[at + i];
+    outer[i] = step.force_scale * force.data()[at + i];
     after[i] = kept * v[i] + push * (outer[i] - inner[i]);
-    free[i] = !fixed[at + i];
-    if (!fixed[at + i]) continue;
-    after[i] = step.velocity_scale * prescribed[at + i];
+    free[i] = !fixed_[at + i];
+    if (!fixed_[at + i]) continue;
+    after[i] = step.velocity_scale * prescribed_[at + i];
     outer[i] = inner[i] + (m > 0.0 ? (after[i] - kept * v[i]) / push : 0.0);
   }
   // 2. walls: forces of pressure and of friction, and what the walls' own motion does by them
@@ -88,7 +99,7 @@ SolidLoop::Work SolidLoop::step_node(int node, const Step& step, bool whole, dou
     if (!contact_[node] || m == 0.0) continue;
     const double w[2] = {step.velocity_scale * wall->velocity[0], step.velocity_scale * wall->velocity[1]};
     double normal[2], slide[2];
-    if (!wall->constrain(&position[at], step.dt, w, free, after, normal, slide)) continue;
+    if (!wall->constrain(x, step.dt, w, free, after, normal, slide)) continue;
     for (int i = 0; i < 2; ++i) {
       pressure[i] += normal[i] / push, by_pressure += w[i] * normal[i] / push;
       friction[i] += slide[i] / push, by_friction += w[i] * slide[i] / push;
@@ -115,47 +126,80 @@ void SolidLoop::add_to(Work& sum, const Work& part) {
   sum.contact += part.contact, sum.friction += part.friction;
 }
 
+void SolidLoop::move_one(int node, const Step& step, Work& sum, double* wall_force) {
+  const std::size_t at = 2 * std::size_t(node);
+  double after[2], *x = nodes.data() + 2 * at;
+  add_to(sum, step_node(node, step, true, after));
+  for (int i = 0; i < 2; ++i) {
+    velocity.data()[at + i] = after[i];
+    x[2 + i] = step.dt * after[i];
+    x[i] += x[2 + i];
+  }
+  if (!contact_[node]) return;
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    for (int i = 0; i < 2; ++i) wall_force[2 * w + i] += walls[w]->force[at + i];
+}
+
+void SolidLoop::move_four(int first, const Step& step, Record& external, Record& damped) {
+  const std::size_t at = 2 * std::size_t(first);
+  const Record before = load_record(velocity.data() + at), inverse = load_record(inverse_mass_.data() + at);
+  const Record outer = step.force_scale * load_record(force.data() + at);
+  const Record after = step.kept * before + step.push * inverse * (outer - load_record(internal_force.data() + at));
+  external += outer * (before + after);
+  if (step.damping > 0.0) {
+    const Record mean = 0.5 * (before + after);
+    damped += inverse > 0.0 ? mean * mean / inverse : Record{};
+  }
+  store_record<8>(after, velocity.data() + at);
+  const Record move = step.dt * after, twice[2] = {__builtin_shufflevector(move, move, 0, 1, 0, 1, 2, 3, 2, 3),
+                                                   __builtin_shufflevector(move, move, 4, 5, 4, 5, 6, 7, 6, 7)};
+  for (int half = 0; half < 2; ++half) {
+    double* x = nodes.data() + 2 * at + 8 * half;
+    store_record<8>(twice[half] + __builtin_shufflevector(load_record(x), Record{}, 0, 1, 8, 8, 4, 5, 8, 8), x);
+  }
+}
+
 SolidLoop::Work SolidLoop::move_nodes(int first, int last, const Step& step, double* wall_force) {
   Work sum;
-  for (int node = first; node < last; ++node) {
-    const std::size_t at = 2 * std::size_t(node);
-    double after[2];
-    add_to(sum, step_node(node, step, true, after));
-    for (int i = 0; i < 2; ++i) velocity[at + i] = after[i], increment_[at + i] = step.dt * after[i];
-    if (!contact_[node]) continue;
-    for (std::size_t w = 0; w < walls.size(); ++w)
-      for (int i = 0; i < 2; ++i) wall_force[2 * w + i] += walls[w]->force[at + i];
+  Record external{}, damped{};
+  for (int node = first; node < last; node += 4) {
+    if (!special_[node / 4]) {
+      move_four(node, step, external, damped);
+      continue;
+    }
+    for (int i = node; i < std::min(node + 4, last); ++i) move_one(i, step, sum, wall_force);
+  }
+  for (int i = 0; i < 8; ++i) {
+    sum.external += 0.5 * step.mean_dt * external[i];
+    sum.damping += step.mean_dt * step.damping * damped[i];
   }
   return sum;
 }
 
-void SolidLoop::close_nodes(int first, int last) {
-  for (int node = first; node < last; ++node) {
-    double sum[2] = {0.0, 0.0};
-    for (std::size_t s = source_start_[node]; s < source_start_[node + 1]; ++s) {
-      sum[0] += element_force_[source_[s]];
-      sum[1] += element_force_[source_[s] + pack_width];
-    }
-    for (int i = 0; i < 2; ++i) {
-      const std::size_t at = 2 * std::size_t(node) + i;
-      position[at] += increment_[at];
-      internal_force[at] = sum[i];
-    }
-  }
+int SolidLoop::advance_tile(const Tile& tile, double dt, double* scratch) {
+  const int failed = blocks[tile.block].advance(nodes.data(), dt, tile.first, tile.last, scratch);
+  tiles_.sum_tile(tile, scratch, internal_force.data());
+  return failed < 0 ? -1 : tile.numbered_from + failed;
 }
 
 int SolidLoop::advance(int n, double dt, double dt_before, double damping, const double* force_scale,
                        const double* velocity_scale) {
-  const int n_chunks = (n_nodes + chunk - 1) / chunk;
+  const int n_chunks = (n_nodes + chunk - 1) / chunk, n_tiles = static_cast<int>(tiles_.tiles().size());
+  const int n_rims = tiles_.n_rim_nodes(), rim_chunks = (n_rims + chunk - 1) / chunk;
   int n_elements = 0;
   for (const auto& block : blocks) n_elements += block.n();
   std::vector<Work> sums(n_chunks);
   const std::size_t n_walls = walls.size();
   std::vector<double> wall_sums(n_chunks * 2 * n_walls);
   int failed = INT_MAX;
-#pragma omp parallel if (n_elements >= serial_elements)
+  const bool shared = n_elements >= serial_elements;
+  WorkShares shares(n_tiles, shared ? omp_get_max_threads() : 1);
+#pragma omp parallel if (shared)
   {
+    const int thread = omp_get_thread_num(), n_threads = omp_get_num_threads();
+    AlignedArray<double> scratch = tiles_.make_scratch();
     for (int cycle = 0; cycle < n; ++cycle) {
+      shares.deal(thread, n_threads);
       const Step step{dt, cycle == 0 ? 0.5 * (dt_before + dt) : dt, damping, force_scale[cycle], velocity_scale[cycle]};
 #pragma omp for schedule(static)
       for (int c = 0; c < n_chunks; ++c) {
@@ -173,20 +217,19 @@ int SolidLoop::advance(int n, double dt, double dt_before, double damping, const
               walls[w]->impulse[i] += step.mean_dt * wall_sums[(c * n_walls + w) * 2 + i];
           }
       }
-      int first_cell = 0;
-      for (std::size_t k = 0; k < blocks.size(); ++k) {
-        SolidBlock& block = blocks[k];
-#pragma omp for schedule(static) reduction(min : failed)
-        for (int pack = 0; pack < block.n_packs(); ++pack) {
-          const int cell =
-              block.advance(position.data(), increment_.data(), dt, &element_force_[block_start_[k]], pack);
-          if (cell >= 0) failed = std::min(failed, first_cell + cell);
-        }
-        first_cell += block.n();
+      int failed_here = INT_MAX;
+      for (int t; (t = shares.take(thread)) >= 0;)
+        if (const int cell = advance_tile(tiles_.tiles()[t], dt, scratch.data()); cell >= 0)
+          failed_here = std::min(failed_here, cell);
+      if (failed_here != INT_MAX) {
+#pragma omp critical
+        failed = std::min(failed, failed_here);
       }
-      if (failed != INT_MAX) break;
+#pragma omp barrier
+      if (failed != INT_MAX) break;  // the same for all threads
 #pragma omp for schedule(static)
-      for (int c = 0; c < n_chunks; ++c) close_nodes(c * chunk, std::min(n_nodes, (c + 1) * chunk));
+      for (int c = 0; c < rim_chunks; ++c)
+        tiles_.close_rims(c * chunk, std::min(n_rims, (c + 1) * chunk), internal_force.data());
     }
   }
   return failed == INT_MAX ? -1 : failed;
@@ -200,11 +243,14 @@ SolidEnergies SolidLoop::energies(double dt, double dt_before, double damping, d
   for (int node = 0; node < n_nodes; ++node) {
     double after[2];
     add_to(sum, step_node(node, step, false, after));
-    for (int i = 0; i < 2; ++i) e.kinetic += 0.5 * mass[node] * velocity[2 * std::size_t(node) + i] * after[i];
+    for (int i = 0; i < 2; ++i) e.kinetic += 0.5 * mass[node] * velocity.data()[2 * std::size_t(node) + i] * after[i];
   }
   e.external = sum.external, e.damping = sum.damping, e.contact = sum.contact, e.friction = sum.friction;
   for (const auto& block : blocks)
-    for (int i = 0; i < block.n(); ++i) e.internal += block.work[2 * i], e.hourglass += block.work[2 * i + 1];
+    for (int i = 0; i < block.n(); ++i) {
+      e.internal += block.value(i, SolidBlock::State::work);
+      e.hourglass += block.value(i, SolidBlock::State::hourglass_work);
+    }
   return e;
 }
 

@@ -33,13 +33,24 @@ void divided_atanh(T m, T s, T& g, T& g_s) {
   T series = inv_m * (T(1.0) + z2 * (T(1.0 / 3) + z2 * (T(1.0 / 5) + z2 * (T(1.0 / 7) + z2 * T(1.0 / 9)))));
   T series_s = inv_m * inv_m * inv_m *
                (T(1.0 / 3) + z2 * (T(2.0 / 5) + z2 * (T(3.0 / 7) + z2 * (T(4.0 / 9) + z2 * T(5.0 / 11)))));
+  g = series, g_s = series_s;
   auto small = z2 < T(1e-3);
+  if (!any(invert(small))) return;
   T safe_s = select(small, T(0.25) * m * m, s);
   T rho = square_root(safe_s);
   T closed = T(0.5) * logarithm((m + rho) / (m - rho)) / rho;
   T closed_s = (m / (m * m - safe_s) - closed) / (T(2.0) * safe_s);
   g = select(small, series, closed);
   g_s = select(small, series_s, closed_s);
+}
+
+// ln x; the series of 2 atanh((x - 1)/(x + 1)) where x is within a hundredth of 1, as the stretch of a small increment
+// is.
+template <class T>
+T logarithm_of_stretch(T x) {
+  const T z = (x - T(1.0)) / (x + T(1.0)), z2 = z * z;
+  if (any(invert(z2 < T(2.5e-5)))) return logarithm(x);
+  return (z + z) * (T(1.0) + z2 * (T(1.0 / 3) + z2 * (T(1.0 / 5) + z2 * T(1.0 / 7))));
 }
 
 // Polar decomposition and strain of one increment; derivatives only if with_derivative.
@@ -63,10 +74,10 @@ void measure_increment(const T F[5], StrainMeasure measure, bool with_derivative
     case StrainMeasure::log: {
       T rho2 = d * d + u12 * u12;
       divided_atanh(m, rho2, g, g_s);
-      T mean = T(0.5) * logarithm(plane_det);
+      T mean = T(0.5) * logarithm_of_stretch(plane_det);
       out.strain[0] = mean + g * d;
       out.strain[1] = mean - g * d;
-      out.strain[2] = logarithm(F[4]);
+      out.strain[2] = logarithm_of_stretch(F[4]);
       out.strain[3] = T(2.0) * g * u12;
       break;
     }

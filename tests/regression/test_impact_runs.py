@@ -117,7 +117,8 @@ BLOCK: dict[str, Any] = {
     "tools": {"hammer": {"profile": [[0, 5], [20, 5]], "contact": "frictionless"},
               "anvil": {"profile": [[0, 0], [20, 0]], "contact": "frictionless"}},
     "boundary": {"middle": {"set": "left", "fix": ["x"]}},
-    "stages": [{"name": "blow", "duration": 5e-5, "tools": {"hammer": {"stroke": 0.5, "direction": [0, -1]}}},
+    "stages": [{"name": "blow", "duration": 5e-5, "ramp": 0,
+                "tools": {"hammer": {"stroke": 0.5, "direction": [0, -1]}}},
                {"name": "back", "duration": 1e-5, "tools": {"hammer": {"stroke": 1, "direction": [0, 1]}}}],
     "output": {"rows": 20, "steps": 2},
 }  # fmt: skip
@@ -142,6 +143,52 @@ def test_a_hammer_upsets_a_block_between_tools(tmp_path: Path) -> None:
     work = history["external_energy"][blow[-1]]
     assert work == pytest.approx(0.5 * (history["hammer.force"][blow] * 0.5 / 20).sum(), rel=0.005)  # of the half
     assert abs(history["energy_error_percent"]).max() < 0.5
+
+
+def test_tools_start_and_stop_smoothly(tmp_path: Path) -> None:
+    """The stroke is that of half a cosine, straight, half a cosine; no shock at the start; the balance holds."""
+    duration, ramp, way = 5e-5, 1e-5, 0.5
+    press = {"name": "press", "duration": duration, "ramp": ramp, "tools": BLOCK["stages"][0]["tools"]}
+    smooth = run_model(build(BLOCK, stages=[press]), tmp_path / "smooth", threads=1).result.history
+    even = run_model(build(BLOCK, stages=[{**press, "ramp": 0}]), tmp_path / "even", threads=1).result.history
+    t = smooth["time"]
+    speed = way / (duration - ramp)
+    rising = 0.5 * speed * (t - ramp / np.pi * np.sin(np.pi * t / ramp))
+    falling = way - 0.5 * speed * (duration - t - ramp / np.pi * np.sin(np.pi * (duration - t) / ramp))
+    straight = 0.5 * speed * ramp + speed * (t - ramp)
+    expected = np.where(t < ramp, rising, np.where(t > duration - ramp, falling, straight))
+    np.testing.assert_allclose(smooth["hammer.stroke"], expected, atol=1e-9)
+    np.testing.assert_allclose(even["hammer.stroke"], way * even["time"] / duration, atol=1e-9)
+    # a blow strikes the top row of nodes at once
+    assert smooth["contact_energy"][-1] < 0.05 * even["contact_energy"][-1]
+    # in the first row the force goes with the velocity, which is then 1/16 of the even one
+    assert smooth["hammer.force"][0] < 0.07 * even["hammer.force"][0]
+    for history in (smooth, even):
+        assert history["hammer.stroke"][-1] == pytest.approx(way, rel=1e-9)
+        assert abs(history["energy_error_percent"]).max() < 0.2
+    work = 0.5 * (smooth["hammer.force"] * np.diff(smooth["hammer.stroke"], prepend=0.0)).sum()  # of the half
+    assert smooth["external_energy"][-1] == pytest.approx(work, rel=0.005)
+
+
+def test_prescribed_displacements_start_smoothly_too(tmp_path: Path) -> None:
+    """Half of the way at half of the time, 1/20 of the stage's ramp gone at a tenth; resumed to the same bits."""
+    pull = {"name": "pull", "duration": 5e-5, "displacement": [{"set": "top", "component": "y", "value": 0.2}]}
+    model = build(BLOCK, stages=[pull], tools={}, boundary={"foot": {"set": "bottom", "fix": ["x", "y"]}})
+    assert model.stages[0].ramp == pytest.approx(5e-6)
+    whole = run_model(model, tmp_path / "whole", threads=1).result
+    height = whole.history["y_max"] - 5.0
+    assert height[9] == pytest.approx(0.1, rel=1e-9)
+    assert height[1] == pytest.approx(0.5 * 0.2 / 0.9 * 0.1, rel=1e-9)  # the end of the ramp: half of its time at speed
+    assert height[-1] == pytest.approx(0.2, rel=1e-9)
+    rows = iter(range(100))
+
+    def stop(_: object) -> None:
+        if next(rows) == 2:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
+    assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
+    assert (tmp_path / "part" / "history.csv").read_bytes() == (tmp_path / "whole" / "history.csv").read_bytes()
 
 
 def test_mass_scaling_from_a_case_is_reported(tmp_path: Path) -> None:

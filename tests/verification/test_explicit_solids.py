@@ -16,8 +16,9 @@ from solid_problems import (
 )
 
 from presswork import _core
-from presswork.model import Mesh
+from presswork.model import CellBlock, Hardening, Mesh
 from presswork.procedure.explicit_solids import ExplicitSolids
+from presswork.procedure.solid_material import SolidMaterial
 
 ELEMENTS = ("quad4_1pt", "tri3")
 PLANE_WAVE = np.sqrt(YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / DENSITY)
@@ -107,12 +108,11 @@ def test_patch_of_distorted_cells(element: str, axisymmetric: bool) -> None:
     assert np.abs(run.internal_force[inner]).max() < 1e-4 * np.abs(run.internal_force).max()
 
 
-def element_frequency(mesh: Mesh, run: ExplicitSolids, axisymmetric: bool) -> float:
-    """Highest squared frequency of the one cell of a mesh, from its stiffness."""
+def evaluate_cell(mesh: Mesh, axisymmetric: bool, law: _core.VonMises, move: np.ndarray) -> dict[str, np.ndarray]:
+    """Evaluate the one cell of a mesh as the implicit procedure does, from no stress, over a move of its nodes."""
     block = mesh.blocks[0]
     nodes = block.connectivity.shape[1]
     size = 2 * nodes
-    law = _core.VonMises(YOUNG, POISSON, _core.HardeningLaw.linear, [1e9, 0.0])
     force, stiffness = np.zeros((1, size, _core.pack_width)), np.zeros((1, size, size, _core.pack_width))
     state = {"stress": np.zeros((1, 1, 4)), "eqps": np.zeros((1, 1)), "hourglass": np.zeros((1, 2))}
     out = {name: value.copy() for name, value in state.items()}
@@ -120,7 +120,7 @@ def element_frequency(mesh: Mesh, run: ExplicitSolids, axisymmetric: bool) -> fl
         block.element,
         block.connectivity,
         mesh.points,
-        np.zeros_like(mesh.points),
+        move,
         law,
         _core.PointSettings(),
         axisymmetric=axisymmetric,
@@ -133,8 +133,58 @@ def element_frequency(mesh: Mesh, run: ExplicitSolids, axisymmetric: bool) -> fl
         stiffness=stiffness,
         symmetric=True,
     )
-    mass = np.repeat(run.mass[block.connectivity[0]], 2)
-    return float(eigh(stiffness[0, :, :, 0], np.diag(mass), eigvals_only=True)[-1])
+    return out | {"force": force[0, :, 0].reshape(nodes, 2), "stiffness": stiffness[0, :, :, 0]}
+
+
+def element_frequency(mesh: Mesh, run: ExplicitSolids, axisymmetric: bool) -> float:
+    """Highest squared frequency of the one cell of a mesh, from its stiffness."""
+    law = _core.VonMises(YOUNG, POISSON, _core.HardeningLaw.linear, [1e9, 0.0])
+    stiffness = evaluate_cell(mesh, axisymmetric, law, np.zeros_like(mesh.points))["stiffness"]
+    mass = np.repeat(run.mass[mesh.blocks[0].connectivity[0]], 2)
+    return float(eigh(stiffness, np.diag(mass), eigvals_only=True)[-1])
+
+
+def random_cell(element: str, random: np.random.Generator, on_axis: bool) -> Mesh:
+    """Give a mesh of one cell of a random shape."""
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])[: 3 if element == "tri3" else 4]
+    stretch = np.array([1.0, random.uniform(0.3, 3.0)])
+    points = (corners + random.uniform(-0.2, 0.2, corners.shape)) * stretch
+    points[:, 0] += 0.0 if on_axis else random.uniform(0.5, 30.0)
+    points[:, 0] -= min(points[:, 0].min(), 0.0)
+    cells = np.arange(len(corners), dtype=np.int32)[None]
+    edges = np.stack([cells[0], np.roll(cells[0], -1)], axis=1)
+    return Mesh(points, (CellBlock(element, cells, 0),), {}, {}, edges)
+
+
+@pytest.mark.parametrize("axisymmetric", [False, True])
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_a_cell_answers_as_that_of_the_implicit_procedure(element: str, axisymmetric: bool) -> None:
+    """Force, stress and plastic strain of random cells, also on the axis, over moves of a thousandth and of a tenth.
+
+    The table of the hardening follows Swift's law to 1e-8.
+    """
+    random = np.random.default_rng(7)
+    swift = [600.0, 0.01, 0.25]
+    law = _core.VonMises(YOUNG, POISSON, _core.HardeningLaw.swift, swift)
+    material = SolidMaterial(
+        young=YOUNG, poisson=POISSON, density=DENSITY, hardening=Hardening("swift", np.array(swift))
+    )
+    for i in range(20):
+        mesh = random_cell(element, random, on_axis=i % 2 == 0)
+        move = random.uniform(-1.0, 1.0, mesh.points.shape) * (1e-3 if i % 4 < 2 else 0.1)
+        move[mesh.points[:, 0] == 0.0, 0] = 0.0
+        expected = evaluate_cell(mesh, axisymmetric, law, move)
+        run = ExplicitSolids(mesh, [material], axisymmetric=axisymmetric)
+        run.dt = 1e-3  # slow enough for any move: every freedom is given
+        for freedom, letter in enumerate("uv"):
+            run.fix(np.arange(len(mesh.points)), letter, move[:, freedom] / run.dt)
+        run.advance(1)
+        force = expected["force"]
+        np.testing.assert_allclose(run.internal_force, force, atol=1e-7 * np.abs(force).max())
+        stress = expected["stress"][:, 0]
+        np.testing.assert_allclose(run.stress, stress, atol=1e-7 * np.abs(stress).max())
+        np.testing.assert_allclose(run.equivalent_plastic_strain, expected["eqps"][:, 0], rtol=1e-7, atol=1e-11)
+        assert (run.equivalent_plastic_strain > 0).all() or i % 4 < 2
 
 
 @pytest.mark.parametrize("axisymmetric", [False, True])
@@ -142,17 +192,9 @@ def element_frequency(mesh: Mesh, run: ExplicitSolids, axisymmetric: bool) -> fl
 def test_stable_step_is_bounded_by_the_eigenvalue(element: str, axisymmetric: bool) -> None:
     """60 cells of random shapes, also on the axis: the bound of the frequency is never below, at most 1.1 times it."""
     random = np.random.default_rng(1)
-    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])[: 3 if element == "tri3" else 4]
-    template = rectangle("quad4_1pt", 1, 1, 1.0, 1.0).blocks[0]
     ratios = []
     for i in range(60):
-        stretch = np.array([1.0, random.uniform(0.3, 3.0)])
-        points = (corners + random.uniform(-0.2, 0.2, corners.shape)) * stretch
-        points[:, 0] += 0.0 if i % 2 else random.uniform(0.5, 30.0)
-        points[:, 0] -= min(points[:, 0].min(), 0.0)
-        cells = np.arange(len(corners), dtype=np.int32)[None]
-        edges = np.stack([cells[0], np.roll(cells[0], -1)], axis=1)
-        mesh = Mesh(points, (type(template)(element, cells, 0),), {}, {}, edges)
+        mesh = random_cell(element, random, on_axis=i % 2 == 1)
         run = ExplicitSolids(mesh, [elastic()], axisymmetric=axisymmetric)
         ratios.append(2.0 / run.stable_step() / np.sqrt(element_frequency(mesh, run, axisymmetric)))
     assert min(ratios) >= 1.0 - 1e-9

@@ -19,6 +19,7 @@ from presswork.case.hardening import build_hardening
 from presswork.case.reach import check_reach
 from presswork.case.references import check_references, check_sets
 from presswork.case.settings import build_output, build_solver
+from presswork.case.stamping import RAMP
 from presswork.case.tools import build_tool, check_motions
 from presswork.case.umat import UmatMaterial, build_umat
 
@@ -41,7 +42,7 @@ def build_solid_model(case: schema.Case) -> model.Model:
     built = [build_tool(name, tool, mesh, planes, _folder(case)) for name, tool in case.tools.items()]
     problems += [tool for tool in built if isinstance(tool, Problem)]
     tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
-    stages = tuple(_build_stage(stage) for stage in case.stages)
+    stages = tuple(_build_stage(stage, explicit=case.procedure == "explicit") for stage in case.stages)
     problems = problems or check_motions(case, tools)
     if not problems and case.workpiece.velocity is None:
         problems = check_reach(tools, stages, mesh)
@@ -169,11 +170,13 @@ def _check_axis(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
     ]
 
 
-def _build_stage(stage: schema.Stage) -> model.Stage:
+def _build_stage(stage: schema.Stage, *, explicit: bool) -> model.Stage:
     """Turn a case's stage into the Model's."""
+    ramp = RAMP * stage.duration if stage.ramp is None else stage.ramp
     return model.Stage(
         name=stage.name,
         duration=stage.duration,
+        ramp=ramp if explicit else 0.0,
         tool_motion={name: motion.build() for name, motion in stage.tools.items()},
         prescribed=tuple(
             model.PrescribedDisplacement(entry.set, 0 if entry.component == "x" else 1, entry.value)

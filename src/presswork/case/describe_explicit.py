@@ -9,7 +9,7 @@ import numpy as np
 
 from presswork import model
 
-SECONDS = 0.3e-6
+SECONDS = 0.1e-6
 """Of one core for a cell and a cycle, about."""
 SAFETY = 0.9
 """Time step over its stable bound."""
@@ -23,6 +23,12 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
     for tool in problem.tools:
         if not any(any(stage.tool_motion.get(tool.name, model.ToolMotion()).move) for stage in problem.stages):
             yield f"tool {tool.name} stands still"
+    for number, stage in enumerate(problem.stages, start=1):
+        if stage.prescribed or any(any(motion.move) for motion in stage.tool_motion.values()):
+            how = (
+                f"{stage.ramp:.3g} s to start and to stop" if stage.ramp else "at full velocity from the first cycle on"
+            )
+            yield f'stage {number} "{stage.name}", {stage.duration:.4g} s: {how}'
     if settings.damping:
         yield f"mass damping {settings.damping:g} 1/s"
     yield f"output: {problem.output.rows} rows of history and {problem.output.steps} saved steps a stage"

@@ -25,6 +25,7 @@ def _check_implicit(case: schema.Case) -> list[Problem]:
         if not isinstance(material, UmatMaterial):
             keys += [f"materials.{name}.{key}" for key in ("rate", "heating") if getattr(material, key) is not None]
     keys += [f"explicit.{key}" for key in sorted(case.explicit.model_fields_set)]
+    keys += [f"stages.{number}.ramp" for number, stage in enumerate(case.stages) if stage.ramp is not None]
     keys += ["output.rows"] if "rows" in case.output.model_fields_set else []
     return [Problem(key, fault, remedy) for key in keys]
 
@@ -87,6 +88,10 @@ def _check_stage(key: str, stage: schema.Stage) -> list[Problem]:
     problems = []
     if "duration" not in stage.model_fields_set:
         problems.append(Problem(f"{key}.duration", "missing key", 'add it: dynamics take their time, e.g. "80 us"'))
+    elif stage.ramp is not None and stage.ramp > 0.5 * stage.duration * (1 + 1e-12):
+        longest = 0.5 * stage.duration
+        fault = f"start and end do not fit into {stage.duration:g} s"
+        problems.append(Problem(f"{key}.ramp", fault, f"take at most {longest:.3g} s", stage.ramp))
     fault = "the explicit procedure has tools and displacements that move, and a velocity at the start, no loads"
     for load in ("force", "pressure"):
         if getattr(stage, load):

@@ -321,10 +321,16 @@ class Pressure(Part):
 
 
 class Stage(Part):
-    """A part of the process in which every motion and load is linear in time."""
+    """A part of the process in which every motion and load is linear in time; explicit: motions start smoothly."""
 
     name: str = Field(description="name of the stage")
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
+    ramp: Time | None = Field(
+        default=None,
+        ge=0,
+        description="explicit: time of the smooth start and of the smooth end of all that moves [s]; without it: a "
+        "tenth of the duration; 0: full velocity from the first cycle on, a blow",
+    )
     tools: dict[str, ToolMotion] = Field(default={}, description="motion of each moving tool; the others stand still")
     displacement: tuple[Displacement, ...] = Field(default=(), description="prescribed displacements")
     force: tuple[NodeForce, ...] = Field(default=(), description="forces")

@@ -118,6 +118,8 @@ class Stage:
     name: str
     duration: float = 1.0
     """[s]; counts for laws with a strain rate and for inertia alone."""
+    ramp: float = 0.0
+    """Explicit solids: time of the smooth start, and of the smooth end, of all that moves [s]; 0: it moves evenly."""
     clock: FloatArray | None = None
     """Of shells: rows of part done (0 to 1) and time [s] (n, 2), linear between them; None: in proportion."""
     tool_motion: Mapping[str, ToolMotion] = field(default_factory=dict)

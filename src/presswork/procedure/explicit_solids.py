@@ -23,6 +23,7 @@ from presswork.model import Mesh
 from presswork.procedure.explicit import SAFETY
 from presswork.procedure.explicit_energy import EnergyBalance, MassScaling, strike_balance, sum_energies
 from presswork.procedure.explicit_input import ExplicitError, check_nodal, check_solids
+from presswork.procedure.motion import Motion
 from presswork.procedure.solid_material import SolidMaterial
 
 Array = npt.NDArray[np.float64]
@@ -307,11 +308,15 @@ class ExplicitSolids:
                 f"{self.dt:g} s is too long (the cells allow {SAFETY * self.stable_step():g} s now)"
             )
 
-    def run_to(self, end: float, *, damping: float = 0.0, target_step: float | None = None) -> None:
+    def run_to(
+        self, end: float, *, damping: float = 0.0, target_step: float | None = None, motion: Motion | None = None
+    ) -> None:
         """Run to the time `end` [s], with a step that follows the cells' own: found anew every 10 cycles.
 
-        target_step [s]: where the cells' own is shorter, mass is added as by scale_mass. Raises ExplicitError where a
-        cell is so crushed that its step is a thousandth of the first.
+        target_step [s]: where the cells' own is shorter, mass is added as by scale_mass. motion: how long walls and
+        prescribed velocities have gone at their speed [s], by a time; e.g. SmoothStroke(T, T) starts them smoothly,
+        stops them after T, and takes them as far as T at their speed would. Without it they go at their speed. Raises
+        ExplicitError where a cell is so crushed that its step is a thousandth of the first.
         """
         if not end > self.time:
             raise ExplicitError(f"end = {end:g} s: it must lie beyond the time reached, {self.time:g} s")
@@ -328,7 +333,11 @@ class ExplicitSolids:
             left = int(np.ceil((end - self.time) / self.dt * (1 - 1e-9)))
             if left <= RENEWAL:
                 self.dt = (end - self.time) / left
-            self.advance(min(left, RENEWAL), damping=damping)
+            n = min(left, RENEWAL)
+            scale: float | Array = 1.0
+            if motion is not None:
+                scale = np.diff(motion.position(np.linspace(self.time, self.time + n * self.dt, n + 1))) / self.dt
+            self.advance(n, velocity_scale=scale, damping=damping)
 
     def _energies(self, damping: float, force_scale: float, velocity_scale: float) -> _core.SolidEnergies:
         # velocities stand half of the last step back: so long is the way to now, whatever the next step will be

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray, Material, Model, Tool, ToolMotion
+from presswork.model import FloatArray, Material, Model, Stage, Tool, ToolMotion
 from presswork.procedure.explicit_energy import EnergyBalance, warn_of_energies
 from presswork.procedure.explicit_solids import FREEDOMS, ExplicitSolids, Wall
+from presswork.procedure.motion import SmoothStroke
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
 from presswork.procedure.solid_material import SolidMaterial
@@ -63,7 +64,9 @@ class ExplicitImpact(RowRecording):
         cycle, time = self.solids.cycle, self.solids.time
         impulse = [wall.impulse for wall in self.walls]
         to = begin + stage.duration * (row + 1) / rows
-        self.solids.run_to(to, damping=self.settings.damping, target_step=self.settings.target_step)
+        self.solids.run_to(
+            to, damping=self.settings.damping, target_step=self.settings.target_step, motion=_motion_of(stage, begin)
+        )
         for i, wall in enumerate(self.walls):
             self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
         energies = self.solids.energies()
@@ -72,7 +75,7 @@ class ExplicitImpact(RowRecording):
         return cycles, stage.duration / rows / cycles, energies
 
     def _begin_stage(self) -> None:
-        """Prescribe what supports and the present stage prescribe; every motion is even over the stage."""
+        """Prescribe what supports and the present stage prescribe: the mean velocity of each motion over the stage."""
         self.solids.release()
         for support in self.model.supports:
             held = "".join(letter for letter, is_held in zip(FREEDOMS, support.fix, strict=True) if is_held)
@@ -206,6 +209,13 @@ class ExplicitImpact(RowRecording):
                 *warn_of_energies(history, advice),
             ],
         }
+
+
+def _motion_of(stage: Stage, begin: float) -> SmoothStroke | None:
+    """Return how long all that moves in a stage has gone at its mean velocity [s], by the time; None: evenly."""
+    if stage.ramp == 0.0:
+        return None
+    return SmoothStroke(stage.duration, stage.duration, rise=stage.ramp / stage.duration, start=begin)
 
 
 def _solid_material(material: Material) -> SolidMaterial:

@@ -53,6 +53,16 @@ def test_the_model_has_what_the_case_says() -> None:
     assert build(materials__steel__heating__reference=100).materials[0].heating.start == 100.0
 
 
+def test_motions_start_smoothly_within_a_tenth_of_the_stage_unless_it_says_otherwise() -> None:
+    anvil = {"anvil": {"move": [0, -1]}}
+    assert build().stages[0].ramp == pytest.approx(5e-6)
+    assert build(stages__0__ramp="10 us").stages[0].ramp == pytest.approx(1e-5)
+    assert build(stages__0__ramp=0).stages[0].ramp == 0.0
+    assert 'stage 1 "impact", 5e-05 s: 5e-06 s to start and to stop' in describe(build(stages__0__tools=anvil))
+    blow = describe(build(stages__0__tools=anvil, stages__0__ramp=0))
+    assert 'stage 1 "impact", 5e-05 s: at full velocity from the first cycle on' in blow
+
+
 def test_description_says_how_it_starts_and_how_long_it_takes() -> None:
     text = describe(build())
     assert "the workpiece starts at (0, -200000) mm/s, density 7.85e-09 t/mm3" in text
@@ -77,6 +87,8 @@ def test_description_says_how_it_starts_and_how_long_it_takes() -> None:
          ["tools.anvil.profile.1.mu", "one coefficient of friction", "make it two tools"]),
         ({"tools__anvil__spring": {"stiffness": 1, "direction": [0, 1]}}, ["tools.anvil.spring", "rests on no spring"]),
         ({"stages__0__duration": None}, ["stages.0.duration", "missing key", "80 us"]),
+        ({"stages__0__ramp": "30 us"}, ["stages.0.ramp", "do not fit into 5e-05 s", "take at most 2.5e-05 s"]),
+        ({"stages__0__ramp": -1}, ["stages.0.ramp = -1", "expected a value >= 0"]),
         ({"stages__0__force": [{"set": "top", "value": [0, 1]}]}, ["stages.0.force", "no loads"]),
         ({"stages__0__pressure": [{"set": "top", "value": 1}]}, ["stages.0.pressure", "no loads"]),
         ({"stages__0__tools": {"anvil": {"force": 5, "direction": [0, 1]}}},
@@ -94,8 +106,9 @@ def test_description_says_how_it_starts_and_how_long_it_takes() -> None:
          ["materials.steel.heating.heat_capacity", "460 J/(kg*K)"]),
         ({"materials__steel__heating__melting": 10}, ["materials.steel.heating.melting", "not above reference = 20"]),
         ({"materials__steel__heating__start": 1600}, ["heating.start", "not from reference = 20 up to melting"]),
-        ({"procedure": "implicit", "stages__0__tools": {"anvil": {"move": [0, 1]}}, "output": {"rows": 9}},
-         ["workpiece.velocity", "materials.steel.heating", "output.rows", "is for the explicit",
+        ({"procedure": "implicit", "stages__0__tools": {"anvil": {"move": [0, 1]}}, "output": {"rows": 9},
+          "stages__0__ramp": 1e-6},
+         ["workpiece.velocity", "materials.steel.heating", "output.rows", "stages.0.ramp", "is for the explicit",
           'set procedure = "explicit"']),
         ({"procedure": "implict"}, ["procedure", "unknown choice", "did you mean `implicit`?"]),
     ],

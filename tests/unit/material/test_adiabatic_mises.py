@@ -111,9 +111,19 @@ def test_linear_softening_gives_the_exponential_of_its_closed_form() -> None:
     assert errors[1] == pytest.approx(0.5 * errors[0], rel=0.1)
 
 
-def test_without_rate_and_heat_it_is_the_implicit_law() -> None:
-    """The same stress and plastic strain as VonMises by backward Euler, over a random path."""
-    plain = mises(300.0, 500.0, 0.3)
+@pytest.mark.parametrize(
+    ("plain", "within"),
+    [
+        (_core.VonMises(YOUNG, POISSON, _core.HardeningLaw.swift, [600.0, 0.01, 0.25]), 2e-8),
+        (mises(300.0, 500.0, 0.3), 2e-6),  # infinite slope at the first yield: the table's first interval is a chord
+    ],
+    ids=["swift", "ludwik"],
+)
+def test_without_rate_and_heat_it_is_the_implicit_law(plain: _core.VonMises, within: float) -> None:
+    """The same stress and plastic strain as VonMises by backward Euler, over a random path; hardening is from a table.
+
+    within: of the flow stress.
+    """
     law = _core.AdiabaticMises(plain)
     random = np.random.default_rng(5)
     stress, eqps, rise = np.zeros((50, 4)), np.zeros(50), np.zeros(50)
@@ -122,8 +132,8 @@ def test_without_rate_and_heat_it_is_the_implicit_law() -> None:
         strain = random.normal(0.0, 1e-3, (50, 4))
         stress, eqps, rise = law.update(strain, 1e-6, stress, eqps, rise)
         other, other_eqps, _ = plain.update(strain, other, other_eqps)
-    np.testing.assert_allclose(stress, other, atol=1e-7)
-    np.testing.assert_allclose(eqps, other_eqps, atol=1e-12)
+    np.testing.assert_allclose(stress, other, atol=400.0 * within)
+    np.testing.assert_allclose(eqps, other_eqps, atol=400.0 * within / (3 * SHEAR), rtol=0)
     assert (eqps > 0.001).all()
     assert (rise == 0).all()
 
@@ -134,7 +144,7 @@ def test_heat_is_the_plastic_work() -> None:
     stress, p, rise = compress(law, 1.0, 1.0, 4000)
     work = 806.0 * p + 614.0 * p**1.168 / 1.168
     assert 7.83e-9 * 4.6e8 * rise == pytest.approx(work, rel=2e-4)
-    assert stress == pytest.approx(806.0 + 614.0 * p**0.168, rel=1e-9)
+    assert stress == pytest.approx(806.0 + 614.0 * p**0.168, rel=1e-8)  # the table's tolerance
 
 
 def test_a_molten_point_bears_no_shear_and_stays_finite() -> None:
