@@ -4,7 +4,7 @@
     python benchmarks/explicit_limits.py
 
 The operations of a shell and cycle are counted by a number that counts, sent through the same kernel (five points, all
-plastic); the CPU's vector operations are timed on their own, twelve that do not wait for each other. `limit`: all
+plastic); the CPU's vector operations are timed on their own, eight that do not wait for each other. `limit`: all
 operations one after the other at that pace, every addition fused with a multiplication as far as there are both, or
 none of them. `kernel`: the shell with nothing to load. The loop: 10,000 and 1,000,000 shells, one and two threads.
 Bytes of a cycle are counted from the arrays that it reads and writes, beside the machine's triad.
