@@ -13,6 +13,8 @@ import os
 import sys
 from collections.abc import Sequence
 
+from presswork.threads import limit_spinning
+
 VARIABLE = "PRESSWORK_SIMD"
 LEVELS = (2, 3, 4)
 
@@ -63,4 +65,5 @@ def load_core() -> None:
     spec.loader.exec_module(module)
 
 
+limit_spinning(os.environ)  # before the first module that brings GCC's OpenMP runtime
 load_core()

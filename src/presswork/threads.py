@@ -1,9 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How many threads a run takes."""
+"""How many threads a run takes, and how they wait for each other."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import MutableMapping
+
+SPINS = 1000
+"""Looks of a waiting thread at the others before it gives its core away: some 10 us. GCC's runtime takes 300,000, which
+costs a machine with other work two to three times the time of an explicit run (docs/performance.md)."""
+
+
+def limit_spinning(environment: MutableMapping[str, str]) -> None:
+    """Let waiting threads give their cores away soon, unless the user has said how they wait.
+
+    GCC's OpenMP runtime reads this when it is loaded, so before the compiled module is.
+    """
+    if "OMP_WAIT_POLICY" not in environment:
+        environment.setdefault("GOMP_SPINCOUNT", str(SPINS))
 
 
 def available_threads() -> int:

@@ -22,7 +22,7 @@ CPP_ROOMS = {
 }
 
 PYTHON_ROOMS = {
-    "simd": set(),
+    "simd": {"threads"},
     "threads": set(),
     "formability": set(),
     "model": {"formability"},
