@@ -111,6 +111,6 @@ def test_the_log_warns_of_a_blow(tmp_path: Path) -> None:
 
 
 def test_damping_that_holds_the_sheet_as_in_tar_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(StartError, match=r"explicit\.damping = 1e\+09 1/s: it would stop the sheet within 1e-09 s"):
+    with pytest.raises(StartError, match=r"explicit\.damping = 1e\+09 1/s: it would stop the part within 1e-09 s"):
         run_model(build_model(cup(explicit={"damping": 1e9})), tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import copy
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 from whole_runs import assert_same_bits, run_to_end, stop_after, stop_within_a_row
 
-from presswork.case import Case, build_model
+from presswork.case import Case, CaseError, build_model
 from presswork.examples import copy_example
 from presswork.model import Model
 from presswork.procedure.explicit_solids import ExplicitSolids
@@ -212,12 +213,22 @@ def test_a_run_that_breaks_down_keeps_its_last_row(tmp_path: Path) -> None:
 
 
 def test_a_velocity_in_a_wrong_unit_is_refused_before_anything_is_written(taylor_bar: dict[str, Any]) -> None:
+    """In the case, and in a Model that comes from elsewhere."""
     body = {**taylor_bar["workpiece"], "velocity": [0, "-287 km/s"]}
+    with pytest.raises(CaseError, match=r"workpiece\.velocity.*faster than sound"):
+        build(taylor_bar, workpiece=body)
+    model = build(taylor_bar)
+    assert model.explicit is not None
     with pytest.raises(StartError, match="beyond the material's sound"):
-        check_start(build(taylor_bar, workpiece=body))
+        check_start(replace(model, explicit=replace(model.explicit, velocity=(0.0, -287e6))))
 
 
 def test_pictures_of_an_impact(bounced: Result, tmp_path: Path) -> None:
     assert default_fields(bounced) == ("effective_stress", "equivalent_plastic_strain", "temperature")
     names = {path.name for path in plot_all(bounced, tmp_path, ["temperature"])}
     assert names == {"energies.png", "contours_temperature_004.png", "mesh_temperature_004.png"}
+
+
+def test_damping_that_holds_the_part_as_in_tar_is_refused(taylor_bar: dict[str, Any], tmp_path: Path) -> None:
+    with pytest.raises(StartError, match=r"explicit\.damping = 1e\+12 1/s: it would stop the part within 1e-12 s"):
+        run_model(build(taylor_bar, explicit={"damping": 1e12}), tmp_path / "out")

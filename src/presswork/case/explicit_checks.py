@@ -3,14 +3,21 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from presswork import _core
 from presswork.case import schema
 from presswork.case.bodies import list_bodies
 from presswork.case.errors import Problem
+from presswork.case.hardening import build_hardening
+from presswork.case.stamping_checks import STRONGEST
 from presswork.case.umat import UmatMaterial
 
 ELEMENTS = ("quad4_1pt", "tri3")
 CONTACTS = ("frictionless", "coulomb")
 LARGEST_MU = 2.0
+STEPS_OF_A_STAGE = 20
+"""Time steps that the shortest stage has at least, where a step is asked for."""
 
 
 def check_procedure(case: schema.Case) -> list[Problem]:
@@ -44,6 +51,7 @@ def _check_explicit(case: schema.Case) -> list[Problem]:
         problems += _check_tool(f"tools.{name}", tool)
     for index, stage in enumerate(case.stages):
         problems += _check_stage(f"stages.{index}", stage)
+    problems += _check_magnitudes(case) + _check_target_step(case)
     fault = "is for the implicit procedure"
     keys = [f"solver.{key}" for key in sorted(case.solver.model_fields_set)]
     keys += [f"output.{key}" for key in ("every", "at") if key in case.output.model_fields_set]
@@ -65,6 +73,39 @@ def _check_material(case: schema.Case) -> list[Problem]:
         remedy = 'add it: the explicit procedure needs it; steel has "7850 kg/m^3"'
         return [Problem(f"materials.{name}.density", "missing key", remedy)]
     return []
+
+
+def _check_magnitudes(case: schema.Case) -> list[Problem]:
+    """Return the problems of strength and velocity, beside the material's own stiffness: units taken for others."""
+    name = case.workpiece.material
+    material = case.materials.get(name)
+    if material is None or isinstance(material, UmatMaterial) or material.density is None:
+        return []
+    problems = []
+    hardening = build_hardening(material.hardening)
+    law = _core.VonMises(
+        material.young, material.poisson, _core.HardeningLaw[hardening.law], [float(p) for p in hardening.parameters]
+    )
+    strength = float(law.flow_stress(np.zeros(1))[0][0])
+    if strength > STRONGEST * material.young:
+        fault = f"Young's modulus, though the metal yields at {strength:.4g} MPa"
+        remedy = 'plain numbers are MPa; with a unit: "207 GPa"'
+        problems.append(Problem(f"materials.{name}.young", fault, remedy, material.young))
+    velocity = case.workpiece.velocity
+    sound = float(np.sqrt(material.young / material.density))
+    if velocity is not None and np.hypot(*velocity) > sound:
+        fault = f"faster than sound in the material, {sound:.3g} mm/s"
+        problems.append(Problem("workpiece.velocity", fault, 'plain numbers are mm/s; "200 m/s" is 2e5', velocity))
+    return problems
+
+
+def _check_target_step(case: schema.Case) -> list[Problem]:
+    target = case.explicit.target_step
+    durations = [stage.duration for stage in case.stages if "duration" in stage.model_fields_set]
+    if target is None or not durations or target * STEPS_OF_A_STAGE <= min(durations):
+        return []
+    fault = f"the shortest stage, of {min(durations):.3g} s, has fewer than {STEPS_OF_A_STAGE} such steps"
+    return [Problem("explicit.target_step", fault, "take a few times the step without it", target)]
 
 
 def _check_tool(key: str, tool: schema.Tool) -> list[Problem]:

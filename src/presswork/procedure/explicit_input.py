@@ -124,9 +124,9 @@ def check_solids(mesh: Mesh, n_materials: int, axisymmetric: bool, depth: float,
 
 
 def check_damping(damping: float, step: float) -> None:
-    """Raise ExplicitError if mass damping [1/s] would stop a sheet within a few steps [s], as in tar."""
+    """Raise ExplicitError if mass damping [1/s] would stop a part within a few steps [s], as in tar."""
     if damping * step > STRONGEST_DAMPING:
         raise ExplicitError(
-            f"explicit.damping = {damping:g} 1/s: it would stop the sheet within {1 / damping:.2g} s, and a step is "
+            f"explicit.damping = {damping:g} 1/s: it would stop the part within {1 / damping:.2g} s, and a step is "
             f"{step:.2g} s; take a few times 1/duration of the stage, or leave it out"
         )

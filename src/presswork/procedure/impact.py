@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from presswork.model import FloatArray, Material, Model, Stage, Tool, ToolMotion
 from presswork.procedure.explicit_energy import EnergyBalance, warn_of_energies
+from presswork.procedure.explicit_input import check_damping
 from presswork.procedure.explicit_solids import FREEDOMS, ExplicitSolids, Wall
 from presswork.procedure.motion import SmoothStroke
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
@@ -54,6 +55,7 @@ class ExplicitImpact(RowRecording):
         self._force = np.zeros((len(self.walls), 2))
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
+        check_damping(self.settings.damping, self.solids.dt)
         self._begin_stage()
 
     # --- the way through ---------------------------------------------------------------------------------------------
