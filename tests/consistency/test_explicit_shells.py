@@ -75,7 +75,7 @@ def test_threads_do_not_change_a_bit(precision: str, element: str) -> None:
 
 
 def test_the_clock_of_phases_adds_up() -> None:
-    """Nothing touches, and no more is shared out than the call has taken."""
+    """No more is shared out than the call has taken, and most of it."""
     shells = make_run(n=36)
     started = perf_counter()
     shells.advance(300)
@@ -84,7 +84,6 @@ def test_the_clock_of_phases_adds_up() -> None:
     assert list(spent) == ["nodes", "shells", "contact", "waiting"]
     assert 0 < spent["nodes"] < spent["shells"]
     assert 0.5 * wall < sum(spent.values()) <= wall
-    assert spent["contact"] < 0.01 * wall
 
 
 def vars_of(energies: object) -> list[float]:
