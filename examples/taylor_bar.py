@@ -18,8 +18,8 @@ from matplotlib.collections import PolyCollection
 
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
+from presswork.recorder import run_model
 from presswork.results import Result
-from presswork.run import run_model
 
 MOMENTS = (1, 3, 6, 16)
 """Saved steps, every 5 us."""

@@ -17,7 +17,7 @@ import numpy as np
 from presswork.case import StampingCase, build_model
 from presswork.examples import copy_example
 from presswork.post import fit_flange
-from presswork.run import run_model
+from presswork.recorder import run_model
 from presswork.study import BlankShape, find_blank_shape, surround_opening
 
 DEPTH, WIDTH, TOLERANCE = 20.0, 11.0, 0.5

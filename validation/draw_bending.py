@@ -27,7 +27,7 @@ from presswork.procedure.implicit import ImplicitProcedure
 from presswork.procedure.springback import make_springback_model
 from presswork.procedure.stamping import ExplicitStamping
 from presswork.procedure.transfer import begin_with, carry_to_explicit
-from presswork.run import run_model
+from presswork.recorder import run_model
 
 LENGTH, THICKNESS, EDGE, STROKE, MU, HOLDER = 350.0, 0.78, 5.0, 70.0, 0.144, 70.0
 """Of the benchmark [mm]; HOLDER: 2.45 kN on 35 mm [N/mm]. Punch 50 mm, die opening 52 mm."""

@@ -21,7 +21,7 @@ import numpy as np
 from presswork.case import StampingCase, build_model
 from presswork.case.library import find_sheet
 from presswork.material.predict import predict_tension
-from presswork.run import run_model
+from presswork.recorder import run_model
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from presswork.case import build_model, read_case
 from presswork.examples import copy_example
 from presswork.post.section import cut_sheet, measure_draw_in
 from presswork.procedure.stamping import ExplicitStamping
+from presswork.recorder import run_model
 from presswork.results import load_checkpoint
-from presswork.run import run_model
 
 CASES = {"square_cup": (4.0, 2), "hemispherical_punch": (6.0, 2)}
 """Side of the coarse shells [mm], and levels."""

@@ -18,7 +18,7 @@ from presswork import Result
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
 from presswork.post.section import measure_draw_in
-from presswork.run import run_model
+from presswork.recorder import run_model
 
 STROKE = np.array([12.77, 16.26, 22.18, 24.53])
 EXPERIMENT = {0.0: np.array([6.25, 9.90, 15.10, 17.97]), 45.0: np.array([3.59, 5.66, 8.71, 10.26])}

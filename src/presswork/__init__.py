@@ -5,52 +5,23 @@
 >>> case = presswork.Case.from_toml("upsetting_4cst.toml")
 >>> result = presswork.run(case, "out").result
 >>> result.history["punch.force"], result.field("eqps", step=-1)
+
+Names are imported when they are first used (`__init__.pyi` lists them), so that a command loads only what it needs.
 """
 
-from __future__ import annotations
+import importlib
+from typing import Any
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING
+import lazy_loader
 
 __version__ = "0.1.0"
 
-import presswork.simd  # noqa: F401  loads presswork._core, and so comes first
-from presswork.case import Case, CaseError, ShellCase, StampingCase, build_model
-from presswork.results import OutputError, Result
-from presswork.run import Outcome, run_model
-
-if TYPE_CHECKING:
-    from presswork.run import Progress
-
-__all__ = [
-    "Case",
-    "CaseError",
-    "Outcome",
-    "OutputError",
-    "Result",
-    "ShellCase",
-    "StampingCase",
-    "build_model",
-    "run",
-    "run_model",
-]
+_find, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
-def run(
-    case: Case | ShellCase | StampingCase,
-    folder: Path | str,
-    *,
-    overwrite: bool = False,
-    resume: bool = False,
-    threads: int = 0,
-    on_increment: Callable[[Progress], None] | None = None,
-) -> Outcome:
-    """Compute a case into a folder and return how it ended; `.result` reads what it wrote.
-
-    `threads` 0 uses every core. Raises CaseError for a case that cannot be computed, before anything is, and
-    OutputError for a folder that cannot be used.
-    """
-    return run_model(
-        build_model(case), folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=on_increment
-    )
+def __getattr__(name: str) -> Any:
+    """Import a public name, or the compiled module: the build of it that suits this CPU."""
+    if name == "_core":
+        importlib.import_module("presswork.simd")
+        return importlib.import_module("presswork._core")
+    return _find(name)

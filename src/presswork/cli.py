@@ -27,9 +27,10 @@ from presswork.onestep.commands import add_commands as add_onestep_commands
 from presswork.onestep.commands import compute as compute_onestep
 from presswork.onestep.part import OneStepError
 from presswork.post import trace_outline
+from presswork.procedure.begin import check_start
+from presswork.recorder import Outcome, StartError, run_model
+from presswork.recorder import Progress as RunProgress
 from presswork.results import write_outline
-from presswork.run import Outcome, StartError, check_start, run_model
-from presswork.run import Progress as RunProgress
 from presswork.study.commands import add_commands
 
 BAD_INPUT, GAVE_UP, INTERRUPTED = 2, 3, 130

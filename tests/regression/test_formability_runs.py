@@ -15,8 +15,8 @@ from presswork.case import ShellCase, StampingCase, build_model
 from presswork.cli import app
 from presswork.formability import ZONES, Formability
 from presswork.post import judge_cells, judge_part
+from presswork.recorder import run_model
 from presswork.results import ResultError
-from presswork.run import run_model
 from presswork.view.all_plots import plot_all
 
 KEELER = {"law": "keeler", "thickness": 1, "n": 0.2589}

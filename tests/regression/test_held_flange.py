@@ -11,7 +11,7 @@ import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe
 from presswork.procedure.held_flange import warn_of_holders
-from presswork.run import StartError, run_model
+from presswork.recorder import StartError, run_model
 
 AREA = np.pi * (33.0**2 - 19.2**2)
 """Of the flange beyond the holder's edge radius [mm2]."""

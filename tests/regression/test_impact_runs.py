@@ -16,9 +16,10 @@ from whole_runs import assert_same_bits, run_to_end, stop_after, stop_within_a_r
 from presswork.case import Case, CaseError, build_model
 from presswork.examples import copy_example
 from presswork.model import Model
+from presswork.procedure.begin import check_start
 from presswork.procedure.explicit_solids import ExplicitSolids
+from presswork.recorder import StartError, run_model
 from presswork.results import OutputError, Result
-from presswork.run import StartError, check_start, run_model
 from presswork.view import plot_all
 from presswork.view.all_plots import default_fields
 

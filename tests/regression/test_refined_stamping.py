@@ -15,7 +15,7 @@ from presswork.case import CaseError, StampingCase, build_model
 from presswork.case.describe_stamping import describe_stamping
 from presswork.post.section import cut_sheet, measure_draw_in
 from presswork.procedure.stamping import ExplicitStamping
-from presswork.run import run_model
+from presswork.recorder import run_model
 from presswork.view.shell_plot import plot_shell
 
 

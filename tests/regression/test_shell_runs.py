@@ -12,9 +12,9 @@ from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 from presswork import Result
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
+from presswork.recorder import run_model
 from presswork.results import ResultError
 from presswork.results.checkpoint import load_checkpoint
-from presswork.run import run_model
 from presswork.view.all_plots import plot_all
 
 

@@ -18,7 +18,7 @@ from presswork.model import PrescribedDisplacement
 from presswork.model_stamping import StampingModel
 from presswork.procedure.implicit import ImplicitProcedure
 from presswork.procedure.springback import hold_rigidly, make_springback_model
-from presswork.run import run_model
+from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
 from presswork.view.style import is_let_go
 

@@ -14,7 +14,7 @@ from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.model_stamping import StampingModel
 from presswork.post import cut_sheet, judge_part, measure_draw_in, trace_outline
-from presswork.run import run_model
+from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
 from presswork.view.style import describe_step
 

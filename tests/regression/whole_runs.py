@@ -14,8 +14,8 @@ import pytest
 from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.model_stamping import AnyModel
+from presswork.recorder import Outcome, run_model
 from presswork.results import load_checkpoint
-from presswork.run import Outcome, run_model
 
 
 def run_stamping(data: dict[str, Any], folder: Path, **changes: Any) -> Result:

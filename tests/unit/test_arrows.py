@@ -50,10 +50,11 @@ PYTHON_ROOMS = {
     },
     "post": {"formability", "mesh", "model", "results"},
     "view": {"formability", "model", "results", "post"},
-    "run": {"model", "model_stamping", "procedure", "results"},
-    "study": {"case", "model", "model_stamping", "run", "results", "view", "post"},
+    "recorder": {"model", "model_stamping", "procedure", "results"},
+    "study": {"case", "model", "model_stamping", "recorder", "results", "view", "post"},
     "material": {"case", "formability", "model", "umat", "view"},
     "onestep": {"case", "mesh", "model", "model_onestep", "procedure", "results"},
+    "api": {"case", "recorder"},
     "cli": {
         "case",
         "examples",
@@ -66,7 +67,7 @@ PYTHON_ROOMS = {
         "post",
         "procedure",
         "results",
-        "run",
+        "recorder",
         "study",
         "view",
     },
@@ -102,7 +103,9 @@ def test_includes_run_forwards(path: Path) -> None:
 def test_imports_run_forwards(path: Path) -> None:
     room = path.relative_to(ROOT / "src" / "presswork").parts[0].removesuffix(".py")
     public = {"Case", "CaseError", "OutputError", "Result", "build_model", "__version__"}
-    allowed = PYTHON_ROOMS[room] | {room, "_core", "_cpu"} | (public if room in {"cli", "onestep", "run"} else set())
+    allowed = (
+        PYTHON_ROOMS[room] | {room, "_core", "_cpu"} | (public if room in {"cli", "onestep", "recorder"} else set())
+    )
     assert imports_of(path) <= allowed
 
 

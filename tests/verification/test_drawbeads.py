@@ -15,7 +15,7 @@ import pytest
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
-from presswork.run import run_model
+from presswork.recorder import run_model
 
 WIDTH, FORCE = 10.0, 50.0
 LAG = 10 / (4 - 1.5) * 1.5 * (0.25 - np.pi**-2)

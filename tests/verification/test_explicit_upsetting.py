@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from presswork.case import Case, build_model
+from presswork.recorder import run_model
 from presswork.results import Result
-from presswork.run import run_model
 
 RADIUS, HEIGHT, STROKE = 10.0, 15.0, 4.5
 

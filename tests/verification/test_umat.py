@@ -15,7 +15,7 @@ from presswork.case import read_case
 from presswork.examples import copy_example
 from presswork.model import Material, PrescribedDisplacement, Stage, Support, Umat
 from presswork.procedure.implicit import GaveUpError
-from presswork.run import run_model
+from presswork.recorder import run_model
 from presswork.umat import compile_law
 
 YOUNG, POISSON = 200e3, 0.3

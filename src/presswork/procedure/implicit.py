@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The implicit quasi-static procedure: stages, automatic increments, cut-backs.
 
-It advances the converged State an increment at a time and knows nothing of files: run.py records what it yields.
+It advances the converged State an increment at a time and knows nothing of files: recorder.py records what it yields.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What run.py asks of a procedure to record, stop and resume it. Implicit and explicit procedures both answer."""
+"""What recorder.py asks of a procedure to record, stop and resume it. Implicit and explicit procedures both answer."""
 
 from __future__ import annotations
 

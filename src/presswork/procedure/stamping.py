@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stamping by explicit dynamics: stages in rows of cycles, tools that move smoothly, energies watched.
 
-It knows nothing of files: run.py records what it yields.
+It knows nothing of files: recorder.py records what it yields.
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from presswork.case import CaseError
 from presswork.case.errors import Problem
+from presswork.recorder import Progress as RunProgress
 from presswork.results import OutputError
-from presswork.run import Progress as RunProgress
 from presswork.study.blank_shape import DRAWING, Draw, find_blank_shape, read_target, surround_opening
 
 _BAD_INPUT, _GAVE_UP, _INTERRUPTED = 2, 3, 130

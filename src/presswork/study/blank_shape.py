@@ -26,9 +26,9 @@ from presswork.case.stamping_tools import RectangularTool, RoundTool
 from presswork.model import FloatArray
 from presswork.model_stamping import AnyModel, StampingModel
 from presswork.post import FlangeFit, fit_flange
+from presswork.recorder import Outcome, Progress, StartError, fingerprint, run_model
 from presswork.results import OutputError, load_checkpoint, open_output_folder, write_outline
 from presswork.results.folder import CHECKPOINT
-from presswork.run import Outcome, Progress, StartError, fingerprint, run_model
 from presswork.study.table import read_summary, write_table
 
 TABLE, CASE, POINTS, DRAWING = "table.csv", "blank.toml", "blank.csv", "blank.dxf"

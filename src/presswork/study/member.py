@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Literal
 
 from presswork.case import Case, CaseError, build_model
+from presswork.recorder import Progress, StartError, run_model
 from presswork.results import OutputError
-from presswork.run import Progress, StartError, run_model
 
 Mode = Literal["new", "overwrite", "resume"]
 

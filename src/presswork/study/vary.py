@@ -16,7 +16,7 @@ import numpy as np
 
 from presswork.case import Case, CaseError, build_model
 from presswork.case.errors import Problem
-from presswork.run import fingerprint
+from presswork.recorder import fingerprint
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER})\s*:\s*({_NUMBER})\s*:\s*(\d+)\s*")

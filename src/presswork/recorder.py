@@ -17,15 +17,9 @@ from typing import Literal
 import numpy as np
 
 from presswork import __version__
-from presswork.model_stamping import AnyModel, StampingModel
-from presswork.procedure.explicit_input import ExplicitError
-from presswork.procedure.impact import ExplicitImpact
-from presswork.procedure.implicit_recording import ImplicitRecording
-from presswork.procedure.implicit_stamping import ImplicitStamping
+from presswork.model_stamping import AnyModel
+from presswork.procedure.begin import begin
 from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
-from presswork.procedure.springback import ReleasedStamping
-from presswork.procedure.stamping import ExplicitStamping
-from presswork.procedure.supports import NotHeldError
 from presswork.results import (
     History,
     OutputError,
@@ -41,7 +35,7 @@ from presswork.results import (
 )
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
 
-__all__ = ["NotHeldError", "Outcome", "Progress", "StartError", "check_start", "fingerprint", "run_model"]
+__all__ = ["Outcome", "Progress", "StartError", "fingerprint", "run_model"]
 
 Status = Literal["completed", "gave_up", "interrupted"]
 _NOT_COMPUTED_WITH = ("title", "output", "case_text", "mesh")
@@ -87,7 +81,7 @@ def run_model(
     folder cannot be used or written, StartError if nothing can be computed from this start: as NotHeldError if the
     workpiece is free to move as a rigid body.
     """
-    recording = _begin(model, threads)
+    recording = begin(model, threads)
     path = open_output_folder(folder, overwrite=overwrite, resume=resume)
     with occupy(path):
         run = _Run(recording, path, fingerprint(model))
@@ -98,26 +92,6 @@ def run_model(
             run.save_step()
             run.save_checkpoint()
         return run.complete(on_increment)
-
-
-def check_start(model: AnyModel) -> None:
-    """Raise StartError if nothing can be computed: the workpiece is free to move, or lies in a tool, for instance."""
-    _begin(model, threads=1)
-
-
-def _begin(model: AnyModel, threads: int) -> Recording:
-    """Make the procedure that a model asks for."""
-    try:
-        if isinstance(model, StampingModel):
-            if model.trim or model.springback is not None:
-                return ReleasedStamping(model, threads=threads)
-            procedure = ImplicitStamping if model.procedure == "implicit" else ExplicitStamping
-            return procedure(model, threads=threads)
-        if model.explicit is not None:
-            return ExplicitImpact(model, threads=threads)
-    except ExplicitError as error:
-        raise StartError(str(error)) from error
-    return ImplicitRecording(model, threads=threads)
 
 
 def fingerprint(model: AnyModel) -> str:

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Make the procedure that a model asks for; only that one is imported."""
+
+from __future__ import annotations
+
+from presswork.model_stamping import AnyModel, StampingModel
+from presswork.procedure.explicit_input import ExplicitError
+from presswork.procedure.recording import Recording, StartError
+
+
+def begin(model: AnyModel, threads: int) -> Recording:
+    """Return the model's procedure before its first increment.
+
+    Raises StartError if nothing can be computed from this start, as NotHeldError if the workpiece is free to move as a
+    rigid body.
+    """
+    try:
+        if isinstance(model, StampingModel):
+            return _begin_stamping(model, threads)
+        if model.explicit is not None:
+            from presswork.procedure.impact import ExplicitImpact
+
+            return ExplicitImpact(model, threads=threads)
+    except ExplicitError as error:
+        raise StartError(str(error)) from error
+    from presswork.procedure.implicit_recording import ImplicitRecording
+
+    return ImplicitRecording(model, threads=threads)
+
+
+def _begin_stamping(model: StampingModel, threads: int) -> Recording:
+    if model.trim or model.springback is not None:
+        from presswork.procedure.springback import ReleasedStamping
+
+        return ReleasedStamping(model, threads=threads)
+    if model.procedure == "implicit":
+        from presswork.procedure.implicit_stamping import ImplicitStamping
+
+        return ImplicitStamping(model, threads=threads)
+    from presswork.procedure.stamping import ExplicitStamping
+
+    return ExplicitStamping(model, threads=threads)
+
+
+def check_start(model: AnyModel) -> None:
+    """Raise StartError if nothing can be computed: the workpiece is free to move, or lies in a tool, for instance."""
+    begin(model, threads=1)

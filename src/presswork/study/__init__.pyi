@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+from .avitzur import integrate_ring
+from .blank_shape import BlankShape, Draw, find_blank_shape, surround_opening
+from .calibrate import Calibration, CalibrationCurves, FrictionFit, calibrate_ring, fit_friction
+from .measured import MeasuredRings, read_measured
+from .ring import RingMeasures, measure_ring
+from .sweep import MemberResult, SweepProgress, SweepResult, run_sweep
+from .vary import parse_variation
+
+__all__ = [
+    "BlankShape",
+    "Calibration",
+    "CalibrationCurves",
+    "Draw",
+    "FrictionFit",
+    "MeasuredRings",
+    "MemberResult",
+    "RingMeasures",
+    "SweepProgress",
+    "SweepResult",
+    "calibrate_ring",
+    "find_blank_shape",
+    "fit_friction",
+    "integrate_ring",
+    "measure_ring",
+    "parse_variation",
+    "read_measured",
+    "run_sweep",
+    "surround_opening",
+]

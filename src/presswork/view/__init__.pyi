@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+from .all_plots import FIELDS, SHELL_FIELDS, plot_all
+from .forming_limit_plot import plot_forming_limit
+from .history_plot import plot_history
+from .interface_plot import plot_interface
+from .mesh_plot import plot_contours, plot_mesh, plot_mesh_and_contours
+from .outline_plot import plot_outline
+
+__all__ = [
+    "FIELDS",
+    "SHELL_FIELDS",
+    "plot_all",
+    "plot_contours",
+    "plot_forming_limit",
+    "plot_history",
+    "plot_interface",
+    "plot_mesh",
+    "plot_mesh_and_contours",
+    "plot_outline",
+]
