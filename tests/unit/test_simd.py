@@ -56,6 +56,7 @@ def test_the_level_is_that_of_the_kernels_list_of_flags() -> None:
 @pytest.mark.skipif(_core.architecture.startswith("x86-64-v"), reason="for a build for one machine")
 def test_a_build_for_one_machine_cannot_be_forced() -> None:
     environment = os.environ | {"PRESSWORK_SIMD": "x86-64-v3"}
-    done = subprocess.run([sys.executable, "-c", "from presswork import _core"], env=environment, capture_output=True, text=True)
+    command = [sys.executable, "-c", "from presswork import _core"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 1
     assert "ImportError: PRESSWORK_SIMD=x86-64-v3: this build of presswork has one for one CPU" in done.stderr
