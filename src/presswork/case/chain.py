@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from presswork.case.biarc import reverse_segment
 from presswork.model import FloatArray, IndexArray
@@ -136,7 +136,7 @@ def _find_meeting_ends(pieces: Sequence[Piece], tolerance: float) -> IndexArray:
     """Number the places where ends meet: the place of each piece's start and end, shape (n_pieces, 2)."""
     points = np.array([point for piece in pieces for point in (piece.start, piece.end)])
     place = np.arange(len(points))
-    for first, second in sorted(cKDTree(points).query_pairs(tolerance)):
+    for first, second in sorted(scipy.spatial.cKDTree(points).query_pairs(tolerance)):
         place[place == place[second]] = place[first]
     return np.unique(place, return_inverse=True)[1].reshape(-1, 2)
 
@@ -176,7 +176,7 @@ def _name_gap(pieces: Sequence[Piece], ends: IndexArray, chain: set[int], tolera
     remedy = "leave one chain in the drawing, or name its layer"
     if not places[0] or not places[1]:
         return ProfileFileError(fault, remedy)
-    distance, nearest = cKDTree(places[1]).query(places[0])
+    distance, nearest = scipy.spatial.cKDTree(places[1]).query(places[0])
     first = int(np.argmin(distance))
     a, b = places[0][first], places[1][int(nearest[first])]
     return ProfileFileError(

@@ -13,7 +13,7 @@ from pydantic_core import CoreSchema
 class Part(BaseModel):
     """A table of a case."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 class ShortForm(Part):

@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from presswork.case.biarc import Curve, CurveError, fit_biarcs
 from presswork.model import BoolArray, FloatArray, IndexArray
@@ -173,11 +173,11 @@ def _spline(path: FloatArray, before: FloatArray | str | None, after: FloatArray
     """Return the cubic spline through points: "periodic", or tangent to the directions before and after it."""
     knots = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
     if isinstance(before, str):
-        spline = CubicSpline(knots, path, bc_type=before)
+        spline = scipy.interpolate.CubicSpline(knots, path, bc_type=before)
     else:
         free = "not-a-knot" if len(path) > 2 else "natural"
         ends = [free if d is None else (1, d / np.linalg.norm(d)) for d in (before, after)]
-        spline = CubicSpline(knots, path, bc_type=(ends[0], ends[1]))
+        spline = scipy.interpolate.CubicSpline(knots, path, bc_type=(ends[0], ends[1]))
 
     def tangent(at: float, _: float) -> FloatArray:
         slope = spline(at, 1)

@@ -7,7 +7,7 @@ import itertools
 import logging
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from presswork import _core
 from presswork.case.errors import Problem, suggest
@@ -135,7 +135,7 @@ def lies_over(mesh: Mesh, places: FloatArray) -> BoolArray:
     """Say which places (n, 2) lie over a mesh of shells, seen from above (n,)."""
     cells = mesh.blocks[0].connectivity
     sheet = _core.SheetUnder([np.ascontiguousarray(cells, dtype=np.int32)])
-    nearest = cKDTree(mesh.points[cells].mean(axis=1)[:, :2]).query(places)[1]
+    nearest = scipy.spatial.cKDTree(mesh.points[cells].mean(axis=1)[:, :2]).query(places)[1]
     return np.asarray(sheet.find(places, mesh.points, nearest.astype(np.int32))[1], dtype=bool)
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from presswork.mesh.topology import count_cells_of_edges, count_corners, find_parts
 from presswork.model import FloatArray, IntArray
@@ -76,8 +77,6 @@ def check_connected(points: FloatArray, connectivity: IntArray, *, most: int = 2
 
     most: cells that may share an edge: two in a plane, more where shells meet.
     """
-    from scipy.spatial import cKDTree  # here, for it takes a third of a second to import
-
     edges, count = count_cells_of_edges([connectivity])
     if (count > most).any():
         centre = points[edges[np.argmax(count > most), :2]].mean(axis=0)
@@ -97,7 +96,7 @@ def check_connected(points: FloatArray, connectivity: IntArray, *, most: int = 2
         low, high = members.min(axis=0), members.max(axis=0)
         places.append(f"{n_cells} cells in x {low[0]:.6g} to {high[0]:.6g}, y {low[1]:.6g} to {high[1]:.6g}")
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    pairs = cKDTree(points).query_pairs(1e-6 * size, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(points).query_pairs(1e-6 * size, output_type="ndarray")
     doubles = int((part[pairs[:, 0]] != part[pairs[:, 1]]).sum()) if len(pairs) else 0
     remedy = "merge the coincident nodes in the mesher" if doubles else "keep one part, or join them"
     more = "" if n_parts <= 4 else "; ..."

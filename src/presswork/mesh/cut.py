@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, eye_array, lil_array, vstack
 
 from presswork.mesh.checks import MeshError
 from presswork.mesh.polygon import (
@@ -74,7 +74,7 @@ class CutCells:
 class CutMesh:
     """A mesh after a cut."""
 
-    weights: csr_array
+    weights: scipy.sparse.csr_array
     """Of the old nodes at the new ones (n_new, n_old); rows add up to one."""
     cells: tuple[CutCells, ...]
     """Quadrilaterals, triangles: those that there are."""
@@ -116,17 +116,15 @@ class _Cutter:
     """The steps of a cut."""
 
     def __init__(self, points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray, keep: Keep) -> None:
-        from scipy.spatial import cKDTree  # here, for it takes a third of a second to import
-
         self.points, self.blocks, self.line, self.keep = points.copy(), blocks, line, keep
         self.sides = list_sides(line)
-        self.weights = lil_array(eye_array(len(points)))
+        self.weights = scipy.sparse.lil_array(scipy.sparse.eye_array(len(points)))
         edges = np.concatenate([list_cell_edges(cells) for cells in blocks])
         self.edges = edges[np.unique(edge_keys(edges), return_index=True)[1]]
         extent = float(np.ptp(points[:, :2], axis=0).max())
         self.on, self.spacing = _ON * extent, 1e-2 * extent
         self.element_size = float(np.median(np.linalg.norm(np.ptp(points[edges], axis=1)[:, :2], axis=1)))
-        self.samples = cKDTree(sample_sides(self.sides, self.spacing))
+        self.samples = scipy.spatial.cKDTree(sample_sides(self.sides, self.spacing))
         check_meets(points, line, keep)
         self.side = self._find_sides(points[:, :2])
         self.boundary = find_boundary_edges(blocks)
@@ -194,7 +192,7 @@ class _Cutter:
     def _move(self, node: int, nodes: IntArray, weights: FloatArray) -> None:
         """Let a node lie at the mean of nodes."""
         self.points[node] = weights @ self.points[nodes]
-        self.weights[[node]] = csr_array(weights[None, :]) @ self.weights[nodes.tolist()].tocsr()
+        self.weights[[node]] = scipy.sparse.csr_array(weights[None, :]) @ self.weights[nodes.tolist()].tocsr()
         self.moved[node], self.side[node] = True, 0
 
     # --- 2 -----------------------------------------------------------------------------------------------------------
@@ -264,12 +262,12 @@ class _Cutter:
         at: dict[tuple[int, int], tuple[int, float]] = {}
         for i, ((first, last), t) in enumerate(zip(edges.tolist(), part.tolist(), strict=True)):
             at[first, last], at[last, first] = (n + i, t), (n + i, 1.0 - t)
-        blend = csr_array(
+        blend = scipy.sparse.csr_array(
             (np.column_stack([1 - part, part]).ravel(), edges.ravel(), np.arange(0, 2 * len(edges) + 1, 2)),
             shape=(len(edges), n),
         )
         self.points = np.concatenate([self.points, blend @ self.points])
-        weights = vstack([self.weights.tocsr(), blend @ self.weights.tocsr()]).tocsr()
+        weights = scipy.sparse.vstack([self.weights.tocsr(), blend @ self.weights.tocsr()]).tocsr()
         self.side = np.concatenate([self.side, np.zeros(len(edges), dtype=np.int32)])
         pieces = _Pieces()
         for b, cells in enumerate(self.blocks):
@@ -301,7 +299,7 @@ class _Cutter:
         sign = np.sign(side.sum()) or self._find_sides(self.points[loop[own], :2].mean(axis=0)[None])[0]
         return [own] if sign > 0 else []
 
-    def _finish(self, pieces: _Pieces, weights: csr_array) -> CutMesh:
+    def _finish(self, pieces: _Pieces, weights: scipy.sparse.csr_array) -> CutMesh:
         """Leave out nodes that no cell has, and find the outline along the line."""
         blocks = pieces.cells()
         if not blocks:

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from presswork.model import FloatArray, IntArray
 
@@ -90,8 +89,8 @@ def find_parts(connectivities: Sequence[IntArray], n_points: int) -> tuple[int, 
     rows = [np.repeat(cells[:, 0], cells.shape[1] - 1) for cells in connectivities]
     columns = [cells[:, 1:].ravel() for cells in connectivities]
     row, column = np.concatenate(rows), np.concatenate(columns)
-    graph = coo_array((np.ones(len(row), dtype=np.int8), (row, column)), shape=(n_points, n_points))
-    n_parts, part = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(row), dtype=np.int8), (row, column)), shape=(n_points, n_points))
+    n_parts, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
     return int(n_parts), part.astype(np.int32)
 
 

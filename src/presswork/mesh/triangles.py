@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from presswork.mesh.topology import chain_edges, edge_keys, find_boundary_edges, list_cell_edges
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
@@ -28,13 +27,11 @@ def split_quads(points: FloatArray, quads: IntArray) -> IntArray:
 
 def merge_points(points: FloatArray, cells: IntArray, tolerance: float) -> tuple[FloatArray, IntArray]:
     """Return points of which no two lie within the tolerance, and the cells over them."""
-    from scipy.spatial import cKDTree  # here, for it takes a third of a second to import
-
     distinct, number = np.unique(points, axis=0, return_inverse=True)
-    pairs = cKDTree(distinct).query_pairs(tolerance, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(distinct).query_pairs(tolerance, output_type="ndarray")
     n = len(distinct)
-    graph = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    n_groups, group = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    n_groups, group = scipy.sparse.csgraph.connected_components(graph, directed=False)
     first = np.full(n_groups, n)
     np.minimum.at(first, group, np.arange(n))
     return distinct[first], group[number.reshape(-1)[cells]].astype(np.int32)
@@ -143,8 +140,8 @@ def pair_triangles(triangles: IntArray) -> Edges:
 def find_triangle_parts(n: int, edges: Edges) -> tuple[int, IntArray]:
     """Return the number of parts that share no edge, and the part of each of n triangles."""
     first, second = edges.triangles.T
-    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
-    n_parts, part = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
+    n_parts, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
     return int(n_parts), part.astype(np.int32)
 
 
@@ -155,10 +152,10 @@ def find_turned(n: int, edges: Edges, part: IntArray) -> tuple[BoolArray, BoolAr
     """
     low, high = np.sort(edges.triangles.astype(np.int64), axis=1).T
     keys, index = np.unique(low * n + high, return_index=True)  # two triangles may share two edges
-    graph = coo_array((np.ones(len(keys), dtype=np.int8), (low[index], high[index])), shape=(n, n)).tocsr()
+    graph = scipy.sparse.coo_array((np.ones(len(keys), dtype=np.int8), (low[index], high[index])), shape=(n, n)).tocsr()
     sign = np.zeros(n, dtype=np.int8)
     for start in np.unique(part, return_index=True)[1]:
-        order, before = breadth_first_order(graph, start, directed=False)
+        order, before = scipy.sparse.csgraph.breadth_first_order(graph, start, directed=False)
         sign[start] = 1
         here, came = order[1:].astype(np.int64), before[order[1:]].astype(np.int64)
         at = np.searchsorted(keys, np.minimum(here, came) * n + np.maximum(here, came))

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from presswork.model import BoolArray, FloatArray
 from presswork.model_onestep import DrawBead
@@ -88,14 +89,12 @@ def bead_friction(part: PartSurface, tools: Tools, beads: tuple[DrawBead, ...], 
 
     share_of_edge: distance at which a bead is sampled [mm]. Raises OneStepError for a bead that misses the part.
     """
-    from scipy.spatial import cKDTree
-
     force = np.zeros(len(part.points))
     level = np.abs(part.normals[:, 2]) > FLAT
     nodes = np.flatnonzero(level)
     if not len(nodes):
         raise OneStepError("the part is level nowhere: a bead needs a flange")
-    tree = cKDTree(part.points[nodes, :2])
+    tree = scipy.spatial.cKDTree(part.points[nodes, :2])
     for number, bead in enumerate(beads):
         for a, b in zip(bead.points[:-1], bead.points[1:], strict=True):
             length = float(np.linalg.norm(b - a))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import polar
+import scipy
 
 from presswork.model import FloatArray
 
@@ -46,7 +46,7 @@ def measure_strains(F: FloatArray) -> StrainMeasures:
     if not (np.linalg.det(F) > 0).all():
         raise ValueError("a deformation gradient must have a positive determinant")
     flat = F.reshape(-1, 3, 3)
-    parts = [polar(f, side="right") for f in flat]
+    parts = [scipy.linalg.polar(f, side="right") for f in flat]
     rotation = np.array([r for r, _ in parts]).reshape(F.shape)
     stretch = np.array([u for _, u in parts]).reshape(F.shape)
     values, axes = np.linalg.eigh(stretch)

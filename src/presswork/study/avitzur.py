@@ -12,9 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from presswork.model import FloatArray
 
@@ -30,7 +29,7 @@ def find_neutral_square(m: float, outer: float, inner: float, height: float) -> 
         friction = outer - inner if s <= inner**2 else outer + inner - 2 * math.sqrt(s)
         return 0.5 * field - m / height * friction
 
-    return float(brentq(excess, 0.0, outer**2, xtol=1e-14 * outer**2))
+    return float(scipy.optimize.brentq(excess, 0.0, outer**2, xtol=1e-14 * outer**2))
 
 
 def integrate_ring(
@@ -54,7 +53,7 @@ def integrate_ring(
         return float(square[0] - 1e-4 * inner_0**2)
 
     bore_is_open.terminal = True  # type: ignore[attr-defined]
-    path = solve_ivp(
+    path = scipy.integrate.solve_ivp(
         rate,
         (0.0, float(max(wanted.max(), 1e-9))),
         [inner_0**2],
