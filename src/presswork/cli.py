@@ -106,10 +106,13 @@ def run(
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         outcome = _compute(model, folder, overwrite, resume, threads, quiet)
-        if plot:
+        if plot and outcome.status != "interrupted":
             _draw(outcome.result, None, quiet=quiet)
     except (OutputError, StartError) as error:
         raise _refuse(str(error)) from error
+    except KeyboardInterrupt as error:
+        console.print("interrupted: stopped by the user or a signal; all files are whole", style="red", markup=False)
+        raise typer.Exit(INTERRUPTED) from error
     if outcome.status != "completed":
         console.print(f"{outcome.status.replace('_', ' ')}: {outcome.reason}", style="red", markup=False)
         console.print(f"what was computed is in {folder}; run.log there says how it went", markup=False)

@@ -16,8 +16,8 @@ from typing import Literal
 
 import numpy as np
 
-from presswork import __version__
-from presswork.model_stamping import AnyModel
+from presswork import __version__, stop
+from presswork.model_stamping import AnyModel, StampingModel
 from presswork.procedure.begin import begin
 from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
 from presswork.results import (
@@ -25,6 +25,7 @@ from presswork.results import (
     OutputError,
     Result,
     append_step,
+    count_steps,
     load_checkpoint,
     occupy,
     open_output_folder,
@@ -34,6 +35,8 @@ from presswork.results import (
     write_summary,
 )
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
+from presswork.results.history import BY_OTHERS
+from presswork.results.whole_file import explain_write_error, replace_whole
 
 __all__ = ["Outcome", "Progress", "StartError", "fingerprint", "run_model"]
 
@@ -76,28 +79,29 @@ def run_model(
 ) -> Outcome:
     """Compute the whole process and write it to the folder.
 
-    A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C and a solver
-    that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError if the
-    folder cannot be used or written, StartError if nothing can be computed from this start: as NotHeldError if the
-    workpiece is free to move as a rigid body.
+    A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C, SIGTERM and
+    a solver that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError
+    if the folder cannot be used or written, StartError if nothing can be computed from this start: as NotHeldError if
+    the workpiece is free to move as a rigid body. A signal that comes too late to interrupt raises KeyboardInterrupt
+    once all files are whole.
     """
     recording = begin(model, threads)
-    path = open_output_folder(folder, overwrite=overwrite, resume=resume)
-    with occupy(path):
-        run = _Run(recording, path, fingerprint(model))
-        if resume:
-            run.load()
-        else:
-            (path / CASE).write_text(model.case_text, encoding="utf-8")
-            run.save_step()
-            run.save_checkpoint()
-        return run.complete(on_increment)
+    with stop.listen():
+        path = open_output_folder(folder, overwrite=overwrite, resume=resume)
+        with occupy(path):
+            run = _Run(recording, path, fingerprint(model))
+            if resume:
+                run.load()
+            else:
+                run.begin(model.case_text)
+            return run.complete(on_increment)
 
 
 def fingerprint(model: AnyModel) -> str:
-    """Return a digest of what a checkpoint depends on: everything but the title and the output settings."""
+    """Return a digest of what a checkpoint depends on: everything but the title and what is saved."""
     digest = hashlib.sha256()
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        digest.update(f"{_save_points(model)!r}".encode())
         for part in fields(model):
             if part.name not in _NOT_COMPUTED_WITH:
                 digest.update(f"{part.name} {getattr(model, part.name)!r}".encode())
@@ -108,6 +112,23 @@ def fingerprint(model: AnyModel) -> str:
         section = repr(block.section).encode() if block.section else b""
         digest.update(block.element.encode() + section + np.ascontiguousarray(block.connectivity).tobytes())
     return digest.hexdigest()
+
+
+def _save_points(model: AnyModel) -> object:
+    """Return what the output settings say of the implicit procedure's increments, which end where a step is saved."""
+    if isinstance(model, StampingModel):
+        return model.output.steps if model.procedure == "implicit" else None
+    if model.explicit is not None:
+        return None
+    steps = 0 if model.output.every else model.output.steps
+    return steps, tuple(float(part) for part in model.output.at)
+
+
+class _Log(logging.FileHandler):
+    """The log; a line that the disk has no room for is lost."""
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
+        """Do nothing: files that matter say so themselves."""
 
 
 class _Run:
@@ -123,13 +144,24 @@ class _Run:
         self.log = logging.getLogger(f"presswork.{id(self)}")
         self.log.setLevel(logging.INFO)
         self.log.propagate = False
-        handler = logging.FileHandler(folder / LOG, encoding="utf-8")
+        try:
+            handler = _Log(folder / LOG, encoding="utf-8")
+        except OSError as error:
+            raise explain_write_error(error, folder / LOG, 0) from error
         handler.setFormatter(logging.Formatter("%(asctime)s %(message)s", "%H:%M:%S"))
         self.log.addHandler(handler)
         self.log.info("presswork %s: %s", __version__, recording.title)
         self.log.info("%s", recording.begin_log())
 
     # --- the way through ---------------------------------------------------------------------------------------------
+
+    def begin(self, case_text: str) -> None:
+        """Write the case and the undeformed state."""
+        text = case_text.encode()
+        with replace_whole(self.folder / CASE, needed_bytes=len(text)) as temporary:
+            temporary.write_bytes(text)
+        self.save_step()
+        self.save_checkpoint()
 
     def complete(self, on_increment: Callable[[Progress], None] | None) -> Outcome:
         """Advance to the end, recording; always leaves a checkpoint of what the history holds, and a summary."""
@@ -138,6 +170,8 @@ class _Run:
         try:
             for report in self.recording.advance():
                 self._record(report, on_increment)
+                if self.recording.remaining() > 0.0:
+                    stop.look()
         except GaveUpError as error:
             status, reason = "gave_up", str(error)
         except KeyboardInterrupt:
@@ -146,7 +180,8 @@ class _Run:
             self.log.info("%s: %s", status, reason)
             if self.recording.number == self.recorded:  # else it was stopped before all of it was: the last one stands
                 self.save_checkpoint()
-            self._save_last_state()
+            if not stop.is_urgent():
+                self._save_last_state()
         self._write_summary(status, reason)
         timing = self.recording.timing
         self.log.info("%.1f s of wall time: %s", timing.total(), timing.shares())
@@ -183,6 +218,8 @@ class _Run:
         self._append_step()
 
     def _append_step(self) -> None:
+        if count_steps(self.folder / RESULTS) != self.saved_steps:
+            raise OutputError(f"{self.folder / RESULTS} was deleted or changed {BY_OTHERS}")
         now = self.recording.snapshot()
         append_step(
             self.folder / RESULTS,
@@ -211,8 +248,9 @@ class _Run:
         if meta["model"] != self.model:
             raise OutputError(
                 f"{self.folder / CHECKPOINT} belongs to another case: mesh, materials, tools, stages or solver "
-                "settings differ. Resume with the case and the --set as they were (case.toml beside it has both), or "
-                "use --overwrite"
+                "settings differ, or the steps at which the implicit procedure ends increments (output.steps, "
+                "output.at). Resume with the case and the --set as they were (case.toml beside it has both), or use "
+                "--overwrite"
             )
         try:
             self.recording.load_arrays(arrays)
@@ -227,6 +265,9 @@ class _Run:
 
     def _write_summary(self, status: Status, reason: str) -> None:
         recording = self.recording
+        self.history.sync()
+        if count_steps(self.folder / RESULTS) < self.saved_steps:
+            raise OutputError(f"{self.folder / RESULTS} was deleted or changed {BY_OTHERS}")
         write_summary(
             self.folder / SUMMARY,
             {

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork import stop
 from presswork.model import FloatArray, Model
 from presswork.procedure.contact import Constraints
 from presswork.procedure.implicit import (
@@ -157,6 +158,7 @@ class ArcLengthProcedure(ImplicitProcedure):
         point = self._evaluate(state_n, trial, stage, np.zeros_like(state_n.displacement), fraction_n)
         peak = max(float(state_n.peak_force[0]), mechanics.force_of_round_off())
         for iteration in range(settings.max_iterations + 1):
+            stop.look()
             if isinstance(point, ShellFailed):
                 return str(point)
             try:

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from presswork import _core
+from presswork import _core, stop
 from presswork.model import Mesh
 from presswork.procedure.explicit import SAFETY
 from presswork.procedure.explicit_energy import EnergyBalance, MassScaling, strike_balance, sum_energies
@@ -295,7 +295,7 @@ class ExplicitSolids:
             raise ExplicitError(
                 f"cell {failed} is turned inside out between cycles {self.cycle} and {self.cycle + n} "
                 f"(t = {self.time:g} s): shorten the step {self.dt:g} s (the cells allow "
-                f"{SAFETY * self.stable_step():g} s now), refine the mesh, or raise hourglass_fraction"
+                f"{SAFETY * self.stable_step():g} s now), refine the mesh, or set explicit.hourglass_stiffness higher"
             )
         self._scales = (damping, float(force[-1]), float(velocity[-1]))
         self._dt_before = self.dt
@@ -328,7 +328,7 @@ class ExplicitSolids:
                 raise ExplicitError(
                     f"cell {np.argmax(self._loop.bound_frequencies())} is crushed at t = {self.time:g} s: its step is "
                     f"{self.dt:.3g} s, that of the mesh was {self._first_dt:.3g} s at first: refine the mesh, make it "
-                    "coarser along the way that it is crushed, or give target_step"
+                    "coarser along the way that it is crushed, or give explicit.target_step"
                 )
             left = int(np.ceil((end - self.time) / self.dt * (1 - 1e-9)))
             if left <= RENEWAL:
@@ -338,6 +338,7 @@ class ExplicitSolids:
             if motion is not None:
                 scale = np.diff(motion.position(np.linspace(self.time, self.time + n * self.dt, n + 1))) / self.dt
             self.advance(n, velocity_scale=scale, damping=damping)
+            stop.look()
 
     def _energies(self, damping: float, force_scale: float, velocity_scale: float) -> _core.SolidEnergies:
         # velocities stand half of the last step back: so long is the way to now, whatever the next step will be

@@ -8,6 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
+from presswork import stop
 from presswork.model import BoolArray, FloatArray, Model
 from presswork.procedure.body_contact import BodyContacts, BodyForces
 from presswork.procedure.contact import Constraints, Contact
@@ -109,6 +110,7 @@ class Equilibrium:
         size, factorised = 0.0, False
         most = settings.max_iterations * (2 if gently else 1)
         for iteration in range(most + 1):
+            stop.look()
             # 1. contact at the present guess, and what is out of balance
             near = iteration > 0 and log.residual[-1] < NEAR
             body_changes = self.bodies.update(point.bodies, near=near)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork import stop
 from presswork.model import BoolArray, Mesh
 from presswork.model_stamping import Refinement, StampingModel, StampingStage
 from presswork.procedure.explicit import FREEDOMS, PHASES, SAFETY, ExplicitShells
@@ -96,6 +97,7 @@ class ExplicitStamping(RowRecording):
         for part in np.split(mean_speeds(stage, begin, end, n), range(most, n, most)):
             self.shells.advance(len(part), velocity_scale=part, damping=self.model.explicit.damping)
             self.tools.sample()
+            stop.look()
         energies = self._energies(stage, end)
         self._progress[[CYCLES, SHELL_CYCLES]] += (n, n * n_shells)
         return n, self.shells.dt, energies

@@ -6,16 +6,16 @@ from __future__ import annotations
 import fcntl
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from presswork.results.whole_file import CHECKPOINT as CHECKPOINT
+from presswork.results.whole_file import HISTORY as HISTORY
 from presswork.results.whole_file import OutputError, explain_write_error
 
 RESULTS = "results.vtkhdf"
-HISTORY = "history.csv"
 SUMMARY = "summary.json"
 LOG = "run.log"
-CHECKPOINT = "checkpoint.h5"
 CASE = "case.toml"
 
 # The case is not among them: a run may be told to write where the user's own case.toml lies.
@@ -31,6 +31,13 @@ def open_output_folder(path: Path | str, *, overwrite: bool = False, resume: boo
     One in which a run is at work is refused. Raises OutputError with the remedy.
     """
     folder = Path(path)
+    try:
+        return _open(folder, overwrite=overwrite, resume=resume)
+    except OSError as error:  # a name that is too long, for instance
+        raise OutputError(f"{folder} cannot be used as an output folder: {error.strerror or error}") from error
+
+
+def _open(folder: Path, *, overwrite: bool, resume: bool) -> Path:
     if overwrite and resume:
         raise OutputError("--overwrite and --resume exclude each other: the first deletes what the second continues")
     if resume and not (folder / CHECKPOINT).is_file():
@@ -91,9 +98,10 @@ def _check_writable(folder: Path) -> None:
     try:
         probe.write_bytes(b"1")
     except OSError as error:
+        with suppress(OSError):
+            probe.unlink(missing_ok=True)
         raise explain_write_error(error, probe, 1) from error
-    finally:
-        probe.unlink(missing_ok=True)
+    _delete(probe)
 
 
 def _delete(path: Path) -> None:

@@ -17,6 +17,10 @@ from presswork.results.whole_file import OutputError, explain_write_error, repla
 
 INTEGERS = ("increment", "iteration", "iterations", "cycles")
 TEXTS = ("stage",)
+BY_OTHERS = (
+    "by another program while the run was at work, so results would be missing; leave the folder alone, and start anew "
+    "with --overwrite"
+)
 
 
 def history_columns(tools: Sequence[str], turning: Sequence[str] = (), contacts: Sequence[str] = ()) -> list[str]:
@@ -44,10 +48,11 @@ class History:
     def __init__(self, path: Path | str, columns: Sequence[str]) -> None:
         self.path = Path(path)
         self.columns = list(columns)
+        self._size = 0
         if self.path.exists() and self.path.stat().st_size > 0:
             self._continue()
         else:
-            self._write(_format_row(self.columns))
+            self._write(_format_row(self.columns), os.O_CREAT)
 
     def append(self, row: Mapping[str, float | int | str]) -> None:
         """Append one row; it has every column and no other. Floats are written so that they read back exactly."""
@@ -61,35 +66,60 @@ class History:
         lines = _whole_lines(self.path)
         if not 0 <= n_rows < len(lines):
             raise OutputError(f"{self.path} holds {len(lines) - 1} increments, {n_rows} are needed; use --overwrite")
-        _replace(self.path, lines[: n_rows + 1])
+        self._replace(lines[: n_rows + 1])
 
     def sync(self) -> None:
         """Wait until all rows are on the disk, as before a checkpoint that counts on them."""
-        with open(self.path, "rb") as file:
-            os.fsync(file.fileno())
+        try:
+            with open(self.path, "rb") as file:
+                self._check_size(file.fileno())
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise self._explain(error, 0) from error
 
     def _continue(self) -> None:
         """Check that the file on disk is the beginning of this table, and drop a torn last row."""
         lines = _whole_lines(self.path)
         if not lines or _parse_row(lines[0]) != self.columns:
             raise OutputError(f"{self.path} has other columns than this run; run with --overwrite to start anew")
-        if sum(len(line) for line in lines) != self.path.stat().st_size:
-            _replace(self.path, lines)
+        self._size = self.path.stat().st_size
+        if sum(len(line) for line in lines) != self._size:
+            self._replace(lines)
 
-    def _write(self, line: bytes) -> None:
+    def _write(self, line: bytes, create: int = 0) -> None:
         """Append a line; if it does not fit on the disk, take back the part that did."""
         rest = line
         try:
-            with open(self.path, "ab", buffering=0) as file:
-                before = file.tell()
-                try:
-                    while rest:
-                        rest = rest[file.write(rest) :]
-                except OSError:
-                    file.truncate(before)
-                    raise
+            handle = os.open(self.path, os.O_WRONLY | os.O_APPEND | create, 0o666)
+            try:
+                self._check_size(handle)
+                while rest:
+                    rest = rest[os.write(handle, rest) :]
+            except OSError:
+                os.ftruncate(handle, self._size)
+                raise
+            finally:
+                os.close(handle)
         except OSError as error:
-            raise explain_write_error(error, self.path, len(line)) from error
+            raise self._explain(error, len(line)) from error
+        self._size += len(line)
+
+    def _replace(self, lines: Sequence[bytes]) -> None:
+        """Put these lines in the place of the file."""
+        content = b"".join(lines)
+        with replace_whole(self.path, needed_bytes=len(content)) as temporary:
+            temporary.write_bytes(content)
+        self._size = len(content)
+
+    def _check_size(self, handle: int) -> None:
+        """Raise OutputError if another program has written to the file."""
+        if os.fstat(handle).st_size != self._size:
+            raise OutputError(f"{self.path} was changed {BY_OTHERS}")
+
+    def _explain(self, error: OSError, needed_bytes: int) -> OutputError:
+        if isinstance(error, FileNotFoundError) and self._size:
+            return OutputError(f"{self.path} was deleted {BY_OTHERS}")
+        return explain_write_error(error, self.path, needed_bytes)
 
 
 def read_history(path: Path | str) -> dict[str, NDArray[Any]]:
@@ -145,10 +175,3 @@ def _parse_row(line: bytes) -> list[str]:
 def _whole_lines(path: Path) -> list[bytes]:
     """Return the lines that end in a line break; only the last one can lack it."""
     return [line for line in path.read_bytes().splitlines(keepends=True) if line.endswith(b"\n")]
-
-
-def _replace(path: Path, lines: Sequence[bytes]) -> None:
-    """Put these lines in the place of the file."""
-    content = b"".join(lines)
-    with replace_whole(path, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)

@@ -17,6 +17,7 @@ from typing import Any
 
 import h5py
 
+CHECKPOINT, HISTORY = "checkpoint.h5", "history.csv"
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
@@ -50,9 +51,16 @@ def explain_write_error(error: OSError, path: Path, needed_bytes: int) -> Output
     if error.errno in DISK_FULL:
         return OutputError(
             f"disk full: {path} cannot be written, {needed_bytes} bytes needed; what is on disk is whole; "
-            "free space and run with --resume"
+            f"free space and {_how_to_go_on(path.parent)}"
         )
     return OutputError(f"{path} cannot be written: {error.strerror or error}; what is on disk is whole")
+
+
+def _how_to_go_on(folder: Path) -> str:
+    """Say how to run again in a folder: a run that has left no checkpoint cannot be resumed."""
+    if (folder / CHECKPOINT).is_file():
+        return "run with --resume"
+    return "run with --overwrite" if (folder / HISTORY).is_file() else "run again"
 
 
 @contextmanager

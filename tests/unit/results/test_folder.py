@@ -83,3 +83,24 @@ def test_folder_in_which_a_run_is_at_work_is_refused_and_left_alone(tmp_path: Pa
         open_output_folder(tmp_path, overwrite=True)
     assert (tmp_path / "history.csv").read_text() == "growing"
     open_output_folder(tmp_path, overwrite=True)
+
+
+@pytest.mark.parametrize("mode", ["resume", "overwrite"])
+def test_a_name_that_is_too_long_is_an_error(tmp_path: Path, mode: str) -> None:
+    for name in ("x" * 300, "/".join(["x" * 200] * 30)):
+        with pytest.raises(OutputError, match="File name too long"):
+            open_output_folder(tmp_path / name, **{mode: True})
+
+
+def test_a_read_only_disk_whose_probe_cannot_be_removed_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Unlinking a file that is not there fails on a read-only file system, too."""
+
+    def refuse(self: Path, *_: object, **__: object) -> None:
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(Path, "write_bytes", refuse)
+    monkeypatch.setattr(Path, "unlink", refuse)
+    with pytest.raises(OutputError, match="cannot be written: Read-only file system"):
+        open_output_folder(tmp_path, overwrite=True)

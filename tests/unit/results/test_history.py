@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import errno
-import io
+import os
 from pathlib import Path
 from typing import Any
 
@@ -122,28 +122,14 @@ def test_full_disk_takes_back_the_part_that_was_written(tmp_path: Path, monkeypa
     history = make_history(tmp_path / "h.csv")
     former = (tmp_path / "h.csv").read_bytes()
 
-    def open_on_full_disk(path: Path, mode: str, buffering: int) -> Any:
-        class Full:
-            def __init__(self) -> None:
-                self.file = io.FileIO(path, mode)
+    write = os.write
 
-            def __enter__(self) -> Full:
-                return self
+    def write_a_little(handle: int, data: bytes) -> int:
+        if len(data) < 8:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(handle, data[:6])
 
-            def __exit__(self, *_: object) -> None:
-                self.file.close()
-
-            def __getattr__(self, name: str) -> Any:
-                return getattr(self.file, name)
-
-            def write(self, data: bytes) -> int:
-                if len(data) < 8:
-                    raise OSError(errno.ENOSPC, "No space left on device")
-                return self.file.write(data[:6])
-
-        return Full()
-
-    monkeypatch.setattr("presswork.results.history.open", open_on_full_disk, raising=False)
+    monkeypatch.setattr(os, "write", write_a_little)
     with pytest.raises(OutputError, match="disk full"):
         history.append(row(3))
     assert (tmp_path / "h.csv").read_bytes() == former

@@ -78,9 +78,14 @@ def test_any_failure_leaves_the_former_file_and_no_rest(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["file"]
 
 
-def test_full_disk_is_named_with_bytes_and_remedy(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("present", "remedy"),
+    [("checkpoint.h5", "with --resume$"), ("history.csv", "with --overwrite$"), ("notes.txt", "run again$")],
+)
+def test_full_disk_is_named_with_bytes_and_a_remedy_that_works(tmp_path: Path, present: str, remedy: str) -> None:
+    (tmp_path / present).write_text("")
     with (
-        pytest.raises(OutputError, match=r"disk full.*1234 bytes needed.*--resume"),
+        pytest.raises(OutputError, match=f"disk full.*1234 bytes needed.*{remedy}"),
         replace_whole(tmp_path / "file", needed_bytes=1234),
     ):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C and SIGTERM during a run: counted, and looked at between its steps, so that no step and no file is cut short.
+
+A signal that raised at once could do so inside a callback of the HDF5 library, which loses it, or in the middle of a
+state. `look` is called once an iteration or a second of cycles, and after every write.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+_asked = 0
+_seen = False
+
+
+@contextmanager
+def listen() -> Iterator[None]:
+    """Count signals until the block ends. One that nobody looked at raises KeyboardInterrupt there.
+
+    In a thread other than the main one, where Python does not allow it, nothing changes.
+    """
+    global _asked, _seen
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    _asked, _seen = 0, False
+    before = {number: signal.signal(number, _count) for number in SIGNALS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        lost, _asked = _asked > 0 and not _seen, 0
+    if lost:
+        raise KeyboardInterrupt
+
+
+def look() -> None:
+    """Raise KeyboardInterrupt if a signal has come since `listen` began, once."""
+    global _seen
+    if _asked and not _seen:
+        _seen = True
+        raise KeyboardInterrupt
+
+
+def is_urgent() -> bool:
+    """Say whether a second signal has come."""
+    return _asked > 1
+
+
+def _count(number: int, frame: FrameType | None) -> None:
+    global _asked
+    _asked += 1
