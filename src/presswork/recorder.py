@@ -174,6 +174,9 @@ class _Run:
                     stop.look()
         except GaveUpError as error:
             status, reason = "gave_up", str(error)
+        except MemoryError:
+            remedy = "close other programs, take fewer or larger elements, or go on with --resume on a larger machine"
+            status, reason = "gave_up", f"not enough memory; {remedy}"
         except KeyboardInterrupt:
             status, reason = "interrupted", "stopped by the user or a signal; continue with --resume"
         if status != "completed":

@@ -16,7 +16,7 @@ from presswork.case import schema
 from presswork.case.bodies import build_bodies, build_contacts
 from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import build_hardening
-from presswork.case.reach import check_reach
+from presswork.case.reach import check_reach, check_room
 from presswork.case.references import check_references, check_sets
 from presswork.case.settings import build_output, build_solver
 from presswork.case.stamping import RAMP
@@ -46,6 +46,8 @@ def build_solid_model(case: schema.Case) -> model.Model:
     problems = problems or check_motions(case, tools)
     if not problems and case.workpiece.velocity is None:
         problems = check_reach(tools, stages, mesh)
+    supports = tuple(model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix)) for entry in case.boundary.values())
+    problems = problems or check_room(tools, stages, supports, mesh)
     _stop_at(problems, case)
     return model.Model(
         title=case.title,
@@ -54,9 +56,7 @@ def build_solid_model(case: schema.Case) -> model.Model:
         mesh=mesh,
         materials=materials,
         tools=tools,
-        supports=tuple(
-            model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix)) for entry in case.boundary.values()
-        ),
+        supports=supports,
         stages=stages,
         solver=build_solver(
             case.solver,

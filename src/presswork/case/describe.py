@@ -13,8 +13,9 @@ from presswork.case.crossing import bound_segments
 from presswork.case.describe_explicit import describe_explicit
 from presswork.case.describe_material import describe_material
 from presswork.case.describe_onestep import describe_onestep
-from presswork.case.describe_shell import describe_sheet, describe_sheet_loads, estimate_sheet_memory
+from presswork.case.describe_shell import describe_sheet, describe_sheet_loads
 from presswork.case.describe_stamping import describe_stamping
+from presswork.memory import available_memory, estimate_memory
 from presswork.model_onestep import OneStepModel
 from presswork.model_stamping import AnyModel, StampingModel
 
@@ -30,14 +31,6 @@ _ELEMENTS: dict[str, str] = {
     "quad9": "9-node quadrilaterals, 3 x 3 points",
     "quad9_2x2": "9-node quadrilaterals, 2 x 2 points",
 }
-_POINTS: dict[str, int] = {
-    "tri3": 1, "tri6_6pt": 6, "tri6_7pt": 7, "quad4": 4, "quad4_fbar": 4, "quad4_1pt": 1,
-    "quad8": 9, "quad8_2x2": 4, "quad9": 9, "quad9_2x2": 4,
-}  # fmt: skip
-_BYTES_PER_POINT = 4 * 8 * 16
-"""Four copies of about 16 numbers at a quadrature point: converged, trial, and work arrays."""
-_FACTOR_BYTES_PER_FREEDOM = 2500.0
-"""Of a sparse direct factorisation in 2D at 100,000 freedoms; grows with the logarithm of their number."""
 
 
 def describe(problem: AnyModel | OneStepModel) -> str:
@@ -45,7 +38,7 @@ def describe(problem: AnyModel | OneStepModel) -> str:
     if isinstance(problem, OneStepModel):
         return "\n".join([problem.title, *describe_onestep(problem)])
     if isinstance(problem, StampingModel):
-        return "\n".join([problem.title, *describe_stamping(problem)])
+        return "\n".join([problem.title, *describe_stamping(problem), _describe_memory(problem)])
     lines = [problem.title, *_describe_body(problem)]
     lines += [f"material {material.name}: {describe_material(material)}" for material in problem.materials]
     lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.tools]
@@ -57,10 +50,10 @@ def describe(problem: AnyModel | OneStepModel) -> str:
             *(f"  {line}" for line in _describe_stage(stage)),
         ]
     if problem.explicit is not None:
-        return "\n".join([*lines, *describe_explicit(problem, problem.explicit)])
+        return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
     lines += [f"output: {_describe_settings(problem.output, model.OutputSettings())}"]
-    lines += [f"memory: about {_estimate_memory(problem) / 1e6:.0f} MB for state, matrix and its factors (an estimate)"]
+    lines += [_describe_memory(problem)]
     return "\n".join(lines)
 
 
@@ -161,15 +154,7 @@ def _describe_settings(settings: object, default: object) -> str:
     return ", ".join(differing) or "defaults"
 
 
-def _estimate_memory(problem: model.Model) -> float:
-    """Estimate the bytes for state, matrix and factors."""
-    if problem.analysis == "shell":
-        return estimate_sheet_memory(problem)
-    n_freedoms = 2 * len(problem.mesh.points)
-    state = matrix = 0.0
-    for block in problem.mesh.blocks:
-        n_cells, n_nodes = block.connectivity.shape
-        state += n_cells * _POINTS[block.element] * _BYTES_PER_POINT
-        matrix += n_cells * (2 * n_nodes) ** 2 * (8 + 0.6 * 12)  # element matrices, and 12 bytes an entry once merged
-    factor = _FACTOR_BYTES_PER_FREEDOM * n_freedoms * np.log(max(n_freedoms, 2)) / np.log(1e5)
-    return state + matrix + float(factor)
+def _describe_memory(problem: AnyModel) -> str:
+    """Say how much memory the problem takes, beside what is free here."""
+    needed, there = estimate_memory(problem), available_memory()
+    return f"memory: about {needed / 1e6:,.0f} MB (an estimate) of {there / 1e6:,.0f} MB that are free on this machine"

@@ -5,9 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from presswork import _core, model
+from presswork import model
 
 _WORDS: dict[str, str] = {
     "shell3": "3-node degenerated shells, one point; they lock",
@@ -31,10 +29,6 @@ _WORDS: dict[str, str] = {
     "shell9_reduced": "9-node degenerated shells, 2 x 2 points",
     "shell9_mitc": "9-node shells, all strains tied (MITC9, on the sides)",
 }
-_BYTES_PER_LAYER = 3 * 8 * 8
-"""Three copies of about 8 numbers at a point of a layer."""
-_FACTOR_BYTES_PER_FREEDOM = 3500.0
-"""Of a sparse direct factorisation of a shell at 100,000 freedoms."""
 
 
 def describe_sheet(problem: model.Model) -> Iterator[str]:
@@ -64,16 +58,3 @@ def describe_sheet_loads(stage: model.Stage) -> Iterator[str]:
         yield f"force ({', '.join(f'{f:g}' for f in edge.force)}) N/mm along {edge.edge_set}"
     for body in stage.body_forces:
         yield f"force ({', '.join(f'{f:g}' for f in body.force)}) N/mm3 on the whole sheet"
-
-
-def estimate_sheet_memory(problem: model.Model) -> float:
-    """Estimate the bytes for state, matrix and factors."""
-    freedoms = 6 * len(problem.mesh.points)
-    state = matrix = 0.0
-    for block in problem.mesh.blocks:
-        cells, nodes = block.connectivity.shape
-        layers = block.section.points if block.section else 0
-        state += cells * _core.shell_sizes(block.element)[1] * layers * _BYTES_PER_LAYER
-        matrix += cells * (6 * nodes) ** 2 * (8 + 0.6 * 12)
-    factor = _FACTOR_BYTES_PER_FREEDOM * freedoms * np.log(max(freedoms, 2)) / np.log(1e5)
-    return state + matrix + float(factor)

@@ -5,12 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork import _core
 from presswork.case import schema
 from presswork.case.bodies import list_bodies
 from presswork.case.errors import Problem
-from presswork.case.hardening import build_hardening
-from presswork.case.stamping_checks import STRONGEST
 from presswork.case.umat import UmatMaterial
 
 ELEMENTS = ("quad4_1pt", "tri3")
@@ -76,27 +73,17 @@ def _check_material(case: schema.Case) -> list[Problem]:
 
 
 def _check_magnitudes(case: schema.Case) -> list[Problem]:
-    """Return the problems of strength and velocity, beside the material's own stiffness: units taken for others."""
+    """Return the problem of a velocity beside the material's own stiffness: a unit taken for another."""
     name = case.workpiece.material
     material = case.materials.get(name)
     if material is None or isinstance(material, UmatMaterial) or material.density is None:
         return []
-    problems = []
-    hardening = build_hardening(material.hardening)
-    law = _core.VonMises(
-        material.young, material.poisson, _core.HardeningLaw[hardening.law], [float(p) for p in hardening.parameters]
-    )
-    strength = float(law.flow_stress(np.zeros(1))[0][0])
-    if strength > STRONGEST * material.young:
-        fault = f"Young's modulus, though the metal yields at {strength:.4g} MPa"
-        remedy = 'plain numbers are MPa; with a unit: "207 GPa"'
-        problems.append(Problem(f"materials.{name}.young", fault, remedy, material.young))
     velocity = case.workpiece.velocity
     sound = float(np.sqrt(material.young / material.density))
     if velocity is not None and np.hypot(*velocity) > sound:
         fault = f"faster than sound in the material, {sound:.3g} mm/s"
-        problems.append(Problem("workpiece.velocity", fault, 'plain numbers are mm/s; "200 m/s" is 2e5', velocity))
-    return problems
+        return [Problem("workpiece.velocity", fault, 'plain numbers are mm/s; "200 m/s" is 2e5', velocity)]
+    return []
 
 
 def _check_target_step(case: schema.Case) -> list[Problem]:

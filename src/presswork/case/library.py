@@ -16,7 +16,7 @@ from typing import Any
 
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.reader import read_toml
-from presswork.case.sheet import SheetMaterial, check_sheet_material
+from presswork.case.sheet import SheetLaws, check_sheet_material
 
 FOLDER = Path(__file__).parents[1] / "material" / "data"
 
@@ -31,7 +31,7 @@ class NamedSheet:
     summary: str
     thickness: float | None
     """Thickness of the sheet that was tested [mm]."""
-    material: SheetMaterial
+    material: SheetLaws
     sources: Mapping[str, str]
     """Where the numbers come from, by key."""
     assumed: Mapping[str, str]

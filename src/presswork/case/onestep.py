@@ -16,6 +16,7 @@ from presswork.case.bead import Bead
 from presswork.case.case_file import CaseFile
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.forming_limit.build import build_formability
+from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.units import LENGTH, Angle, Force, Length, Number, fault, unit_factor
@@ -73,11 +74,11 @@ class Process(Part):
 class OneStepCase(CaseFile):
     """A complete case of the one-step solver. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: str = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line")
     analysis: Literal["onestep"] = Field(description="onestep")
     part: PartFile = Field(description="the finished part")
     blank: FlatBlank = Field(description="the sheet")
-    materials: dict[str, ShellMaterial] = Field(default={}, description="materials by name")
+    materials: dict[Name, ShellMaterial] = Field(default={}, description="materials by name")
     process: Process = Field(default=Process(), description="what holds the sheet back")
 
     @model_validator(mode="before")

@@ -7,15 +7,22 @@ import logging
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork import _core
 from presswork.case.errors import Problem
-from presswork.model import FloatArray, Mesh, Stage, Tool, ToolMotion
+from presswork.model import FloatArray, Mesh, Stage, Support, Tool, ToolMotion
+
+BoolArray = NDArray[np.bool_]
 
 logger = logging.getLogger(__name__)
 
 TOLERANCE = 1e-6
 """Of the size of the workpiece: how close a tool is that touches."""
+ROOM = 1e-3
+"""Of the size of the workpiece: what must be left between a tool and nodes that are held against it."""
+ALONG = 0.05
+"""Part of a tool's normal, across what is held, up to which a node cannot slide out of its way."""
 _SAMPLES = 16
 """Places along each stage's motion."""
 
@@ -50,6 +57,69 @@ def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> l
     for tool in leaving:
         logger.warning("tools.%s: the tool moves, but never comes nearer to the workpiece than it starts", tool.name)
     return []
+
+
+def check_room(
+    tools: Sequence[Tool], stages: Sequence[Stage], supports: Sequence[Support], mesh: Mesh
+) -> list[Problem]:
+    """Return a problem for each tool that is driven through nodes which are held against it: no metal fits between.
+
+    Only tools whose way is known, by strokes and moves, are looked at.
+    """
+    held = np.zeros((len(mesh.points), 2), dtype=bool)
+    for support in supports:
+        held[mesh.node_sets[support.node_set]] |= support.fix[:2]
+    for entry in (entry for stage in stages for entry in stage.prescribed):
+        held[mesh.node_sets[entry.node_set], entry.component] = False
+    chosen = np.flatnonzero(held.any(axis=1))
+    if len(chosen) == 0:
+        return []
+    tolerance = ROOM * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    problems = []
+    for tool in tools:
+        motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
+        if tool.spring is not None or any(motion.turn or motion.force is not None for motion in motions):
+            continue
+        place, nodes = np.zeros(2), mesh.points[chosen]
+        free = _gap_to_held(tool, nodes, held[chosen], place) > tolerance
+        for index, move in enumerate(np.array(motion.move) for motion in motions):
+            if _is_driven_through(tool, nodes[free], held[chosen][free], place + move, tolerance):
+                problems.append(_explain_room(tool, index, nodes[free], held[chosen][free], place, move, tolerance))
+                break
+            place = place + move
+    return problems
+
+
+def _gap_to_held(tool: Tool, nodes: FloatArray, held: BoolArray, place: FloatArray) -> FloatArray:
+    """Return the gap of nodes to a tool moved to `place` [mm]; infinite where they are free to give way."""
+    gap, normal, *_ = _core.touch_profile(np.ascontiguousarray(tool.segments), nodes - place)
+    across = np.linalg.norm(np.where(held, 0.0, normal), axis=1)
+    return np.where(across < ALONG, gap, np.inf)
+
+
+def _is_driven_through(tool: Tool, nodes: FloatArray, held: BoolArray, place: FloatArray, tolerance: float) -> bool:
+    return len(nodes) > 0 and float(_gap_to_held(tool, nodes, held, place).min()) <= tolerance
+
+
+def _explain_room(
+    tool: Tool, stage: int, nodes: FloatArray, held: BoolArray, place: FloatArray, move: FloatArray, tolerance: float
+) -> Problem:
+    """Say where a tool meets held nodes, and how far it can go until then."""
+    worst = int(np.argmin(_gap_to_held(tool, nodes, held, place + move)))
+    low, high = 0.0, 1.0
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        if _is_driven_through(tool, nodes, held, place + middle * move, tolerance):
+            high = middle
+        else:
+            low = middle
+    (x, y), way = nodes[worst], float(np.linalg.norm(move))
+    return Problem(
+        f"stages.{stage}.tools.{tool.name}",
+        f"after {low * way:.4g} of its {way:.4g} mm the tool meets nodes that are held against it, at "
+        f"({x:.4g}, {y:.4g}): no metal fits between",
+        "shorten the stroke, or let these nodes go",
+    )
 
 
 def _moves(motion: ToolMotion | None) -> bool:

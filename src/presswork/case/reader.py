@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import difflib
+import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,26 +13,62 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.text_file import UnreadableError, read_text
 
 JsonSchema = Mapping[str, Any]
+
+DEEPEST = 32
+"""Levels of tables and lists in each other that a file may have."""
+LARGEST_FILE = 16_000_000
+"""Bytes of the largest case file that is read."""
 
 
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     """Read a TOML file; return its data and its text."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_text(path, most=LARGEST_FILE)
     except FileNotFoundError:
         near = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.glob("*.toml")], n=1)
         remedy = f"did you mean `{path.parent / near[0]}`?" if near else "check the path"
         raise CaseError([Problem("", "no such case file", remedy)], path) from None
-    except UnicodeDecodeError:
-        raise CaseError([Problem("", "not a text file in UTF-8", "save it as UTF-8")], path) from None
-    except OSError as error:
-        raise CaseError([Problem("", f"cannot be read ({error.strerror})", "check the path")], path) from None
+    except UnreadableError as error:
+        raise CaseError([Problem("", error.fault, error.remedy)], path) from None
+    return _parse(text, path), text
+
+
+def _parse(text: str, source: Path | None) -> dict[str, Any]:
+    """Read TOML text; its tables and lists may not lie deeper in each other than any case has them."""
     try:
-        return tomllib.loads(text), text
+        data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise CaseError([Problem("", f"not valid TOML: {error}", "mend the syntax there")], path) from None
+        raise CaseError([Problem("", f"not valid TOML: {error}", "mend the syntax there")], source) from None
+    except ValueError as error:  # a whole number of thousands of digits
+        raise CaseError([Problem("", f"not valid TOML: {error}", "shorten the number")], source) from None
+    except RecursionError:
+        raise CaseError([_too_deep()], source) from None
+    if _depth(data) > DEEPEST:
+        raise CaseError([_too_deep()], source)
+    return data
+
+
+def _too_deep() -> Problem:
+    return Problem(
+        "", f"tables and lists lie more than {DEEPEST} deep in each other", "no case has them deeper than 10"
+    )
+
+
+def _depth(data: object) -> int:
+    """Return how deep tables and lists lie in each other."""
+    level, depth = [data], 0
+    while level and depth <= DEEPEST:
+        level = [
+            inner
+            for each in level
+            if isinstance(each, dict | list)
+            for inner in (each.values() if isinstance(each, dict) else each)
+        ]
+        depth += 1
+    return depth
 
 
 def apply_overrides(data: dict[str, Any], overrides: Sequence[str], source: Path | None = None) -> None:
@@ -42,8 +79,8 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str], source: Path
         if not equals or not key:
             raise CaseError([Problem("", f"`{override}` is no override", "write --set key=value")], source)
         try:
-            value = tomllib.loads(f"value = {text}")["value"]
-        except tomllib.TOMLDecodeError:
+            value = _parse(f"value = {text}", source)["value"]
+        except CaseError:
             value = text.strip()
         try:
             _set_by_path(data, key.split("."), value)
@@ -58,7 +95,7 @@ def _set_by_path(data: dict[str, Any], keys: Sequence[str], value: object) -> No
         last = depth == len(keys) - 1
         name: str | int = key
         if isinstance(here, list):
-            if not key.isdigit() or int(key) >= len(here):
+            if not (key.isascii() and key.isdigit() and len(key) < 10) or int(key) >= len(here):
                 where = ".".join(keys[:depth])
                 raise LookupError(
                     f"`{where}` is a list of {len(here)}: `{key}` is not an index from 0 to {len(here) - 1}"
@@ -88,7 +125,10 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
     kind: str = entry["type"]
     context: dict[str, Any] = entry.get("ctx", {})
     value = entry["input"]
-    key, node, parent = _walk(entry["loc"], data, schema)
+    location = entry["loc"]
+    if location and location[-1] == "[key]":  # pydantic's mark of a fault in a name, not in what bears it
+        location, value = location[:-1], {}
+    key, node, parent = _walk(location, data, schema)
     if kind == "case":
         sub_key = context["key"]
         key = f"{key}.{sub_key}" if key and sub_key else key or sub_key
@@ -159,7 +199,7 @@ def _walk(location: Sequence[str | int], data: object, schema: JsonSchema) -> tu
         node = _resolve(_child(node, step), schema)
         if isinstance(raw, list | tuple) and isinstance(step, str):
             continue  # the short list form of a table, e.g. [x, y] for {to = [x, y]}
-        path.append(str(step))
+        path.append(str(step) if str(step).isprintable() else json.dumps(step))
         raw = _entry(raw, step)
     return ".".join(path), node, parent
 

@@ -11,6 +11,7 @@ from presswork.case.explicit_checks import check_procedure
 from presswork.case.umat import UmatMaterial
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile, Rectangle, Workpiece
+from presswork.memory import available_memory, estimate_rectangle, explain_shortage
 from presswork.mesh import fitting_patterns
 
 MOST_CELLS = 20_000_000
@@ -121,6 +122,8 @@ def _check_body(case: schema.Case, key: str, body: Workpiece) -> list[Problem]:
     if cells and cells[0] * cells[1] > MOST_CELLS:
         remedy = f"take no more than {MOST_CELLS:,} in all"
         problems.append(Problem(f"{key}.mesh.cells", "more cells than memory will hold", remedy, list(cells)))
+    elif isinstance(body.mesh, Rectangle):
+        problems += check_cells(f"{key}.mesh", body.mesh, body.element, 0, explicit=case.procedure == "explicit")
     if body.material not in case.materials:
         remedy = suggest(body.material, case.materials, "materials")
         problems.append(Problem(f"{key}.material", "no such material", remedy, body.material))
@@ -139,6 +142,21 @@ def _check_body(case: schema.Case, key: str, body: Workpiece) -> list[Problem]:
                 )
             )
     return problems
+
+
+def check_cells(key: str, mesh: Rectangle, element: model.ElementName, layers: int, *, explicit: bool) -> list[Problem]:
+    """Return a problem where the cells of a rectangle need more memory than there is. layers: of a shell, else 0."""
+    along = mesh.cells or [sum(zone.cells for zone in zones or ()) for zones in (mesh.zones_x, mesh.zones_y)]
+    cut = {"crossed": 4, "left": 2, "right": 2, "quad": 1}[mesh.pattern or fitting_patterns(element)[0]]
+    needed, there = (
+        estimate_rectangle(cut * along[0] * along[1], element, layers, explicit=explicit),
+        available_memory(),
+    )
+    if needed <= there:
+        return []
+    name = "cells" if mesh.cells else "zones_x"
+    fault, _, remedy = explain_shortage(needed, there).partition("; ")
+    return [Problem(f"{key}.{name}", fault, remedy, list(along))]
 
 
 def check_sets(case: schema.Case, mesh: model.Mesh) -> list[Problem]:

@@ -18,11 +18,13 @@ from pydantic import (
 )
 from pydantic.config import JsonDict
 
-from presswork import model
+from presswork import _core, model
 from presswork.case.case_file import CaseFile
 from presswork.case.contact import Contact, require_friction
 from presswork.case.explicit_solid import ExplicitSolver, Heating, require_density
-from presswork.case.hardening import Hardening
+from presswork.case.hardening import Hardening, build_hardening
+from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
+from presswork.case.names import Name, Title
 from presswork.case.part import Part, ShortForm
 from presswork.case.settings import Output, Solver
 from presswork.case.sheet_laws import RateLaw
@@ -70,9 +72,16 @@ class Material(Part):
         default=None, description="explicit: heating by plastic work, and the softening that it brings"
     )
 
+    magnitudes: Magnitudes = Field(default="metal", description=DESCRIPTION)
+
     @model_validator(mode="after")
-    def _check_density(self) -> Self:
+    def _check_magnitudes(self) -> Self:
         require_density(self.density)
+        if self.magnitudes == "metal":
+            law = build_hardening(self.hardening)
+            parameters = [float(parameter) for parameter in law.parameters]
+            mises = _core.VonMises(self.young, self.poisson, _core.HardeningLaw[law.law], parameters)
+            require_metal(self.young, lambda strain: mises.flow_stress(strain)[0])
         return self
 
 
@@ -323,7 +332,7 @@ class Pressure(Part):
 class Stage(Part):
     """A part of the process in which every motion and load is linear in time; explicit: motions start smoothly."""
 
-    name: str = Field(description="name of the stage")
+    name: Name = Field(description="name of the stage")
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
     ramp: Time | None = Field(
         default=None,
@@ -340,7 +349,7 @@ class Stage(Part):
 class Case(CaseFile):
     """A complete forming case. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: str = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line")
     analysis: Literal["axisymmetric", "plane_strain"] = Field(
         description="axisymmetric (x is the radius, y the axis) or plane_strain"
     )
@@ -350,11 +359,11 @@ class Case(CaseFile):
     )
     depth: Length = Field(default=1.0, gt=0, description="plane strain: extent normal to the plane [mm]")
     workpiece: Workpiece = Field(description="the body that is formed")
-    materials: dict[str, MaterialTable] = Field(min_length=1, description="materials by name")
-    tools: dict[str, Tool] = Field(default={}, description="rigid tools by name")
-    bodies: dict[str, Workpiece] = Field(default={}, description="further deformable bodies by name")
-    contacts: dict[str, Contact] = Field(default={}, description="contacts between bodies by name")
-    boundary: dict[str, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
+    materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
+    tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
+    bodies: dict[Name, Workpiece] = Field(default={}, description="further deformable bodies by name")
+    contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
+    boundary: dict[Name, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
     stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     explicit: ExplicitSolver = Field(

@@ -6,21 +6,18 @@ from __future__ import annotations
 import functools
 from typing import Any, Self
 
-import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from presswork import _core, model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import Hardening, Linear, build_hardening
+from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
 from presswork.case.part import Part
 from presswork.case.reader import list_problems
 from presswork.case.sheet_laws import FormingLimit, Kinematic, RateLaw, YoshidaUemori, YoungDecrease
 from presswork.case.units import Number, Stress, fault
 from presswork.case.yield_function import VonMisesYield, YieldFunction
 from presswork.sheet_law import make_sheet_law, make_solid_law
-
-_EARLY_STRAIN = 0.002
-"""Plastic strain at which the flow stress must look like a metal's beside Young's modulus."""
 
 
 class SheetLaws(Part):
@@ -36,6 +33,7 @@ class SheetLaws(Part):
         default=None, description="how Young's modulus falls with plastic strain"
     )
     forming_limit: FormingLimit | None = Field(default=None, description="forming limit curve")
+    magnitudes: Magnitudes = Field(default="metal", description=DESCRIPTION)
 
     @model_validator(mode="after")
     def _check_laws(self) -> Self:
@@ -55,6 +53,8 @@ class SheetLaws(Part):
                 )
         if self.young_decrease is not None and self.young_decrease.saturated > self.young:
             raise fault("the saturated modulus is above Young's modulus", "it falls", key="young_decrease")
+        if self.magnitudes == "metal":
+            require_metal(self.young, lambda strain: self.build_law().flow_stress(strain)[0])
         return self
 
     def to_model(self, name: str) -> model.Material:
@@ -83,37 +83,14 @@ class SheetLaws(Part):
             raise CaseError([problem], "material") from None
 
 
-class SheetMaterial(SheetLaws):
-    """The laws of a named sheet, whose numbers must look like a metal's."""
-
-    @model_validator(mode="after")
-    def _check_sizes(self) -> Self:
-        """Refuse what only a mistaken unit makes: a modulus or a flow stress of no metal."""
-        if not 1e3 < self.young < 2e6:
-            raise fault(
-                f"Young's modulus is {self.young:g} MPa, that of no metal",
-                'plain numbers are MPa; with a unit: "206 GPa"',
-                key="young",
-            )
-        early = float(self.build_law().flow_stress(np.array([_EARLY_STRAIN]))[0][0])
-        if not 1e-4 < early / self.young < 0.1:
-            raise fault(
-                f"the flow stress at a plastic strain of {_EARLY_STRAIN:g} is {early:g} MPa, {early / self.young:.1e} "
-                "of Young's modulus",
-                "metals have 0.0005 to 0.02; plain numbers are MPa",
-                key="hardening",
-            )
-        return self
-
-
 @functools.cache
 def _schema() -> dict[str, Any]:
-    return SheetMaterial.model_json_schema()
+    return SheetLaws.model_json_schema()
 
 
-def check_sheet_material(data: object, source: str | None = None) -> SheetMaterial:
-    """Turn a table into a SheetMaterial. Raises CaseError with every problem, named by key."""
+def check_sheet_material(data: object, source: str | None = None) -> SheetLaws:
+    """Turn a table into a SheetLaws. Raises CaseError with every problem, named by key."""
     try:
-        return SheetMaterial.model_validate(data)
+        return SheetLaws.model_validate(data)
     except ValidationError as error:
         raise CaseError(list_problems(error, data, _schema()), source) from None

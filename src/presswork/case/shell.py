@@ -13,6 +13,7 @@ from pydantic import (
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.settings import Output, Solver
 from presswork.case.shell_material import ShellMaterial, add_library_materials
@@ -151,7 +152,7 @@ class BodyForce(Part):
 class ShellStage(Part):
     """A part of the process in which every load is linear in time."""
 
-    name: str = Field(description="name of the stage")
+    name: Name = Field(description="name of the stage")
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
     displacement: tuple[ShellDisplacement, ...] = Field(default=(), description="prescribed displacements")
     rotation: tuple[ShellRotation, ...] = Field(default=(), description="prescribed rotations")
@@ -164,11 +165,11 @@ class ShellStage(Part):
 class ShellCase(CaseFile):
     """A complete case of a shell. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: str = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line")
     analysis: Literal["shell"] = Field(description="shell")
     workpiece: ShellWorkpiece = Field(description="the sheet that is formed")
-    materials: dict[str, ShellMaterial] = Field(default={}, description="materials by name")
-    boundary: dict[str, ShellBoundary] = Field(default={}, description="supports and symmetry planes by name")
+    materials: dict[Name, ShellMaterial] = Field(default={}, description="materials by name")
+    boundary: dict[Name, ShellBoundary] = Field(default={}, description="supports and symmetry planes by name")
     stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     output: Output = Field(default=Output(), description="what is saved, and when")

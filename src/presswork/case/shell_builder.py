@@ -14,7 +14,7 @@ from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.forming_limit.build import build_sheets
 from presswork.case.grid import grid_lines
 from presswork.case.library import list_keys
-from presswork.case.references import check_set_names
+from presswork.case.references import check_cells, check_set_names
 from presswork.case.settings import build_output, build_solver
 from presswork.case.shell import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.units import LENGTH, unit_factor
@@ -69,6 +69,8 @@ def _check_names(case: ShellCase) -> list[Problem]:
         except ValueError as error:
             fault = f"expected a unit of length, but {error}"
             problems.append(Problem("workpiece.mesh.unit", fault, "e.g. mm, m, inch", piece.mesh.unit))
+    else:
+        problems += check_cells("workpiece.mesh", piece.mesh, piece.element, piece.section.points, explicit=False)
     if "rows" in case.output.model_fields_set:
         fault = "shells are implicit: a row an increment"
         problems.append(Problem("output.rows", fault, "remove it", case.output.rows))

@@ -13,6 +13,7 @@ from presswork.case.bead import Bead
 from presswork.case.blank import Blank
 from presswork.case.case_file import CaseFile
 from presswork.case.explicit_solid import HEAVIEST, LIGHTEST, require_density
+from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.shell import ShellBoundary, ShellDisplacement
@@ -86,7 +87,7 @@ class ToolAction(Part):
 class StampingStage(Part):
     """A part of the process; all that moves starts and stops smoothly with it."""
 
-    name: str = Field(description="name of the stage")
+    name: Name = Field(description="name of the stage")
     tools: dict[str, ToolAction] = Field(default={}, description="what each tool does; one not named stands still")
     displacement: tuple[ShellDisplacement, ...] = Field(default=(), description="prescribed displacements of the blank")
     velocity: Velocity | None = Field(
@@ -246,20 +247,22 @@ class StampingOutput(Part):
 class StampingCase(CaseFile):
     """A complete case of a stamping. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: str = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line")
     analysis: Literal["stamping"] = Field(description="stamping")
     procedure: Literal["explicit", "implicit"] = Field(
         default="explicit",
         description="explicit: dynamics in small steps of time; implicit: equilibrium after every increment",
     )
     blank: Blank = Field(description="the sheet that is formed")
-    materials: dict[str, StampingMaterial] = Field(default={}, description="materials by name")
-    tools: dict[str, Tool] = Field(default={}, description="rigid tools by name")
+    materials: dict[Name, StampingMaterial] = Field(default={}, description="materials by name")
+    tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
     beads: tuple[StampingBead, ...] = Field(default=(), description="drawbeads")
-    boundary: dict[str, ShellBoundary] = Field(default={}, description="what holds the blank beside the tools, by name")
+    boundary: dict[Name, ShellBoundary] = Field(
+        default={}, description="what holds the blank beside the tools, by name"
+    )
     stages: tuple[StampingStage, ...] = Field(min_length=1, description="the process, stage by stage")
     explicit: Explicit = Field(default=Explicit(), description="how the explicit procedure steps through time")
-    trim: dict[str, Trim] = Field(
+    trim: dict[Name, Trim] = Field(
         default={}, description="lines that the part is cut along after the last stage, by name, one after the other"
     )
     springback: Springback | None = Field(

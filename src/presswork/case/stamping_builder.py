@@ -24,7 +24,6 @@ from presswork.case.stamping_checks import (
     check_fit,
     check_names,
     check_speeds,
-    check_strength,
     check_target_step,
     check_tools,
     check_ways,
@@ -63,7 +62,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
     _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_tools(case) + check_ways(case), case)
     stages = tuple(build_stage(stage) for stage in case.stages)
-    _stop_at(check_target_step(case, stages) + check_speeds(case, stages) + check_strength(case), case)
+    _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
     mesh = _build_mesh(case)
     uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
     for index, stage in enumerate(case.stages):

@@ -18,7 +18,6 @@ from presswork.mesh.tool_file import TriangulatedTool
 from presswork.model import FloatArray, Mesh
 from presswork.model_stamping import StampingStage as StageModel
 from presswork.model_stamping import StampingTool
-from presswork.sheet_law import make_sheet_law
 
 MOST_CELLS = 5_000_000
 KINDS = ("punch", "die", "holder")
@@ -28,8 +27,6 @@ CLEAR = 0.01
 """Part of the thickness by which a tool may start in the blank."""
 FASTEST = 0.1
 """Part of the wave speed at which tools may move."""
-STRONGEST = 0.1
-"""Part of Young's modulus: about the strength of a crystal without defects."""
 
 
 def check_names(case: StampingCase) -> list[Problem]:
@@ -218,17 +215,6 @@ def check_speeds(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Pro
         remedy = 'plain numbers are mm/s and s; "2 m/s" is usual, and slow enough for inertia to be small'
         problems.append(Problem(f"stages.{index}.{key}", fault, remedy, getattr(given, key)))
     return problems
-
-
-def check_strength(case: StampingCase) -> list[Problem]:
-    """Return a problem where the sheet starts to flow at a stress that no metal bears."""
-    name = case.blank.material
-    material = case.materials[name]
-    strength = float(make_sheet_law(material.to_model(name)).flow_stress(np.zeros(1))[0][0])
-    if strength <= STRONGEST * material.young:
-        return []
-    fault = f"the sheet yields at {strength:.4g} MPa, but Young's modulus is {material.young:.4g} MPa"
-    return [Problem(f"materials.{name}.hardening", fault, "plain numbers are MPa; give other units in words")]
 
 
 def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:

@@ -15,7 +15,16 @@ from pydantic_core import PydanticCustomError
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-_NUMBER_AND_UNIT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+_NUMBER_AND_UNIT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.ASCII)
+_NAME = r"[^\W\d_]+(?:_[^\W\d_]+)*|[%°]"
+_FACTOR = rf"(?:1|{_NAME})(?:\s*(?:\*\*|\^)\s*-?\d|[²³])?"
+_OPEN, _CLOSE = r"(?:\s*\()?\s*", r"\s*(?:\)\s*)?"
+_UNIT = re.compile(rf"{_OPEN}{_FACTOR}{_CLOSE}(?:(?:[*/·]|\s){_OPEN}{_FACTOR}{_CLOSE})*")
+"""Names of units with powers of one digit, multiplied and divided: all that a unit can be, and short to evaluate."""
+LARGEST_FLOAT = 1.7e308
+"""Whole numbers of hundreds of digits have no float."""
+_LONGEST = 60
+"""Letters of the longest text that is taken for a quantity or a unit."""
 
 
 @dataclass(frozen=True)
@@ -25,22 +34,24 @@ class Dimension:
     name: str
     unit: str
     example: str
+    largest: float = 1e15
+    """Magnitude above which a value is a slip; products of such values stay far from overflow."""
 
 
-LENGTH = Dimension("a length", "mm", "20 mm")
+LENGTH = Dimension("a length", "mm", "20 mm", 1e6)
 STRESS = Dimension("a stress", "MPa", "200 kN/mm^2")
 FORCE = Dimension("a force", "N", "5 kN")
-TIME = Dimension("a time", "s", "20 ms")
-ANGLE = Dimension("an angle", "degree", "1.5 rad")
+TIME = Dimension("a time", "s", "20 ms", 1e9)
+ANGLE = Dimension("an angle", "degree", "1.5 rad", 1e6)
 STIFFNESS = Dimension("a stiffness", "N/mm", "2 kN/mm")
 MOMENT = Dimension("a moment", "N*mm", "2 N*m")
 LINE_FORCE = Dimension("a force per length", "N/mm", "3 kN/m")
 BODY_FORCE = Dimension("a force per volume", "N/mm^3", "77 kN/m^3")
-VELOCITY = Dimension("a velocity", "mm/s", "2 m/s")
+VELOCITY = Dimension("a velocity", "mm/s", "2 m/s", 1e9)
 DENSITY = Dimension("a density", "t/mm^3", "7850 kg/m^3")
 RATE = Dimension("a rate", "1/s", "100 1/s")
 HEAT_CAPACITY = Dimension("a specific heat capacity", "mm^2/(s^2*K)", "460 J/(kg*K)")
-PURE_NUMBER = Dimension("a number without a unit", "", "0.3")
+PURE_NUMBER = Dimension("a number without a unit", "", "0.3", 1e30)
 
 
 def fault(expected: str, remedy: str = "", key: str = "") -> PydanticCustomError:
@@ -62,16 +73,19 @@ def unit_factor(unit: str, dimension: Dimension) -> float:
 
     Raises ValueError, with the reason, for a unit that is unknown or of another dimension.
     """
+    if len(unit) > _LONGEST or not (unit == "" or _UNIT.fullmatch(unit)):
+        shown = unit if len(unit) <= _LONGEST else f"{unit[:_LONGEST]} ..."
+        raise ValueError(f"`{shown}` is no known unit")
     import pint
 
     registry = _unit_registry()
     try:
-        parsed = registry.parse_units(unit)
+        parsed = registry.parse_units(unit.replace("·", "*"))
     except Exception as error:  # pint raises its own, tokenizer's and Python's errors
         raise ValueError(f"`{unit}` is no known unit") from error
     try:
         return float((1.0 * parsed).to(dimension.unit or "dimensionless").magnitude)
-    except (pint.DimensionalityError, pint.OffsetUnitCalculusError) as error:
+    except (pint.DimensionalityError, pint.OffsetUnitCalculusError, ArithmeticError) as error:
         kind = str(parsed.dimensionality).replace("[", "").replace("]", "")
         raise ValueError(f"`{unit}` has the dimension {kind}") from error
 
@@ -87,7 +101,7 @@ def to_number(value: object, dimension: Dimension) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise fault(expected, remedy)
     if isinstance(value, str):
-        match = _NUMBER_AND_UNIT.match(value)
+        match = _NUMBER_AND_UNIT.match(value) if len(value) <= 2 * _LONGEST else None
         if match is None:
             raise fault(expected, remedy)
         try:
@@ -96,9 +110,11 @@ def to_number(value: object, dimension: Dimension) -> float:
             reason = f"{error}" if match.group(2) else "it has no unit"
             raise fault(f"{expected}, but {reason}", remedy) from None
     else:
-        number = float(value)
+        number = float(value) if abs(value) < LARGEST_FLOAT else math.inf
     if not math.isfinite(number):
         raise fault(f"{expected} that is finite", remedy)
+    if abs(number) > dimension.largest:
+        raise fault(f"expected {dimension.name} up to {dimension.largest:g} {dimension.unit}".rstrip(), remedy)
     return number
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from presswork.memory import TooLargeError, available_memory, check_memory, estimate_memory, explain_shortage
 from presswork.model_stamping import AnyModel, StampingModel
 from presswork.procedure.explicit_input import ExplicitError
 from presswork.procedure.recording import Recording, StartError
@@ -11,21 +12,24 @@ from presswork.procedure.recording import Recording, StartError
 def begin(model: AnyModel, threads: int) -> Recording:
     """Return the model's procedure before its first increment.
 
-    Raises StartError if nothing can be computed from this start, as NotHeldError if the workpiece is free to move as a
-    rigid body.
+    Raises StartError if the machine's memory does not hold it, or nothing can be computed from this start, as
+    NotHeldError if the workpiece is free to move as a rigid body.
     """
     try:
+        check_memory(model)
         if isinstance(model, StampingModel):
             return _begin_stamping(model, threads)
         if model.explicit is not None:
             from presswork.procedure.impact import ExplicitImpact
 
             return ExplicitImpact(model, threads=threads)
-    except ExplicitError as error:
-        raise StartError(str(error)) from error
-    from presswork.procedure.implicit_recording import ImplicitRecording
+        from presswork.procedure.implicit_recording import ImplicitRecording
 
-    return ImplicitRecording(model, threads=threads)
+        return ImplicitRecording(model, threads=threads)
+    except (ExplicitError, TooLargeError) as error:
+        raise StartError(str(error)) from error
+    except MemoryError as error:
+        raise StartError(explain_shortage(estimate_memory(model), available_memory())) from error
 
 
 def _begin_stamping(model: StampingModel, threads: int) -> Recording:

@@ -21,7 +21,7 @@ from presswork.model import FloatArray, IntArray
 
 
 class SolverError(Exception):
-    """The matrix could not be factorised: singular, or out of memory."""
+    """The matrix could not be factorised: it is singular. Too little memory is a MemoryError."""
 
 
 class LinearSolver(Protocol):
@@ -62,6 +62,8 @@ class SuperLU:
         try:
             self._factor = spl.splu(matrix.tocsc())
         except RuntimeError as error:
+            if "memory" in str(error).lower():
+                raise MemoryError(str(error)) from error
             raise SolverError(str(error)) from error
 
     def solve(self, rhs: FloatArray) -> FloatArray:
@@ -80,6 +82,13 @@ def _release(pardiso: Any, handle: NDArray[np.int64], matrix_type: int, n: int) 
     settings = np.zeros(64, dtype=np.int32)
     pardiso(handle.ctypes.data, *head, *[None] * 3, _integer(0), _integer(1), settings.ctypes.data, _integer(0),
             None, None, _integer(0))  # fmt: skip
+
+
+def _explain(error: int) -> SolverError | MemoryError:
+    """Return what to raise for an error of PARDISO; where memory ends, smaller increments would not help."""
+    if error in (-2, -9):
+        return MemoryError("PARDISO has not enough memory")
+    return SolverError("the matrix is singular" if error == -4 else f"PARDISO error {error}")
 
 
 class Pardiso:
@@ -128,8 +137,7 @@ class Pardiso:
             error,
         )
         if error[0] != 0:
-            reasons = {-2: "not enough memory", -4: "the matrix is singular", -9: "not enough memory"}
-            raise SolverError(reasons.get(error[0], f"PARDISO error {error[0]}"))
+            raise _explain(error[0])
 
     def factorise(self, data: FloatArray) -> None:
         self._data = np.ascontiguousarray(data)

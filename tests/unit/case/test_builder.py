@@ -120,7 +120,8 @@ def test_tool_reaching_a_symmetry_plane_is_mirrored_in_plane_strain(write_case: 
 def test_mirroring_follows_the_planes_and_the_profile(
     write_case: WriteCase, override: str, mirrored: tuple[bool, bool]
 ) -> None:
-    assert build(write_case(PLANE_STRAIN), override).tools[0].mirrored_across == mirrored
+    built = build(write_case(PLANE_STRAIN), override, "stages.0.tools.punch.stroke=4")
+    assert built.tools[0].mirrored_across == mirrored
 
 
 def test_zones_replace_size_and_cells(write_case: WriteCase) -> None:

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Names that the user chooses, of tools, stages and bodies: they become names of files, columns and fields."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import AfterValidator
+
+from presswork.case.units import fault
+
+LONGEST = 80
+LONGEST_TITLE = 500
+_RESERVED = '/\\:*?"<>|,;='
+"""What some file system takes for more than a letter, and what parts the columns of a table."""
+
+
+def _check_name(name: str) -> str:
+    """Refuse a name that could not be that of a file."""
+    remedy = 'take letters, digits, blanks, "_" and "-", for instance punch_2'
+    if not name.strip(" ."):
+        raise fault("this name says nothing" if name else "the name is empty", remedy)
+    if name != name.strip() or name.startswith("."):
+        raise fault("the name begins with a dot, or begins or ends with a blank", remedy)
+    if len(name) > LONGEST:
+        raise fault(f"the name has {len(name)} letters, more than {LONGEST}", "shorten it")
+    wrong = sorted({letter for letter in name if letter in _RESERVED or not letter.isprintable()})
+    if wrong:
+        said = " ".join(letter if letter.isprintable() else f"U+{ord(letter):04X}" for letter in wrong)
+        raise fault(f"the name has {said} in it, which no name of a file may have", remedy)
+    return name
+
+
+def _check_title(title: str) -> str:
+    """Refuse a title that is no line of text."""
+    if len(title) > LONGEST_TITLE:
+        raise fault(f"the title has {len(title)} letters, more than {LONGEST_TITLE}", "shorten it")
+    wrong = sorted({letter for letter in title if not letter.isprintable()})
+    if wrong:
+        said = " ".join(f"U+{ord(letter):04X}" for letter in wrong)
+        raise fault(f"the title has {said} in it", "write one line of text")
+    return title
+
+
+Name = Annotated[str, AfterValidator(_check_name)]
+"""Name of a tool, stage, body, contact, material, support or trim line."""
+Title = Annotated[str, AfterValidator(_check_title)]

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How much memory a Model takes to compute, and how much the machine has."""
+
+from __future__ import annotations
+
+import os
+import resource
+from pathlib import Path
+
+import numpy as np
+
+from presswork import _core, model
+from presswork.model_stamping import AnyModel, StampingModel
+
+_POINTS: dict[str, int] = {
+    "tri3": 1, "tri6_6pt": 6, "tri6_7pt": 7, "quad4": 4, "quad4_fbar": 4, "quad4_1pt": 1,
+    "quad8": 9, "quad8_2x2": 4, "quad9": 9, "quad9_2x2": 4,
+}  # fmt: skip
+_BYTES_PER_POINT = 4 * 8 * 16
+"""Four copies of about 16 numbers at a quadrature point: converged, trial, and work arrays."""
+_BYTES_PER_LAYER = 3 * 8 * 8
+"""Three copies of about 8 numbers at a point of a layer of a shell."""
+_BYTES_PER_ENTRY = 8 + 0.6 * 12
+"""Of an element's matrix: the value, and 12 bytes an entry once merged."""
+_FACTOR_BYTES_PER_FREEDOM = {2: 2500.0, 6: 3500.0}
+"""Of a sparse factorisation at 100,000 freedoms, by freedoms of a node; grows with the logarithm of their number."""
+_EXPLICIT_BYTES_PER_CELL = 2000.0
+"""Of an explicit cell beside its layers: mesh, forces, work arrays and what is written."""
+
+
+class TooLargeError(Exception):
+    """A problem that the machine's memory does not hold; says so, and the remedy."""
+
+
+def estimate_memory(problem: AnyModel) -> float:
+    """Estimate the bytes for mesh, state, matrix and factors."""
+    freedoms = 2 if isinstance(problem, model.Model) and problem.analysis != "shell" else 6
+    with_matrix = problem.procedure == "implicit" if isinstance(problem, StampingModel) else problem.explicit is None
+    if isinstance(problem, StampingModel) and problem.springback is not None:
+        with_matrix = True
+    blocks = [(len(b.connectivity), b.element, b.section.points if b.section else 0) for b in problem.mesh.blocks]
+    nodes_per_cell = len(problem.mesh.points) / sum(cells for cells, _, _ in blocks)
+    return sum(
+        _estimate_block(cells, element, layers, nodes_per_cell * cells, freedoms, with_matrix)
+        for cells, element, layers in blocks
+    )
+
+
+def _estimate_block(cells: int, element: str, layers: int, nodes: float, freedoms: int, with_matrix: bool) -> float:
+    """Estimate the bytes for cells of one kind, with their nodes."""
+    state = cells * _count_points(element, layers) * (_BYTES_PER_LAYER if layers else _BYTES_PER_POINT)
+    if not with_matrix:
+        return state + cells * _EXPLICIT_BYTES_PER_CELL
+    matrix = cells * (freedoms * _count_nodes(element)) ** 2 * _BYTES_PER_ENTRY
+    unknowns = freedoms * nodes
+    factor = _FACTOR_BYTES_PER_FREEDOM[freedoms] * unknowns * float(np.log(max(unknowns, 2)) / np.log(1e5))
+    return state + matrix + factor
+
+
+def _count_points(element: str, layers: int) -> int:
+    """Return the quadrature points of a cell, those through the thickness included."""
+    if element in _POINTS:
+        return _POINTS[element]
+    in_plane = 1 if element.endswith("one_point") else int(_core.shell_sizes(element)[1])
+    return in_plane * layers
+
+
+def _count_nodes(element: str) -> int:
+    """Return the nodes of a cell, which the name of every element has as its digit."""
+    return int(next(letter for letter in element if letter.isdigit()))
+
+
+def estimate_rectangle(cells: int, element: str, layers: int, *, explicit: bool) -> float:
+    """Estimate the bytes for a rectangle of so many cells, before it is meshed. layers: of a shell, else 0."""
+    nodes = cells * {3: 0.5, 6: 2.0, 4: 1.0, 8: 3.0, 9: 4.0}[_count_nodes(element)]
+    return _estimate_block(cells, element, layers, nodes, 6 if layers else 2, not explicit)
+
+
+def check_memory(problem: AnyModel) -> None:
+    """Raise TooLargeError where the problem needs more memory than there is."""
+    needed, there = estimate_memory(problem), available_memory()
+    if needed > there:
+        raise TooLargeError(explain_shortage(needed, there))
+
+
+def explain_shortage(needed: float, there: float) -> str:
+    """Say how much memory is missing and what to do."""
+    return (
+        f"about {needed / 1e6:,.0f} MB of memory are needed, and {there / 1e6:,.0f} MB are free on this machine; "
+        "take fewer or larger elements, close other programs, or compute it on a larger machine"
+    )
+
+
+def available_memory() -> float:
+    """Return the bytes that this process may still take: of the machine, of its control group, of its own limit."""
+    limits = [_free_of_machine(), _free_of_group(Path("/sys/fs/cgroup"))]
+    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if soft != resource.RLIM_INFINITY:
+        limits.append(max(soft - _own_address_space(), 0.0))
+    return min(limits)
+
+
+def _free_of_machine() -> float:
+    try:
+        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return float(line.split()[1]) * 1024
+    except (OSError, ValueError, IndexError):
+        pass
+    return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+
+
+def _free_of_group(folder: Path) -> float:
+    """Return what is left of a control group's limit, version 2 or 1; infinite without one."""
+    for most, used in (
+        ("memory.max", "memory.current"),
+        ("memory/memory.limit_in_bytes", "memory/memory.usage_in_bytes"),
+    ):
+        try:
+            return max(float((folder / most).read_text()) - float((folder / used).read_text()), 0.0)
+        except (OSError, ValueError):  # no such file, or "max"
+            continue
+    return float("inf")
+
+
+def _own_address_space() -> float:
+    try:
+        return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+    except (OSError, ValueError, IndexError):
+        return 0.0
