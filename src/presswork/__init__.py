@@ -2,7 +2,7 @@
 """presswork: simulate metal forming from a short case file or from Python.
 
 >>> import presswork
->>> case = presswork.Case.from_toml("upsetting_4cst.toml")
+>>> case = presswork.read_case("upsetting_4cst.toml")
 >>> result = presswork.run(case, "out").result
 >>> result.history["punch.force"], result.field("eqps", step=-1)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from .api import run
-from .case import Case, CaseError, ShellCase, StampingCase, build_model
+from .case import Case, CaseError, OneStepCase, ShellCase, StampingCase, build_model, read_case
 from .recorder import Outcome, run_model
 from .results import OutputError, Result
 
@@ -9,12 +9,14 @@ __version__: str
 __all__ = [
     "Case",
     "CaseError",
+    "OneStepCase",
     "Outcome",
     "OutputError",
     "Result",
     "ShellCase",
     "StampingCase",
     "build_model",
+    "read_case",
     "run",
     "run_model",
 ]

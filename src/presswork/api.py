@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The way from a case to its results in one call."""
+"""Run a case of any kind into an output folder: a process in time, or one step back from a part."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from presswork.case import Case, ShellCase, StampingCase, build_model
-from presswork.recorder import Outcome, Progress, run_model
+from presswork.case import build_model
+from presswork.case.onestep import OneStepCase, build_onestep_model
+from presswork.recorder import Outcome, StartError, fingerprint, run_model
+from presswork.results import OutputError
+
+if TYPE_CHECKING:
+    from presswork.case.kinds import AnyCase
+    from presswork.recorder import Progress
 
 
 def run(
-    case: Case | ShellCase | StampingCase,
+    case: AnyCase,
     folder: Path | str,
     *,
     overwrite: bool = False,
@@ -21,9 +28,32 @@ def run(
 ) -> Outcome:
     """Compute a case into a folder and return how it ended; `.result` reads what it wrote.
 
-    `threads` 0 uses every core. Raises CaseError for a case that cannot be computed, before anything is, and
+    `threads` 0 uses every core. `on_increment` is called after every increment; one step has none. Raises CaseError for
+    a case that cannot be computed, before anything is, StartError if nothing can be computed from its start, and
     OutputError for a folder that cannot be used.
     """
-    return run_model(
-        build_model(case), folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=on_increment
-    )
+    if not isinstance(case, OneStepCase):
+        model = build_model(case)
+        return run_model(model, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=on_increment)
+    from presswork.mesh import MeshError
+    from presswork.onestep.part import OneStepError
+    from presswork.onestep.record import run_one_step
+
+    if resume:
+        raise OutputError("a one-step run leaves nothing to resume; run it anew with overwrite")
+    try:
+        run_one_step(build_onestep_model(case), folder, overwrite=overwrite, threads=threads)
+    except OneStepError as error:
+        return Outcome("gave_up", Path(folder), str(error))
+    except MeshError as error:
+        raise StartError(str(error)) from error
+    return Outcome("completed", Path(folder))
+
+
+def identify(case: AnyCase) -> str:
+    """Return the fingerprint of a case's Model: equal for cases that compute the same. Raises CaseError."""
+    if isinstance(case, OneStepCase):
+        from presswork.onestep.record import identify_model
+
+        return identify_model(build_onestep_model(case))
+    return fingerprint(build_model(case))

@@ -105,6 +105,9 @@ def test_what_is_recorded_of_springback(bent) -> None:
     np.testing.assert_allclose(sprung, bent.field("displacement", 3) - bent.field("displacement", 2), atol=1e-12)
     assert not bent.field("springback", 2).any()
     assert bent.summary["springback"]["largest_mm"] == pytest.approx(np.linalg.norm(sprung, axis=1).max())
+    at = int(np.argmax(np.linalg.norm(sprung, axis=1)))
+    assert bent.summary["springback"]["at_mm"] == pytest.approx(bent.points()[at]), "on the part that has sprung back"
+    assert bent.summary["springback"]["at_blank_mm"] == pytest.approx(bent.mesh.points[at])
     assert bent.summary["springback"]["increments"] == 4
     middle = np.argmin(np.abs(bent.mesh.points[:, :2] - [0, 0]).sum(axis=1))
     np.testing.assert_allclose(sprung[middle, [0, 2]], 0.0, atol=1e-12)

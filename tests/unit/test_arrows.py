@@ -66,10 +66,10 @@ PYTHON_ROOMS = {
     "post": {"formability", "mesh", "model", "results"},
     "view": {"formability", "model", "results", "post"},
     "recorder": {"model", "model_stamping", "procedure", "results", "stop"},
-    "study": {"case", "model", "model_stamping", "recorder", "results", "view", "post"},
+    "study": {"api", "case", "model", "model_stamping", "recorder", "results", "view", "post"},
     "material": {"case", "formability", "model", "umat", "view"},
     "onestep": {"case", "mesh", "model", "model_onestep", "procedure", "results"},
-    "api": {"case", "recorder"},
+    "api": {"case", "mesh", "onestep", "recorder", "results"},
     "cli": {
         "case",
         "examples",

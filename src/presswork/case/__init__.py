@@ -6,6 +6,7 @@ from presswork.case.describe import describe
 from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import HockettSherby, Linear, Ludwik, MonotoneTable, Swift, SwiftVoce, Table, Voce
 from presswork.case.kinds import build_model, json_schema, read_case
+from presswork.case.onestep import OneStepCase
 from presswork.case.schema import (
     Boundary,
     Case,
@@ -52,6 +53,7 @@ __all__ = [
     "MeshFile",
     "MonotoneTable",
     "NodeForce",
+    "OneStepCase",
     "Output",
     "Pressure",
     "Problem",

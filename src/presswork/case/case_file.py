@@ -7,12 +7,12 @@ import copy
 import functools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, get_args
 
 import tomli_w
 from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
-from presswork.case.errors import CaseError
+from presswork.case.errors import CaseError, Problem
 from presswork.case.part import Part
 from presswork.case.reader import apply_overrides, list_problems, read_toml
 
@@ -47,15 +47,33 @@ class CaseFile(Part):
 
         path: the TOML file. overrides: `key=value` texts that replace or add values, for instance
         `workpiece.mesh.cells=[30,30]` or `stages.0.tools.punch.stroke=5`; a value is read as TOML, or else as a string.
-        Raises CaseError with every problem found.
+        Raises CaseError with every problem found; of a file of another kind of case, which `presswork.read_case` reads,
+        its kind alone.
         """
         path = Path(path)
         data, text = read_toml(path)
         apply_overrides(data, overrides, path)
+        cls._refuse_other_kind(data.get("analysis"), path)
         case = cls.model_validate(data, context={"source": path})
         case._source = path
         case._text = write_as_run(data, path.parent) if overrides or names_files(data) else text
         return case
+
+    @classmethod
+    def analyses(cls) -> tuple[str, ...]:
+        """Return the values of `analysis` that make a case of this kind."""
+        return get_args(cls.model_fields["analysis"].annotation)
+
+    @classmethod
+    def _refuse_other_kind(cls, analysis: object, path: Path) -> None:
+        """Raise CaseError if `analysis` is a word of another kind of case, whose keys are others."""
+        for kind in CaseFile.__subclasses__():
+            if analysis in kind.analyses() and analysis not in cls.analyses():
+                own = f"{cls.__name__} is for {' and '.join(cls.analyses())}"
+                remedy = (
+                    f"read it by presswork.read_case(path), which reads every kind, or by {kind.__name__}.from_toml"
+                )
+                raise CaseError([Problem("analysis", own, remedy, analysis)], path)
 
     @property
     def source(self) -> Path | None:

@@ -55,11 +55,9 @@ def read_drawing(
 
 
 def _open(path: Path) -> Any:
-    try:
-        from ezdxf import filemanagement, recover
-        from ezdxf.lldxf.const import DXFError
-    except ImportError:
-        raise ProfileFileError("reading DXF needs the package ezdxf", 'pip install "presswork[dxf]"') from None
+    from ezdxf import filemanagement, recover
+    from ezdxf.lldxf.const import DXFError
+
     try:
         return filemanagement.readfile(path)
     except (OSError, DXFError, UnicodeError, ValueError):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from pydantic.json_schema import models_json_schema
 
@@ -35,17 +35,12 @@ KINDS: dict[str, tuple[type[AnyCase], Callable[[Any], AnyModel] | None]] = {
 builder of its own, build_onestep_model."""
 
 
-def analyses_of(kind: type[AnyCase]) -> tuple[str, ...]:
-    """Return the values of `analysis` that make a case of this kind."""
-    return get_args(kind.model_fields["analysis"].annotation)
-
-
 def read_case(path: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
     """Read and validate a case file of any kind, by its `analysis`. Raises CaseError with every problem found."""
     path = Path(path)
     data, _ = read_toml(path)
     apply_overrides(data, overrides, path)
-    kinds = {word: kind for kind, _ in KINDS.values() for word in analyses_of(kind)}
+    kinds = {word: kind for kind, _ in KINDS.values() for word in kind.analyses()}
     analysis = data.get("analysis")
     if isinstance(analysis, str) and analysis not in kinds:
         raise CaseError([Problem("analysis", "unknown choice", suggest(analysis, kinds), analysis)], path)
@@ -82,7 +77,7 @@ def json_schema(kind: str | None = None) -> dict[str, Any]:
     mapping = {
         word: branch["$ref"]
         for (case, _), branch in zip(KINDS.values(), branches, strict=True)
-        for word in analyses_of(case)
+        for word in case.analyses()
     }
     tag = {"propertyName": "analysis", "mapping": mapping}
     return {**head, "title": "presswork case", "oneOf": branches, "discriminator": tag, **common}

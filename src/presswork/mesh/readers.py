@@ -90,10 +90,6 @@ def read_raw(path: Path) -> RawMesh:
         return reader(path)
     except MeshError:
         raise
-    except ImportError as error:
-        raise MeshError(
-            f"reading {path.suffix} needs the package {error.name}", 'install it: pip install "presswork[mesh]"'
-        ) from error
     except (Exception, SystemExit) as error:  # the readers of the libraries raise nearly anything on a bad file
         reason = " ".join(str(error).split())[:100]
         raise MeshError(

@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import platform
+import sys
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from time import perf_counter
 
@@ -53,6 +56,21 @@ def run_one_step(
     return result, outline
 
 
+def identify_model(model: OneStepModel) -> str:
+    """Return a digest of all that the blank depends on."""
+    digest = hashlib.sha256()
+    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        for part in fields(model):
+            if part.name in ("title", "notes", "case_text"):
+                continue
+            value = getattr(model, part.name)
+            digest.update(f"{part.name} ".encode())
+            digest.update(
+                np.ascontiguousarray(value).tobytes() if isinstance(value, np.ndarray) else repr(value).encode()
+            )
+    return digest.hexdigest()
+
+
 def blank_mesh(result: OneStepResult) -> Mesh:
     """Return the flat blank as a mesh of shells in the part's numbering, at the level of the part's rim."""
     model = result.model
@@ -82,8 +100,8 @@ def _write_results(path: Path, result: OneStepResult) -> None:
         (0.0, np.zeros_like(mesh.points), flat),
         (1.0, result.model.points - mesh.points, result.fields),
     ]
-    for time, displacement, fields in steps:
-        append_step(path, mesh, time, {"displacement": displacement}, with_formability(fields), info=info)
+    for time, displacement, cells in steps:
+        append_step(path, mesh, time, {"displacement": displacement}, with_formability(cells), info=info)
 
 
 def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str], total: float) -> dict[str, object]:
@@ -103,6 +121,7 @@ def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str]
         "reason": "",
         "title": model.title,
         "version": __version__,
+        "model": identify_model(model),
         "work": f"{result.iterations} iterations, {result.passes} passes of friction",
         "warnings": warnings,
         "iterations": result.iterations,

@@ -317,7 +317,8 @@ class ReleasedStamping(ModelRecording):
         return summary | {
             NAME: {
                 "largest_mm": float(way[at]),
-                "at_mm": [float(x) for x in self.mesh.points[at]],
+                "at_mm": [float(x) for x in self.mesh.points[at] + self._released.implicit.state.displacement[at, :3]],
+                "at_blank_mm": [float(x) for x in self.mesh.points[at]],
                 "deviation_mm": [float(deviation.min()), float(deviation.max())],
                 "increments": int(progress[INCREMENTS]),
                 "iterations": int(progress[ITERATIONS]),

@@ -33,10 +33,8 @@ def write_outline(loops: Sequence[FloatArray], path: Path | str) -> None:
 
 
 def _write_dxf(loops: Sequence[FloatArray], path: Path) -> None:
-    try:
-        import ezdxf
-    except ImportError as error:
-        raise OutputError('writing DXF needs the package ezdxf: pip install "presswork[dxf]"') from error
+    import ezdxf
+
     drawing = ezdxf.new("R2010", units=4)  # type: ignore[attr-defined]  # millimetres
     for loop in loops:
         drawing.modelspace().add_lwpolyline([(float(point[0]), float(point[1])) for point in loop], close=True)

@@ -156,13 +156,12 @@ def calibrate_ring(
     """
     from presswork.study.calibrate_plot import draw_calibration
 
-    Case.from_toml(case_file, overrides=settings)
+    case = Case.from_toml(case_file, overrides=settings)
     symbol = SYMBOLS[law]
     friction = _check_values(values or VALUES[law], symbol)
     combinations = [({symbol: value}, _set_friction(case_file, settings, law, value)) for value in friction]
     members = make_members(case_file, combinations, settings)
-    first = next(member.case for member in members if member.case is not None)
-    measured = read_measured(measured_file, _initial_bore(first))
+    measured = read_measured(measured_file, _initial_bore(case))
     sweep = run_members(members, folder, jobs=jobs, resume=resume, overwrite=overwrite, on_progress=on_progress)
     if sweep.interrupted:
         return None

@@ -58,6 +58,13 @@ def sweep(
     ],
     set_: Settings = None,
     output: Annotated[Path | None, typer.Option(help="Folder; default: the case's name with _sweep.")] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="max:FIELD | min:FIELD | last:HISTORY",
+            help="One more column of the table: extreme of a field at the last step, or of a column of history.csv.",
+        ),
+    ] = None,
     jobs: Jobs = 0,
     table_format: Annotated[
         Literal["csv", "parquet"], typer.Option(help="parquet: leave table.parquet beside table.csv.")
@@ -83,6 +90,7 @@ def sweep(
                 varied,
                 folder,
                 settings=set_ or [],
+                columns=column or [],
                 jobs=jobs,
                 resume=resume,
                 overwrite=overwrite,
@@ -100,6 +108,8 @@ def _report_members(result: SweepResult, quiet: bool) -> None:
             values = ", ".join(f"{key} = {value}" for key, value in member.values.items())
             text = f"{member.folder.name} ({values}): {member.status.replace('_', ' ')}: {member.reason}"
             console.print(text, style="red", markup=False)
+    for fault in result.faults:
+        console.print(f"no column {fault}", style="red", markup=False)
     counts = result.counts
     if not quiet:
         console.print(
@@ -110,7 +120,7 @@ def _report_members(result: SweepResult, quiet: bool) -> None:
         raise typer.Exit(INTERRUPTED)
     if counts["gave_up"] or counts["failed"]:
         raise typer.Exit(GAVE_UP)
-    if counts["bad_input"]:
+    if counts["bad_input"] or result.faults:
         raise typer.Exit(BAD_INPUT)
 
 

@@ -14,8 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from presswork.case import Case, CaseError, build_model
-from presswork.recorder import Progress, StartError, run_model
+from presswork.api import run
+from presswork.case import CaseError
+from presswork.case.kinds import AnyCase
+from presswork.recorder import Progress, StartError
 from presswork.results import OutputError
 
 Mode = Literal["new", "overwrite", "resume"]
@@ -25,7 +27,7 @@ Mode = Literal["new", "overwrite", "resume"]
 class Task:
     """What a member's process has to do."""
 
-    case: Case
+    case: AnyCase
     folder: Path
     mode: Mode
 
@@ -36,8 +38,8 @@ def main() -> None:
         signal.signal(number, signal.default_int_handler)
     task: Task = pickle.load(sys.stdin.buffer)
     try:
-        outcome = run_model(
-            build_model(task.case),
+        outcome = run(
+            task.case,
             task.folder,
             overwrite=task.mode == "overwrite",
             resume=task.mode == "resume",

@@ -18,9 +18,10 @@ from presswork.case import CaseError
 from presswork.case.errors import Problem
 from presswork.results import OutputError, Result, load_checkpoint, open_output_folder
 from presswork.results.folder import CASE, CHECKPOINT, RESULTS
+from presswork.study.measures import Column, measure_run, parse_column
 from presswork.study.member import Task
 from presswork.study.processes import Ended, Moved, Pool, Started
-from presswork.study.table import make_row, read_summary, write_table
+from presswork.study.table import read_summary, write_table
 from presswork.study.vary import Member, format_override, make_members, multiply_out
 
 MemberStatus = Literal["waiting", "running", "completed", "gave_up", "failed", "bad_input", "interrupted"]
@@ -65,6 +66,8 @@ class SweepResult:
     members: tuple[MemberResult, ...]
     rows: tuple[dict[str, Any], ...]
     """The rows of the table."""
+    faults: tuple[str, ...] = ()
+    """Why the table lacks columns that were asked for."""
 
     @property
     def counts(self) -> Counter[str]:
@@ -83,6 +86,7 @@ def run_sweep(
     folder: Path | str,
     *,
     settings: Sequence[str] = (),
+    columns: Sequence[str] = (),
     jobs: int = 0,
     resume: bool = False,
     overwrite: bool = False,
@@ -90,24 +94,28 @@ def run_sweep(
 ) -> SweepResult:
     """Run the full product of the varied keys and write DIR/member_*, table.csv and force_stroke.png.
 
-    vary: keys of the case file, each with its values; settings: `key=value` texts for all members. jobs: members that
-    run at a time, 0 for one a core; each has one thread. A member that gives up or cannot be computed is recorded, and
-    the others go on. Ctrl-C stops all at their checkpoints and returns; with `resume` completed members are kept and
-    the others go on from there, or start anew. Raises CaseError, before anything is run, if no member can be computed,
-    and OutputError if the folder cannot be used.
+    The case may be of any kind. vary: keys of the case file, each with its values; settings: `key=value` texts for all
+    members. columns: more columns of the table, `max:FIELD` or `min:FIELD` at the last saved step, or `max:`, `min:`,
+    `last:` of a column of history.csv. jobs: members that run at a time, 0 for one a core; each has one thread. A
+    member that gives up or cannot be computed is recorded, and the others go on. Ctrl-C stops all at their checkpoints
+    and returns; with `resume` completed members are kept and the others go on from there, or start anew. Raises
+    CaseError, before anything is run, if no member can be computed, and OutputError if the folder cannot be used.
     """
     twice = [key for key in vary if key in {setting.partition("=")[0].strip() for setting in settings}]
     if twice:
         raise CaseError([Problem(key, "both set and varied", "leave one out") for key in twice], case_file)
     combinations = [(values, [format_override(k, v) for k, v in values.items()]) for values in multiply_out(vary)]
     members = make_members(case_file, combinations, settings)
-    return run_members(members, folder, jobs=jobs, resume=resume, overwrite=overwrite, on_progress=on_progress)
+    return run_members(
+        members, folder, columns=columns, jobs=jobs, resume=resume, overwrite=overwrite, on_progress=on_progress
+    )
 
 
 def run_members(
     members: Sequence[Member],
     folder: Path | str,
     *,
+    columns: Sequence[str] = (),
     jobs: int = 0,
     resume: bool = False,
     overwrite: bool = False,
@@ -116,7 +124,8 @@ def run_members(
     """Run members that are made already; as run_sweep otherwise."""
     from presswork.study.sweep_plot import draw_curves
 
-    run = _Sweep(members, _open_folder(Path(folder), members, resume, overwrite), on_progress)
+    wanted = [parse_column(text) for text in columns]
+    run = _Sweep(members, _open_folder(Path(folder), members, resume, overwrite), wanted, on_progress)
     run.complete(run.plan(resume, overwrite), jobs or count_cores())
     result = run.collect()
     write_table(run.folder / TABLE, result.rows)
@@ -153,14 +162,21 @@ class _Sweep:
     """One sweep in one folder."""
 
     def __init__(
-        self, members: Sequence[Member], folder: Path, on_progress: Callable[[SweepProgress], None] | None
+        self,
+        members: Sequence[Member],
+        folder: Path,
+        columns: Sequence[Column],
+        on_progress: Callable[[SweepProgress], None] | None,
     ) -> None:
         self.members = members
         self.folder = folder
+        self.columns = columns
         self.on_progress = on_progress
         self.status: list[MemberStatus] = ["waiting" if m.case is not None else "bad_input" for m in members]
         self.reasons = [m.fault for m in members]
         self.fractions = [0.0 if m.case is not None else 1.0 for m in members]
+        self.numbers: list[dict[str, Any]] = [{} for _ in members]
+        self.faults: list[list[str]] = [[] for _ in members]
 
     def plan(self, resume: bool, overwrite: bool) -> dict[int, Task]:
         """Return what is to be run, by member; completed members are marked as such."""
@@ -173,26 +189,35 @@ class _Sweep:
             if resume and folder.is_dir():
                 mode = "resume" if self._can_resume(member) else "overwrite"
                 if mode == "resume" and read_summary(folder).get("status") == "completed":
-                    self.status[i], self.fractions[i] = "completed", 1.0
+                    self._end(i, "completed", "")
                     continue
             tasks[i] = Task(member.case, folder, mode)
         return tasks
 
     def _can_resume(self, member: Member) -> bool:
-        """Say whether there is a checkpoint to go on from. Raises OutputError if it is that of another case."""
+        """Say whether there is something to go on from. Raises OutputError if it is that of another case."""
         folder = self.folder / member.folder_name
         if not (folder / RESULTS).is_file():
             return False
         try:
-            _, meta = load_checkpoint(folder / CHECKPOINT)
+            model: Any = load_checkpoint(folder / CHECKPOINT)[1]["model"]
         except OutputError:
-            return False
-        if meta["model"] != member.model_id:
+            model = read_summary(folder).get("model")  # one step leaves no checkpoint: it completes, or is run anew
+            if model is None:
+                return False
+        if model != member.model_id:
             raise OutputError(
                 f"{folder} belongs to another case ({member.values}): resume with the case, --set and --vary as they "
                 "were, or use --overwrite"
             )
         return True
+
+    def _end(self, i: int, status: MemberStatus, reason: str) -> None:
+        """Note how a member has ended, and what its run says."""
+        self.status[i], self.reasons[i], self.fractions[i] = status, reason, 1.0
+        folder = self.folder / self.members[i].folder_name
+        if status != "bad_input":
+            self.numbers[i], self.faults[i] = measure_run(folder, read_summary(folder), self.columns)
 
     def complete(self, tasks: Mapping[int, Task], jobs: int) -> None:
         """Run the tasks to their end, keeping the table on disk up to date; Ctrl-C stops them and returns."""
@@ -205,7 +230,7 @@ class _Sweep:
                 case Moved(i, fraction):
                     self.fractions[i] = fraction
                 case Ended(i, status, reason):
-                    self.status[i], self.reasons[i], self.fractions[i] = status, reason, 1.0
+                    self._end(i, status, reason)
                     write_table(self.folder / TABLE, self.collect().rows)
             self._report()
 
@@ -220,5 +245,9 @@ class _Sweep:
             MemberResult(m.number, m.values, status, reason, self.folder / m.folder_name)
             for m, status, reason in zip(self.members, self.status, self.reasons, strict=True)
         )
-        rows = [make_row(r.folder, r.folder.name, r.values, r.status, r.reason) for r in results]
-        return SweepResult(self.folder, results, tuple(rows))
+        rows = tuple(
+            {"member": r.folder.name, **r.values, "status": r.status, "reason": r.reason, **numbers}
+            for r, numbers in zip(results, self.numbers, strict=True)
+        )
+        faults = dict.fromkeys(fault for faults in self.faults for fault in faults)
+        return SweepResult(self.folder, results, rows, tuple(faults))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""table.csv, and table.parquet if asked for: one row a member, from its summary and the end of its history."""
+"""table.csv, and table.parquet if asked for: one row a member."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from presswork.results import OutputError, read_history
-from presswork.results.folder import HISTORY, SUMMARY
+from presswork.results import OutputError
+from presswork.results.folder import SUMMARY
 from presswork.results.whole_file import replace_whole
 
 
@@ -24,29 +24,6 @@ def read_summary(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return summary
-
-
-def make_row(folder: Path, name: str, values: Mapping[str, Any], status: str, reason: str) -> dict[str, Any]:
-    """Return a member's row: counts, time [s], stroke [mm] and force [N] of every moving tool, extremes [1, MPa]."""
-    row: dict[str, Any] = {"member": name, **values, "status": status, "reason": reason}
-    if status in ("bad_input", "waiting", "running"):
-        return row
-    summary = read_summary(folder)
-    for key in ("fraction_computed", "increments", "iterations", "cutbacks"):
-        row[key] = summary.get(key)
-    row["wall_seconds"] = summary.get("wall_seconds", {}).get("total")
-    for key in ("equivalent_plastic_strain", "effective_stress"):
-        row[f"max_{key}"] = summary.get("extremes", {}).get(key, [None, None])[1]
-    try:
-        history = read_history(folder / HISTORY)
-    except OutputError:
-        return row
-    for column, numbers in history.items():
-        tool, _, quantity = column.rpartition(".")
-        if quantity == "stroke" and len(numbers) and np.any(numbers != 0):
-            row[column] = float(numbers[-1])
-            row[f"{tool}.force"] = float(history[f"{tool}.force"][-1])
-    return row
 
 
 def write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:

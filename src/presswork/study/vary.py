@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from presswork.case import Case, CaseError, build_model
+from presswork.api import identify
+from presswork.case import CaseError, read_case
 from presswork.case.errors import Problem
-from presswork.recorder import fingerprint
+from presswork.case.kinds import AnyCase
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER})\s*:\s*({_NUMBER})\s*:\s*(\d+)\s*")
@@ -30,7 +31,7 @@ class Member:
     number: int
     values: dict[str, Any]
     """What tells it from the others: the varied keys and their values."""
-    case: Case | None
+    case: AnyCase | None
     """None if the case cannot be computed."""
     model_id: str = ""
     """Fingerprint of its Model."""
@@ -131,8 +132,8 @@ def make_members(
     first_error: CaseError | None = None
     for number, (values, overrides) in enumerate(combinations):
         try:
-            case = Case.from_toml(case_file, overrides=[*settings, *overrides])
-            members.append(Member(number, values, case, fingerprint(build_model(case))))
+            case = read_case(case_file, overrides=[*settings, *overrides])
+            members.append(Member(number, values, case, identify(case)))
         except CaseError as error:
             first_error = first_error or error
             members.append(Member(number, values, None, fault="; ".join(str(p) for p in error.problems)))

@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from presswork.case import CaseError, Problem, json_schema, read_case
-from presswork.case.kinds import KINDS, analyses_of
+from presswork.case.kinds import KINDS
 from presswork.cli import app
 from presswork.examples import copy_example, list_examples
 
@@ -46,7 +46,7 @@ def test_one_schema_holds_every_kind_by_its_analysis() -> None:
 
 
 def test_no_two_kinds_share_an_analysis() -> None:
-    words = [word for kind, _ in KINDS.values() for word in analyses_of(kind)]
+    words = [word for kind, _ in KINDS.values() for word in kind.analyses()]
     assert len(words) == len(set(words))
 
 
@@ -67,7 +67,7 @@ def test_examples_are_read_as_their_kind(tmp_path: Path) -> None:
         path = copy_example(example, tmp_path)
         analysis = re.search(r'^analysis = "(\w+)"', path.read_text("utf-8"), re.MULTILINE)
         assert analysis is not None
-        assert analysis[1] in analyses_of(type(read_case(path)))
+        assert analysis[1] in read_case(path).analyses()
 
 
 def test_an_unknown_analysis_names_those_of_every_kind(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import builtins
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -187,21 +186,6 @@ def test_solid_mesh_is_refused(tmp_path: Path) -> None:
 def test_unknown_ending_names_the_known_ones(tmp_path: Path) -> None:
     with pytest.raises(MeshError, match=r"`\.stp` is no known mesh format; known endings: \.msh"):
         read_mesh(tmp_path / "billet.stp", element="quad4")
-
-
-def test_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "billet.vtu"
-    write_vtk(path, small("quad4"))
-    really_import = builtins.__import__
-
-    def without_meshio(name: str, *rest: Any, **more: Any) -> Any:
-        if name.split(".")[0] == "meshio":
-            raise ModuleNotFoundError("No module named 'meshio'", name="meshio")
-        return really_import(name, *rest, **more)
-
-    monkeypatch.setattr(builtins, "__import__", without_meshio)
-    with pytest.raises(MeshError, match=r'needs the package meshio; install it: pip install "presswork\[mesh\]"'):
-        read_mesh(path, element="quad4")
 
 
 def test_group_of_points_and_cells_becomes_a_node_set(tmp_path: Path) -> None:
