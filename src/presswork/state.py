@@ -18,6 +18,8 @@ ContactArray = NDArray[np.int8]
 
 SLIDING = 1
 STUCK = 2
+EXTERNAL, PLASTIC, FRICTION, INERTIA, CONTACT = range(5)
+"""Places in State.work."""
 
 
 @dataclass
@@ -75,6 +77,8 @@ class State:
     """Of the last increment (n_tools, 2)."""
     tool_gives: ContactArray
     """1 for a tool on a spring that is off its stop (n_tools,)."""
+    tool_force: FloatArray
+    """Force of the workpiece on each tool, as modelled, and torque about its centre (n_tools, 3) [N, N, N mm]."""
     tool_force_start: FloatArray
     """Force of the workpiece on each tool, as modelled, when the stage began (n_tools, 2) [N]."""
     sheet_tool_move: FloatArray
@@ -105,6 +109,8 @@ class State:
     """Elastic slip of nodes that stick, still to be undone (n_slots,) [mm]."""
     interface_force: FloatArray
     """Of the bodies on each other, at the nodes (n_points, 2) [N]; no rows without contact of bodies."""
+    interface_friction: FloatArray
+    """The part of it that friction makes, in the same form."""
     search_displacement: FloatArray
     """At which edges that may touch were last looked for (n_points, 2) [mm]; no rows without contact of bodies."""
     stress: list[FloatArray]
@@ -124,8 +130,8 @@ class State:
     progress: FloatArray
     """[time, stage, fraction of stage, increments, last increment, next size, iterations, cut-backs]."""
     work: FloatArray
-    """[work done on the nodes by tools, supports and loads; plastic work; work lost in friction on tools; work against
-    inertia] [N mm]."""
+    """[work of tools, supports and loads; plastic work; work lost in friction on tools and between bodies; work against
+    inertia and damping; energy stored in the contact of a sheet with its tools] [N mm]."""
     peak_force: FloatArray
     """Largest nodal force so far (1,) [N]: what a residual is small beside once the load is taken off."""
 
@@ -151,6 +157,7 @@ class State:
             tool_travel=np.zeros((n_tools, 2)),
             tool_travel_increment=np.zeros((n_tools, 2)),
             tool_gives=np.zeros(n_tools, dtype=np.int8),
+            tool_force=np.zeros((n_tools, 3)),
             tool_force_start=np.zeros((n_tools, 2)),
             sheet_tool_move=np.zeros((n_sheet_tools, 3)),
             sheet_tool_travel=np.zeros((n_sheet_tools, 3)),
@@ -166,6 +173,7 @@ class State:
             interface_shear=np.zeros(n_slots),
             interface_slip=np.zeros(n_slots),
             interface_force=np.zeros((n_coupled, 2)),
+            interface_friction=np.zeros((n_coupled, 2)),
             search_displacement=np.zeros((n_coupled, 2)),
             stress=[np.zeros((*s, 4)) for s in sizes],
             eqps=[np.zeros(s) for s in sizes],
@@ -174,7 +182,7 @@ class State:
             volume=[np.zeros(s) for s in sizes],
             shells=ShellArrays.none(),
             progress=np.zeros(8),
-            work=np.zeros(4),
+            work=np.zeros(5),
             peak_force=np.zeros(1),
         )
 

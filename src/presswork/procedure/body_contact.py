@@ -22,7 +22,7 @@ from presswork.mesh.topology import chain_edges, count_corners, edge_keys, list_
 from presswork.model import BodyContact, FloatArray, IndexArray, IntArray, MaskArray, Model
 from presswork.procedure.mechanics import Mechanics, PassedThrough
 from presswork.procedure.shell_mechanics import ShellMechanics
-from presswork.state import State
+from presswork.state import FRICTION, State
 
 STIFFNESS = 100.0
 """Of the contact: times Young's modulus of the softer body over the length of the slave edges."""
@@ -44,6 +44,8 @@ MAX_CHANGES = 4
 """Changes after which a slot keeps contact until the increment ends."""
 CREDIBLE = 0.05
 """Largest pressure that counts in full in the geometric tangent, over Young's modulus."""
+RELEASE = 1e-3
+"""A slot that may change no more may pull with no more than this part of the largest pressure."""
 STICKS = 1
 """Status of a slot that sticks."""
 
@@ -136,17 +138,25 @@ class Interface:
         law = self.contact.contact
         with_shear = law in ("shear", "coulomb_capped")
         limit = self.contact.m * shear_flow[self.nodes] if with_shear else np.full(len(self.nodes), np.inf)
-        return self._call(trial, state_n.interface_slip, x_n, x, held[self.places], self.stiffness, limit)
+        shear, slip = trial.interface_shear, state_n.interface_slip
+        return self._call(trial, shear, slip, x_n, x, held[self.places], self.stiffness, limit)
 
     def apply(self, state: State, x: FloatArray) -> _core.InterfaceResult:
         """Return the forces of a converged state's pressure and shear, as they are."""
+        return self._apply(state, x, state.interface_shear)
+
+    def push(self, state: State, x: FloatArray) -> FloatArray:
+        """Return the part of these forces that the pressure alone makes (n_points, 2) [N]."""
+        return np.asarray(self._apply(state, x, np.zeros_like(state.interface_shear)).force)
+
+    def _apply(self, state: State, x: FloatArray, shear: FloatArray) -> _core.InterfaceResult:
         n = len(self.nodes)
-        held = np.zeros(n, dtype=np.uint8)
-        return self._call(state, state.interface_slip, x, x, held, np.zeros(n), np.full(n, np.inf), tangent=False)
+        held, unlimited = np.ones(n, dtype=np.uint8), np.full(n, np.inf)
+        return self._call(state, shear, state.interface_slip, x, x, held, np.zeros(n), unlimited, tangent=False)
 
     def _call(
-        self, state: State, slip: FloatArray, x_n: FloatArray, x: FloatArray, held: MaskArray, stiffness: FloatArray,
-        shear_limit: FloatArray, *, tangent: bool = True,
+        self, state: State, shear: FloatArray, slip: FloatArray, x_n: FloatArray, x: FloatArray, held: MaskArray,
+        stiffness: FloatArray, shear_limit: FloatArray, *, tangent: bool = True,
     ) -> _core.InterfaceResult:  # fmt: skip
         law = self.contact.contact
         return _core.evaluate_interface(
@@ -160,7 +170,7 @@ class Interface:
             master_depth=self._depth[1],
             held=held,
             pressure=state.interface_pressure[self.places],
-            shear=state.interface_shear[self.places],
+            shear=shear[self.places],
             slip=slip[self.places],
             stiffness=stiffness,
             shear_limit=shear_limit,
@@ -221,9 +231,12 @@ class BodyContacts:
         self._shear_flow = np.zeros(len(model.mesh.points))
         self._held = np.zeros(self.n_slots, dtype=np.uint8)
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
+        self.n_unsettled = 0
+        """Slots that may change no more in this increment, and pull."""
 
     def begin_increment(self, state_n: State) -> None:
         """Take contact and shear flow stress [MPa] as they are at the start of the increment."""
+        self.n_unsettled = 0
         self._held = (state_n.interface_pressure > 0).astype(np.uint8)
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
         if any(i.contact.contact in ("shear", "coulomb_capped") for i in self.interfaces):
@@ -272,9 +285,11 @@ class BodyContacts:
         before = self._held.copy()
         self._held[found.pressure > 0] = 1
         self._held[found.pressure == 0] = 0
-        pulls = (found.pressure < 0) & (self._changes < MAX_CHANGES)
+        pulls = found.pressure < 0
         if near:
-            self._held[pulls] = 0
+            self._held[pulls & (self._changes < MAX_CHANGES)] = 0
+            strongly = found.pressure < -RELEASE * found.pressure.max(initial=0.0)
+            self.n_unsettled = int((strongly & (self._changes >= MAX_CHANGES)).sum())
         changed = before != self._held
         self._changes[changed] += 1
         return int(changed.sum())
@@ -346,10 +361,15 @@ class BodyContacts:
         trial.interface_pressure, trial.interface_shear = found.pressure, found.shear
         return True
 
-    def settle(self, trial: State, found: BodyForces) -> None:
-        """Keep what the next increment starts from."""
+    def settle(self, state_n: State, trial: State, found: BodyForces) -> None:
+        """Keep what the next increment starts from, and add the work that friction has taken."""
         if not self.interfaces:
             return
         trial.interface_pressure, trial.interface_shear = found.pressure, found.shear
         trial.interface_slip = np.where(found.status == STICKS, found.slip, 0.0)
         trial.interface_force = found.force
+        if any(i.contact.contact != "frictionless" for i in self.interfaces):
+            points = self._model.mesh.points + trial.displacement
+            trial.interface_friction = found.force - sum(i.push(trial, points) for i in self.interfaces)
+            friction = state_n.interface_friction + trial.interface_friction
+            trial.work[FRICTION] -= 0.5 * float((friction * trial.increment).sum())

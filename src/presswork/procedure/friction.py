@@ -29,7 +29,7 @@ import numpy as np
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.procedure.contact import Contact
 from presswork.results.contact_stress import edge_shares
-from presswork.state import SLIDING, State
+from presswork.state import FRICTION, SLIDING, State
 
 ELASTIC_SLIP = 2e-3
 """Slip at which the spring reaches k A, as a part of the shortest boundary edge."""
@@ -164,4 +164,4 @@ class Friction:
             place, _ = self._places(trial, free[self._contact.nodes])
             rubs = self.evaluate(state_n, trial, trial.displacement, trial.reaction, free)
             trial.drag[place] = rubs.force
-            trial.work[2] -= 0.5 * float((state_n.drag[place] + rubs.force) @ rubs.slip)
+            trial.work[FRICTION] -= 0.5 * float((state_n.drag[place] + rubs.force) @ rubs.slip)

@@ -14,13 +14,14 @@ import numpy as np
 from presswork import _core
 from presswork.model import Body, BoolArray, FloatArray, Model, Stage, ToolMotion
 from presswork.procedure.contact import Contact
+from presswork.procedure.energy import add_external_work, add_work_of_inertia, balance
 from presswork.procedure.mechanics import make_mechanics
 from presswork.procedure.newton import Equilibrium
 from presswork.procedure.outcome import Converged, Failed, IterationLog, Step
 from presswork.procedure.recording import GaveUpError
 from presswork.procedure.supports import NotHeldError, check_shell_held
 from presswork.procedure.timing import Timing
-from presswork.state import State
+from presswork.state import EXTERNAL, FRICTION, PLASTIC, State
 from presswork.threads import available_threads
 
 GROWTH = 1.5
@@ -247,24 +248,19 @@ class ImplicitProcedure:
         self.mechanics.settle(self.state, trial)
         trial.tool_travel_increment = trial.tool_travel - self.state.tool_travel
         trial.sheet_tool_travel_increment = trial.sheet_tool_travel - self.state.sheet_tool_travel
-        trial.work[0] += 0.5 * float(
-            (
-                (self.state.reaction + trial.reaction + self.state.external_force + trial.external_force)
-                * trial.increment
-            ).sum()
-        )
-        if self.model.contacts:  # what friction between bodies takes
-            forces = self.state.interface_force + trial.interface_force
-            trial.work[0] += 0.5 * float((forces * trial.increment).sum())
-        if self.equilibrium.sheet:
-            on_nodes, rubbed = self.equilibrium.sheet.work(self.state, trial)
-            trial.work[0] += on_nodes
-            trial.work[2] += rubbed
-        if self.equilibrium.inertia.is_needed:
-            resistance = self.state.inertia_force + trial.inertia_force
-            trial.work[3] += 0.5 * float((resistance * trial.increment[:, :3]).sum())
         dt = self.model.stages[stage].time_between(fraction_n, fraction)
-        trial.work[1] += self.mechanics.plastic_work(self.state, trial, dt)
+        stage_n = stage - 1 if fraction_n == 0.0 and stage > 0 else stage
+        fixed = self.equilibrium.fixed(stage)
+        forces, torques = self.contact.tool_forces(trial, fixed)
+        trial.tool_force = np.column_stack([forces, torques])
+        add_external_work(self.state, trial, self.equilibrium.fixed(stage_n), fixed)
+        if self.equilibrium.sheet:
+            of_tools, lost = self.equilibrium.sheet.work(self.state, trial)
+            trial.work[EXTERNAL] += of_tools
+            trial.work[FRICTION] += lost
+        if self.equilibrium.inertia.is_needed:
+            add_work_of_inertia(self.state, trial)
+        trial.work[PLASTIC] += self.mechanics.plastic_work(self.state, trial, dt)
         p = trial.progress
         p[TIME] += dt
         p[INCREMENTS] += 1
@@ -281,24 +277,10 @@ class ImplicitProcedure:
             p[STAGE], p[FRACTION], p[LAST] = stage + 1, 0.0, 0.0
             if stage + 1 < len(self.model.stages):
                 self.mechanics.end_stage(trial, stage + 1)
-            trial.tool_force_start, _ = self.contact.tool_forces(trial, self.equilibrium.fixed(stage))
+            trial.tool_force_start = forces
             p[SIZE] = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
         self.state = trial
 
     def energy_balance(self) -> dict[str, float]:
-        """External work, elastic energy, plastic, friction and inertia work [N mm], and what is missing in per cent.
-
-        External is the work of tools, supports and loads: what they do on the nodes and what friction on tools takes.
-        """
-        on_nodes, plastic, friction, inertia = (float(w) for w in self.state.work)
-        external = on_nodes + friction
-        elastic = self.mechanics.elastic_energy(self.state)
-        largest = max(abs(external), 1e-300)
-        return {
-            "external_work": external,
-            "elastic_energy": elastic,
-            "plastic_work": plastic,
-            "friction_work": friction,
-            "inertia_work": inertia,
-            "error_percent": 100.0 * (external - elastic - plastic - friction - inertia) / largest,
-        }
+        """Return what energy.balance says of the converged state [N mm, per cent]."""
+        return balance(self.state, self.mechanics.elastic_energy(self.state))

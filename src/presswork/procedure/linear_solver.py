@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 import os
 import weakref
+from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -91,22 +92,38 @@ def _explain(error: int) -> SolverError | MemoryError:
     return SolverError("the matrix is singular" if error == -4 else f"PARDISO error {error}")
 
 
+@cache
+def _load_mkl() -> tuple[Any, Any] | None:
+    """Return the library and its function pardiso, with argument types of our own; None where it is not installed.
+
+    Once a process: to find the library, the wrapper walks the folders of the environment.
+    """
+    # one OpenMP runtime for our loops and MKL's, or the idle threads of one slow down the other
+    os.environ.setdefault("MKL_THREADING_LAYER", "GNU")
+    os.environ.setdefault("MKL_CBWR", "AUTO")  # the same bits from run to run
+    try:
+        from pypardiso.pardiso_wrapper import PyPardisoSolver
+
+        library = PyPardisoSolver().libmkl
+    except ImportError:
+        return None
+    pardiso = ctypes.CDLL(library._name).pardiso
+    pardiso.argtypes = [ctypes.c_void_p] * 16
+    pardiso.restype = None
+    return library, pardiso
+
+
 class Pardiso:
     """MKL PARDISO; the analysis is done once, when it is made."""
 
     name = "MKL PARDISO"
 
     def __init__(self, indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int) -> None:
-        # one OpenMP runtime for our loops and MKL's, or the idle threads of one slow down the other
-        os.environ.setdefault("MKL_THREADING_LAYER", "GNU")
-        os.environ.setdefault("MKL_CBWR", "AUTO")  # the same bits from run to run
-        from pypardiso.pardiso_wrapper import PyPardisoSolver
-
-        wrapper = PyPardisoSolver()
-        self._pardiso = ctypes.CDLL(wrapper.libmkl._name).pardiso  # a function object with our own argument types
-        self._pardiso.argtypes = [ctypes.c_void_p] * 16
-        self._pardiso.restype = None
-        wrapper.libmkl.MKL_Set_Num_Threads(ctypes.c_int(threads))
+        loaded = _load_mkl()
+        if loaded is None:
+            raise ImportError("MKL PARDISO is not installed")
+        library, self._pardiso = loaded
+        library.MKL_Set_Num_Threads(ctypes.c_int(threads))
         self._handle = np.zeros(64, dtype=np.int64)
         self._indptr, self._indices = np.ascontiguousarray(indptr), np.ascontiguousarray(indices)
         self._data = np.zeros(len(indices))

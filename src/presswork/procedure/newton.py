@@ -112,31 +112,32 @@ class Equilibrium:
         for iteration in range(most + 1):
             stop.look()
             # 1. contact at the present guess, and what is out of balance
-            near = iteration > 0 and log.residual[-1] < NEAR
-            body_changes = self.bodies.update(point.bodies, near=near)
-            if body_changes:
-                point = self._touch_again(state_n, trial, point)
-            balance = self._balance(state_n, trial, step, increment, point, fixed, near=near)
+            may_release = iteration > 0 and log.residual[-1] < NEAR
+            point, balance = self._balance(state_n, trial, step, increment, point, fixed, near=may_release)
 
-            # 2. converged?
-            missing = self._largest(balance.constraints.value)
+            # 2. converged? Not before this very iterate has been searched for contact that pulls
             scale = max(point.largest_force, UNLOADED * peak)
-            changes = balance.changes + body_changes
-            self._note(log, balance, scale, max(size, missing), increment, changes)
+            self._note(log, balance, scale, size, increment)
             stiff = self.friction.softness == 1.0
+            if iteration > 0 and stiff and not may_release and self._has_converged(log):
+                point, balance = self._balance(state_n, trial, step, increment, point, fixed, near=True)
+                log.forget_last()
+                self._note(log, balance, scale, size, increment)
+            missing = self._largest(balance.constraints.value)
             if iteration > 0 and log.residual[-1] < CALM:
                 self.friction.softness = max(1.0, self.friction.softness / STIFFENING)
-            has_converged = iteration > 0 and changes == 0 and stiff and self._has_converged(log)
+            has_converged = iteration > 0 and stiff and self._has_converged(log)
             if has_converged and self.bodies.augment(trial, point.bodies):
                 point = self._touch_again(state_n, trial, point)
                 continue
             if has_converged:
-                if self._contact.n_unsettled:
-                    return Failed(log, f"contact of {self._contact.n_unsettled} nodes does not settle", 0.5)
+                unsettled = self._contact.n_unsettled + self.bodies.n_unsettled
+                if unsettled:
+                    return Failed(log, f"contact of {unsettled} nodes does not settle", 0.5)
                 trial.displacement, trial.increment = point.displacement, increment
                 trial.reaction, trial.external_force = point.reaction, point.loads.force
                 self.friction.settle(state_n, trial, balance.constraints.turned == 1)
-                self.bodies.settle(trial, point.bodies)
+                self.bodies.settle(state_n, trial, point.bodies)
                 if self.sheet and point.sheet:
                     self.sheet.settle(trial, point.sheet)
                 if point.inertia:
@@ -148,7 +149,8 @@ class Equilibrium:
 
             # 3. correction; constrained freedoms go all the way to where they must be
             try:
-                refactorise = settings.newton == "full" or not factorised or changes > 0 or missing > 1e-3 * size
+                has_changed = balance.changes > 0 or missing > 1e-3 * size
+                refactorise = settings.newton == "full" or not factorised or has_changed
                 correction, travel = self.system.correct(balance, point, refactorise=refactorise)
             except (SolverError, LostWorkpieceError) as error:
                 return Failed(log, str(error), 0.25)
@@ -165,12 +167,18 @@ class Equilibrium:
     def _balance(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, point: Point, fixed: BoolArray,
         *, near: bool,
-    ) -> Balance:  # fmt: skip
-        """Update what is held and return what is out of balance."""
+    ) -> tuple[Point, Balance]:  # fmt: skip
+        """Update what is held; return the point with the forces of it, and what is out of balance.
+
+        near: equilibrium is near enough for reactions to let nodes go.
+        """
+        body_changes = self.bodies.update(point.bodies, near=near)
+        if body_changes:
+            point = self._touch_again(state_n, trial, point)
         started = perf_counter()
         floor = RELEASED * max(float(state_n.peak_force[0]), self._noise / UNLOADED)
         self._contact.search(trial, point.displacement)
-        changes = self._contact.update(trial, point.reaction, fixed, near=near, floor=floor)
+        changes = body_changes + self._contact.update(trial, point.reaction, fixed, near=near, floor=floor)
         supports = self._supports(state_n, step, increment)
         constraints = self._contact.constrain(trial, point.displacement, supports)
         friction = self._rub(state_n, trial, point, constraints)
@@ -187,7 +195,8 @@ class Equilibrium:
         pushed = None
         if self.pushed_sheet_tools.is_needed and point.sheet:
             pushed = self.pushed_sheet_tools.evaluate(trial, point.sheet, step.stage, step.fraction)
-        return Balance(constraints, friction, drag, floating, pushed, lacking, changes, self._mechanics.length)
+        length = self._mechanics.length
+        return point, Balance(constraints, friction, drag, floating, pushed, lacking, changes, length)
 
     def _evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
@@ -275,16 +284,16 @@ class Equilibrium:
             return None
         return self.friction.evaluate(state_n, trial, point.displacement, point.reaction, constraints.turned == 1)
 
-    def _note(
-        self, log: IterationLog, balance: Balance, scale: float, size: float, increment: FloatArray, changes: int
-    ) -> None:
+    def _note(self, log: IterationLog, balance: Balance, scale: float, size: float, increment: FloatArray) -> None:
         log.residual.append(balance.largest_lacking / scale if scale > 0 else 0.0)
-        moved = self._largest(increment)
+        moved, size = self._largest(increment), max(size, self._largest(balance.constraints.value))
         log.correction.append(size / moved if moved > 0 else (np.inf if size > 0 else 0.0))
-        log.contact_changes.append(changes)
+        log.contact_changes.append(balance.changes)
 
     def _has_converged(self, log: IterationLog) -> bool:
         settings = self._model.solver
+        if log.contact_changes[-1] > 0:
+            return False
         residual, correction = log.residual[-1], log.correction[-1]
         small = correction <= settings.displacement_tolerance or residual <= STAGNANT * settings.force_tolerance
         return residual <= settings.force_tolerance and small

@@ -17,6 +17,11 @@ class IterationLog:
     def __len__(self) -> int:
         return len(self.residual)
 
+    def forget_last(self) -> None:
+        """Take the last iteration back, to note it again."""
+        for row in (self.residual, self.correction, self.contact_changes):
+            row.pop()
+
     @property
     def smooth_iterations(self) -> int:
         """Iterations less those that changes of contact cost, about two each, which no smaller increment saves."""

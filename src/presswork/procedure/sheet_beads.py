@@ -93,10 +93,13 @@ class SheetBeads:
 
     def _slips(self, state_n: State, trial: State, moved: FloatArray) -> FloatArray:
         """Return the way of the material across the lines in the increment (n_bead_points,) [mm]."""
-        way = np.einsum("na,nai->ni", self._weight, moved[self._nodes])
-        of_tool = np.vstack([trial.sheet_tool_move - state_n.sheet_tool_move, np.zeros((1, 3))])  # last: none
-        way -= of_tool[np.array(self._tool, dtype=int)][self._of]
+        way = np.einsum("na,nai->ni", self._weight, moved[self._nodes]) - self._carried(state_n, trial)
         return np.asarray(np.einsum("ni,ni->n", self._direction, way), dtype=np.float64)
+
+    def _carried(self, state_n: State, trial: State) -> FloatArray:
+        """Return how far tools have carried the lines in the increment (n_bead_points, 3) [mm]."""
+        of_tool = np.vstack([trial.sheet_tool_move - state_n.sheet_tool_move, np.zeros((1, 3))])  # last: none
+        return np.asarray(of_tool[np.array(self._tool, dtype=int)][self._of], dtype=np.float64)
 
     def share(self, stage: int, fraction: float) -> FloatArray:
         """Return the share of their force with which the beads hold at a fraction of a stage (n_beads,)."""
@@ -116,10 +119,12 @@ class SheetBeads:
         """Keep what an increment has found."""
         trial.bead_force, trial.bead_cell = found.tension, self._cell
 
-    def work(self, state_n: State, trial: State) -> float:
-        """Return what the beads take from the sheet in an increment [N mm]."""
+    def work(self, state_n: State, trial: State) -> tuple[float, float]:
+        """Return the work of the tools that carry the beads in an increment, and what the beads take [N mm]."""
         slip = self._slips(state_n, trial, trial.increment[:, :3])
-        return -0.5 * float(((state_n.bead_force + trial.bead_force) * slip).sum())
+        tension = 0.5 * (state_n.bead_force + trial.bead_force)
+        along = np.einsum("ni,ni->n", self._direction, self._carried(state_n, trial))
+        return float(tension @ along), -float(tension @ slip)
 
     def restraints(self, state: State) -> list[float]:
         """Return the restraining force of each bead, summed along its line [N], of what is modelled."""

@@ -21,7 +21,7 @@ import numpy as np
 from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model, SheetTool, Stage
 from presswork.procedure.sheet_beads import BeadForces, SheetBeads
-from presswork.state import State
+from presswork.state import CONTACT, State
 
 TANGENTIAL = 0.1
 """Of the spring that a sticking node hangs on, over the contact's."""
@@ -40,6 +40,8 @@ class NodesOnTool:
     """The part of it along the tool (n, 3) [N]."""
     stiffness: FloatArray
     """d(-force)/dx (n, 3, 3) [N/mm]."""
+    energy: float
+    """Stored by the normal forces [N mm]."""
 
 
 @dataclass(frozen=True)
@@ -72,10 +74,12 @@ def touch_tool(
     deep = g < -delta
     push = np.where(deep, -k * g, k * (delta - g) ** 2 / (4.0 * delta))
     slope = np.where(deep, -k, -0.5 * k * (delta - g) / delta)  # d push / d g
+    rounded = k * (delta - np.maximum(g, -delta)) ** 3 / (12.0 * delta)
+    energy = float((rounded + np.where(deep, 0.5 * k * (g**2 - delta**2), 0.0)).sum())
     force = push[:, None] * n
     stiffness = -_dyads(slope[:, None] * n, rise) - push[:, None, None] * bend
     if tool.mu == 0.0:
-        return NodesOnTool(nodes, force, np.zeros_like(force), stiffness)
+        return NodesOnTool(nodes, force, np.zeros_like(force), stiffness, energy)
     # 2. friction: elastic trial in the tangent plane
     hanging = TANGENTIAL * k
     pulled = friction_n[nodes] - hanging[:, None] * way[nodes]
@@ -94,7 +98,7 @@ def touch_tool(
     d_slide += (limit / safe)[:, None, None] * ((np.eye(3) - _dyads(along, along)) @ d_trial)
     friction = np.where(slides[:, None], limit[:, None] * along, trial)
     stiffness -= np.where(slides[:, None, None], d_slide, d_trial)
-    return NodesOnTool(nodes, force + friction, friction, stiffness)
+    return NodesOnTool(nodes, force + friction, friction, stiffness, energy)
 
 
 @dataclass(frozen=True)
@@ -111,6 +115,8 @@ class SheetForces:
     tool: IntArray
     """Which tool each block is of (n,); -1: of a bead."""
     beads: BeadForces
+    energy: float
+    """Stored by the normal forces [N mm]."""
 
 
 class SheetContact:
@@ -153,7 +159,7 @@ class SheetContact:
         x = self._model.mesh.points + displacement[:, :3]
         moved = displacement[:, :3] - state_n.displacement[:, :3]
         by_tool, friction = np.zeros((len(tools), n, 3)), np.zeros((len(tools), n, 3))
-        nodes, blocks, owners = [], [], []
+        nodes, blocks, owners, energy = [], [], [], 0.0
         for t, tool in enumerate(tools):
             place = x - np.array(tool.position) - trial.sheet_tool_move[t]
             way = moved - (trial.sheet_tool_move[t] - state_n.sheet_tool_move[t])
@@ -161,6 +167,7 @@ class SheetContact:
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
             block = np.zeros((len(found.nodes), 6, 6))
             block[:, :3, :3] = found.stiffness
+            energy += found.energy
             nodes.append(found.nodes)
             blocks.append(block)
             owners.append(np.full(len(found.nodes), t, dtype=np.int32))
@@ -179,11 +186,13 @@ class SheetContact:
             friction,
             np.concatenate(owners),
             beads,
+            energy,
         )
 
     def settle(self, trial: State, found: SheetForces) -> None:
         """Keep what an increment has found."""
         trial.sheet_tool_force, trial.sheet_friction = found.by_tool, found.friction
+        trial.work[CONTACT] = found.energy
         self.beads.settle(trial, found.beads)
 
     def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
@@ -203,13 +212,13 @@ class SheetContact:
         return np.concatenate(nodes), np.concatenate(directions)
 
     def work(self, state_n: State, trial: State) -> tuple[float, float]:
-        """Return the work of tools and beads on the nodes in an increment, and what friction and beads take [N mm]."""
-        moved = trial.increment[None, :, :3]
-        way = moved - (trial.sheet_tool_move - state_n.sheet_tool_move)[:, None]
-        on_nodes = 0.5 * float(((state_n.sheet_tool_force + trial.sheet_tool_force) * moved).sum())
-        rubbed = -0.5 * float(((state_n.sheet_friction + trial.sheet_friction) * way).sum())
-        restrained = self.beads.work(state_n, trial)
-        return on_nodes - restrained, rubbed + restrained
+        """Return the work of tools and beads in an increment, by their own motion, and what friction takes [N mm]."""
+        moved = trial.sheet_tool_move - state_n.sheet_tool_move
+        forces = (state_n.sheet_tool_force + trial.sheet_tool_force).sum(axis=1)
+        way = trial.increment[None, :, :3] - moved[:, None]
+        lost = -0.5 * float(((state_n.sheet_friction + trial.sheet_friction) * way).sum())
+        carried, restrained = self.beads.work(state_n, trial)
+        return 0.5 * float((forces * moved).sum()) + carried, lost + restrained
 
     def tool_forces(self, state: State) -> FloatArray:
         """Return the force of the sheet on each tool (n_tools, 3) [N], as modelled."""

@@ -27,6 +27,7 @@ from presswork.procedure.implicit import ImplicitProcedure
 from presswork.procedure.shell_mechanics import ShellFailed, ShellMechanics, lay_directors
 from presswork.procedure.thickness_rule import thickness_rule
 from presswork.sheet_law import make_sheet_law
+from presswork.state import EXTERNAL
 
 CENTRE = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]]) / 4.0
 """Slopes of the shape functions at the centre (2, 4)."""
@@ -150,7 +151,7 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
     own.fading = np.where(mechanics.supports.fixed(0), 0.0, force)
     state.external_force, state.reaction = own.fading.copy(), force - own.fading
     state.peak_force[:] = np.abs(force / mechanics.length).max()
-    state.work[0] = mechanics.elastic_energy(state)
+    state.work[EXTERNAL] = mechanics.elastic_energy(state)
 
 
 def carry_to_explicit(

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from presswork.procedure import linear_solver
 from presswork.procedure.linear_solver import Pardiso, SolverError, SuperLU, make_solver
 
 
@@ -42,6 +43,26 @@ def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
         solver.factorise(matrix.data)
         solutions.append(solver.solve(rhs))
     np.testing.assert_array_equal(*solutions)
+
+
+def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:
+    """However many analyses follow; it takes longer than a small one."""
+    wrapper = pytest.importorskip("pypardiso.pardiso_wrapper")
+    looked = []
+
+    class Counted(wrapper.PyPardisoSolver):
+        def __init__(self) -> None:
+            looked.append(1)
+            super().__init__()
+
+    monkeypatch.setattr(wrapper, "PyPardisoSolver", Counted)
+    linear_solver._load_mkl.cache_clear()
+    matrix, rhs = system(symmetric=False)
+    for _ in range(3):
+        solver = make_solver(matrix.indptr, matrix.indices, symmetric=False, threads=1)
+        solver.factorise(matrix.data)
+        np.testing.assert_allclose(matrix @ solver.solve(rhs), rhs, atol=1e-10)
+    assert len(looked) == 1
 
 
 def test_a_singular_matrix_is_an_error() -> None:

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""No converged increment holds on by a pull, whatever the kind of contact and however large the increment."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork import Case, build_model
+from presswork.case import StampingCase
+from presswork.case import build_model as build_any_model
+from presswork.model import FloatArray
+from presswork.procedure.body_contact import RELEASE as RELEASE_OF_SLOTS
+from presswork.procedure.contact import RELEASE
+from presswork.procedure.implicit import ImplicitProcedure
+from presswork.procedure.implicit_stamping import make_shell_model
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "regression"))
+from test_implicit_stamping import CUP
+
+STEEL = {"young": 2e5, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 200}}
+LAWS: dict[str, dict[str, Any]] = {
+    "frictionless": {"contact": "frictionless"},
+    "sticking": {"contact": "sticking"},
+    "shear": {"contact": "shear", "m": 0.2},
+    "coulomb": {"contact": "coulomb", "mu": 0.2},
+    "coulomb_capped": {"contact": "coulomb_capped", "mu": 0.2, "m": 0.3},
+}
+
+
+def block(mesh: dict[str, Any]) -> dict[str, Any]:
+    return {"material": "steel", "element": "quad4_fbar", "mesh": mesh}
+
+
+def press_ball(law: dict[str, Any]) -> ImplicitProcedure:
+    """A round tool pressed into a strip that lies on a support, and lifted again, in large increments."""
+    ball = [[0.0, 3.0], {"to": [6.0, 9.0], "centre": [0.0, 9.0], "turn": "left"}]
+    case = Case(
+        title="ball",
+        analysis="plane_strain",
+        workpiece=block({"size": [8, 3], "cells": [16, 6]}),
+        materials={"steel": STEEL},
+        tools={"ball": {"profile": ball, **law}},
+        boundary={"middle": {"set": "left", "fix": ["x"]}, "floor": {"set": "bottom", "fix": ["y"]}},
+        stages=[{"name": "press", "tools": {"ball": {"move": [0, -0.3]}}},
+                {"name": "lift", "tools": {"ball": {"move": [0, 0.31]}}}],
+        solver={"initial_increment": 0.2, "max_increment": 0.2},
+    )  # fmt: skip
+    return ImplicitProcedure(build_model(case), threads=1)
+
+
+def press_body(law: dict[str, Any]) -> ImplicitProcedure:
+    """A narrow block pressed onto a wide one, drawn along it and lifted."""
+    case = Case(
+        title="bodies",
+        analysis="plane_strain",
+        workpiece=block({"size": [12, 3], "cells": [24, 4]}),
+        materials={"steel": STEEL},
+        bodies={"punch": block({"origin": [3, 3], "size": [4, 2], "cells": [6, 3]})},
+        contacts={"joint": {"between": ["punch", "workpiece"], **law}},
+        boundary={"floor": {"set": "bottom", "fix": ["x", "y"]}},
+        stages=[{"name": "press", "displacement": [
+                    {"set": "punch.top", "component": "y", "value": -0.01},
+                    {"set": "punch.top", "component": "x", "value": 0}]},
+                {"name": "draw", "displacement": [
+                    {"set": "punch.top", "component": "y", "value": 0},
+                    {"set": "punch.top", "component": "x", "value": 0.05}]}],
+        solver={"initial_increment": 0.2, "max_increment": 0.2},
+    )  # fmt: skip
+    return ImplicitProcedure(build_model(case), threads=1)
+
+
+def draw_sheet() -> ImplicitProcedure:
+    """A square cup between punch, die and holder."""
+    data = {
+        **CUP,
+        "stages": [{"name": "draw", "tools": {"punch": {"stroke": 1.0}}}],
+        "implicit": {"max_increment": 0.1},
+    }
+    return ImplicitProcedure(make_shell_model(build_any_model(StampingCase.model_validate(data))), threads=1)
+
+
+def pulls_of_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
+    """Return the normal forces on the held nodes, pushing positive, and what may be left of a pull."""
+    contact, state = procedure.contact, procedure.state
+    contact.search(state, state.displacement)
+    push = contact.normal_forces(state, state.reaction, procedure.equilibrium.fixed(0))[state.contact > 0]
+    return push, RELEASE * float(push.max(initial=0.0))
+
+
+def pulls_of_slots(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
+    pressure = procedure.state.interface_pressure
+    return pressure, RELEASE_OF_SLOTS * float(pressure.max(initial=0.0))
+
+
+def pulls_of_sheet_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
+    """Return the forces on the nodes of a sheet along the outward normals of the tools."""
+    sheet, state = procedure.equilibrium.sheet, procedure.state
+    pushes = []
+    for tool, force, moved in zip(
+        procedure.model.sheet_tools, state.sheet_tool_force - state.sheet_friction, state.sheet_tool_move, strict=True
+    ):
+        touched = np.linalg.norm(force, axis=1) > 0.0
+        place = procedure.model.mesh.points + state.displacement[:, :3] - np.array(tool.position) - moved
+        _, normal, _, _ = tool.surface.nearest(np.ascontiguousarray(place[touched]), 10.0)
+        pushes.append((force[touched] * normal).sum(axis=1))
+    assert sheet is not None
+    return np.concatenate(pushes), 0.0
+
+
+CONTACTS: dict[str, tuple[Callable[[], ImplicitProcedure], Callable[..., tuple[FloatArray, float]]]] = {
+    **{f"tool_{name}": (lambda law=law: press_ball(law), pulls_of_tools) for name, law in LAWS.items()},
+    **{
+        f"bodies_{name}": (lambda law=law: press_body(law), pulls_of_slots)
+        for name, law in LAWS.items()
+        if name != "coulomb"
+    },
+    "sheet_tools": (draw_sheet, pulls_of_sheet_tools),
+}
+
+
+@pytest.mark.parametrize("kind", CONTACTS)
+def test_no_converged_increment_pulls(kind) -> None:
+    make, measure = CONTACTS[kind]
+    procedure = make()
+    pushes = 0
+    for _ in procedure.advance():
+        found, allowed = measure(procedure)
+        assert found.min(initial=0.0) >= -allowed
+        pushes += int((found > allowed).sum())
+    assert pushes > 10, "something must push"
