@@ -29,6 +29,7 @@ from presswork.model import (
     ToolMotion,
 )
 from presswork.results.contact_stress import ContactSurface
+from presswork.results.tool_stress import recover_tool_stress
 
 RADIUS, YOUNG, POISSON = 10.0, 200e3, 0.3
 MODULUS = YOUNG / (1 - POISSON**2)
@@ -150,17 +151,19 @@ def _measure(model: Model, edge: float) -> Hertz:
     state, contact = procedure.state, procedure.contact
     forces = contact.forces(state, procedure.equilibrium.fixed(0))
     points = model.mesh.points + state.displacement
-    surface = ContactSurface(model, points, forces.status > 0)
+    depth = None if model.analysis == "axisymmetric" else model.depth
+    surface = ContactSurface(model.mesh.boundary_edges, points, forces.status > 0, forces.gap, depth=depth)
+    found = recover_tool_stress(model, points, forces, procedure.mechanics.nodal_flow_stress(state))
     push = np.zeros(len(points))
     push[forces.nodes] = forces.push
     nodes = forces.nodes[np.argsort(points[forces.nodes, 0])]
     sides = 1 if model.analysis == "axisymmetric" else 2
     load = sides * float(push.sum())
-    pressure, area = surface.stress_of(push)[nodes], surface.nodal_area[nodes]
+    pressure, area = found.pressure[nodes], surface.nodal_area[nodes]
     raw = np.divide(push[nodes], area, out=np.full(len(nodes), np.nan), where=area > 0)
     x = points[nodes, 0]
-    # p^2 = p0^2 - (p0/a)^2 x^2 is a straight line over x^2. Nodes within RIM edges of the last one are left out: that
-    # one's force holds the part of the next edge that touches too, but its share does not
+    # p^2 = p0^2 - (p0/a)^2 x^2 is a straight line over x^2. Nodes within RIM edges of the last one are left out,
+    # where the pressure is taken to fall linearly
     inside = x < x[-1] - RIM * edge
     slope, height = np.polyfit(x[inside] ** 2, pressure[inside] ** 2, 1)
     if model.analysis == "axisymmetric":

@@ -262,6 +262,8 @@ class Contact:
             nodes=self.nodes[place],
             tool=tool,
             segment=self.segment[face, place],
+            normal=normal,
+            in_corner=both[place],
             push=np.where(both[place], push.reshape(n_tools, 2, len(self.nodes)).sum(axis=1)[tool, place], along),
             drag=np.where(both[place], 0.0, np.einsum("ni,ni->n", tangent, force)),
             force=force,

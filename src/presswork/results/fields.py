@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.model import FloatArray, Model
-from presswork.results.contact_stress import ContactForces, ContactSurface
+from presswork.results.contact_stress import ContactForces
+from presswork.results.tool_stress import recover_tool_stress, shear_strength
 from presswork.state import State
 
 
@@ -63,47 +64,25 @@ def point_fields(
     between_bodies: pressure and shear of the bodies on each other (n_points,) [MPa]; they and their forces are added.
     """
     n = len(model.mesh.points)
-    surface = ContactSurface(model, model.mesh.points + state.displacement, contact.status > 0)
-    force = np.zeros((n, 3, len(model.tools)))
-    along = np.zeros((n, 2))
-    for t in range(len(model.tools)):
-        own = contact.tool == t
-        force[contact.nodes[own], :2, t] = contact.force[own]
-        along[contact.nodes[own]] += np.column_stack([contact.push[own], contact.drag[own]])
-    total = force.sum(axis=2)
-    pressure, shear = surface.stress_of(along).T
-    bodies_force = np.zeros((n, 3))
+    stress = recover_tool_stress(model, model.mesh.points + state.displacement, contact, flow_stress)
+    force = np.zeros((n, 3))
+    np.add.at(force[:, :2], contact.nodes, contact.force)
+    pressure, shear = stress.pressure, stress.shear
     if between_bodies is not None:
-        pressure, shear = np.where(between_bodies[0] != 0, between_bodies, (pressure, shear))
-        bodies_force[:, :2] = state.interface_force
+        strength = shear_strength(model, flow_stress)
+        between = between_bodies[0], np.clip(between_bodies[1], -strength, strength)
+        pressure, shear = np.where(between[0] != 0, between, (pressure, shear))
+        force[:, :2] += state.interface_force
     fields = {
         "displacement": np.column_stack([state.displacement, np.zeros(n)]),
         "gap": contact.gap,
         "contact_status": contact.status.astype(np.float64),
         "contact_pressure": pressure,
         "contact_shear": shear,
-        "contact_traction": surface.stress_of(total),
-        "contact_force": total + bodies_force,
-        "friction_limit": friction_limit(model, contact, pressure, flow_stress),
+        "contact_traction": stress.traction.sum(axis=0),
+        "contact_force": force,
+        "friction_limit": stress.friction_limit,
     }
     if len(model.tools) > 1:
-        by_tool = {f"contact_traction_{t.name}": surface.stress_of(force[..., i]) for i, t in enumerate(model.tools)}
-        fields.update(by_tool)
+        fields |= {f"contact_traction_{t.name}": stress.traction[i] for i, t in enumerate(model.tools)}
     return fields
-
-
-def friction_limit(model: Model, contact: ContactForces, pressure: FloatArray, flow_stress: FloatArray) -> FloatArray:
-    """Return the largest friction stress that the laws of the tools allow at each node (n_points,) [MPa].
-
-    m k, mu p or the smaller of both; k is the flow stress at the node over root 3. Zero apart from tools with friction.
-    """
-    limit = np.zeros(len(pressure))
-    for t, tool in enumerate(model.tools):
-        own = contact.tool == t
-        nodes, segment = contact.nodes[own], contact.segment[own]
-        by_shear = tool.m[segment] * flow_stress[nodes] / np.sqrt(3.0)
-        by_push = tool.mu[segment] * np.maximum(pressure[nodes], 0.0)
-        if tool.contact in ("shear", "coulomb", "coulomb_capped"):
-            laws = {"shear": by_shear, "coulomb": by_push, "coulomb_capped": np.minimum(by_shear, by_push)}
-            limit[nodes] = laws[tool.contact]
-    return limit
