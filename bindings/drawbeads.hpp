@@ -27,6 +27,7 @@ int add_bead(Loop& self, Doubles place, Doubles across, Doubles length, double f
   require(across.ndim() == 2 && across.shape(0) == n && across.shape(1) == 2, "across must have shape (n, 2)");
   require(tool < 0 || (self.contact && std::size_t(tool) < self.contact->tools.size()), "there is no such tool");
   if (!self.beads) self.beads = std::make_unique<Drawbeads>(self.find_cells());
+  self.beads->set_masses(self.element_masses());
   self.beads->add(static_cast<int>(n), place.data(), across.data(), length.data(), force, tool);
   return static_cast<int>(self.beads->beads.size()) - 1;
 }

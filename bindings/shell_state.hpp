@@ -140,7 +140,8 @@ template <class Real>
 NewDoubles masses_of(const ShellLoop<Real>& self) {
   double* to;
   auto array = new_array({std::size_t(self.n_elements())}, &to);
-  for (const auto& block : self.blocks) to = std::copy(block->mass().begin(), block->mass().end(), to);
+  const std::vector<double> masses = self.element_masses();
+  std::copy(masses.begin(), masses.end(), to);
   return array;
 }
 

@@ -7,10 +7,10 @@
 //   length,
 //
 // with ds = d.(v - v_tool) dt, and d the normal of the line in the plan, laid into the sheet. The force T d goes to the
-// corners of the shell beneath by their shape functions. k = penalty m/dt^2 w/l, m the lightest corner's mass and l the
-// root of the shell's area: the points of a line through a shell share what one contact spring of a node has, so the
-// step stays as stable as with contact. The sheet slips by f l dt^2/(penalty m), some micrometres, before it is held
-// with all of f.
+// corners of the shell beneath by their shape functions. k = penalty m/dt^2 w/l, m the shell's mass and l the root of
+// its area: the points of a line through a shell share what one contact spring of a node has, so the step stays as
+// stable as with contact, and symmetry planes make no difference. The sheet slips by f l dt^2/(penalty m), some
+// micrometres, before it is held with all of f.
 //
 // What lies beneath is looked up every `refresh` cycles, from the shell found last: its cost does not grow.
 // Points are visited by one thread in their order, so the bits do not depend on the threads.
@@ -18,7 +18,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -63,6 +62,9 @@ class Drawbeads {
   // Throws std::invalid_argument for other beads.
   void restore(const std::vector<double>& from);
 
+  // Take the masses of the shells [t]; needed before the first cycle, and after a change.
+  void set_masses(std::vector<double> of_cells) { cell_mass_ = std::move(of_cells); }
+
   std::vector<Drawbead> beads;
 
  private:
@@ -79,6 +81,7 @@ class Drawbeads {
 
   contact::SheetUnder sheet_;
   std::vector<Point> points_;
+  std::vector<double> cell_mass_;
   double work_ = 0.0;  // taken from the sheet [N mm]
   int cycle_ = 0;
 };
@@ -89,17 +92,12 @@ void Drawbeads::look_beneath(Point& p, double dt, const Nodes<Real>& nodes) cons
   if (!p.beneath.inside) return;
   const double* n = p.beneath.normal;
   const double size = std::sqrt(contact::dot(n, n)), out = (p.across[0] * n[0] + p.across[1] * n[1]) / (size * size);
-  double lightest = std::numeric_limits<double>::infinity();
-  for (int a = 0; a < p.beneath.corners; ++a) {
-    const double inverse = nodes.motion.data()[std::size_t(Nodes<Real>::motion_stride) * p.beneath.node[a] + 6];
-    lightest = std::min(lightest, 1.0 / inverse);
-  }
   double d[3] = {p.across[0] - out * n[0], p.across[1] - out * n[1], -out * n[2]};
   const double length = std::sqrt(contact::dot(d, d));
   for (int i = 0; i < 3; ++i) p.direction[i] = d[i] / length;
   // |g1 x g2| is a quarter of a quadrilateral's area, and twice a triangle's
   const double area = p.beneath.corners == 4 ? 4.0 * size : 0.5 * size;
-  p.stiffness = penalty * lightest / (dt * dt) * p.length / std::sqrt(area);
+  p.stiffness = penalty * cell_mass_[p.beneath.cell] / (dt * dt) * p.length / std::sqrt(area);
 }
 
 template <class Real>

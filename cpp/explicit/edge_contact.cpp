@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "contact/vectors.hpp"
@@ -18,6 +17,7 @@ constexpr double reach_awake = 0.9;  // of its gap an edge sleeps
 constexpr int samples = 5;           // along an edge that is new to a tool
 constexpr double level = 2e-3;       // slope of the gap along the edge that is none
 constexpr int most_steps = 12;       // of a search for the lowest place
+constexpr double alike = 1e-6;       // difference of gaps that is none, over the memory
 
 template <class T>
 T dot(const T a[3], const T b[3]) {
@@ -30,14 +30,23 @@ Pack size_of(Pack x) { return select(x < Pack(0.0), -x, x); }
 
 EdgeContact::EdgeContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node,
                          double length, double memory, double reach)
-    : n_nodes_(n_nodes), length_(length), memory_(memory), reach_(reach), node_start_(std::size_t(n_nodes) + 1, 0) {
-  std::set<std::pair<int, int>> sorted;
+    : n_nodes_(n_nodes),
+      length_(length),
+      memory_(memory),
+      reach_(reach),
+      cell_start_(cell_start),
+      node_start_(std::size_t(n_nodes) + 1, 0) {
+  std::vector<std::pair<int, int>> round, sorted;  // edges round the cells; each once
   for (std::size_t i = 0; i + 1 < cell_start.size(); ++i)
-    for (int a = cell_start[i], last = cell_start[i + 1]; a < last; ++a) {
-      const int here = cell_node[a], next = cell_node[a + 1 < last ? a + 1 : cell_start[i]];
-      sorted.insert(std::minmax(here, next));
-    }
+    for (int a = cell_start[i], last = cell_start[i + 1]; a < last; ++a)
+      round.push_back(std::minmax(cell_node[a], cell_node[a + 1 < last ? a + 1 : cell_start[i]]));
+  sorted = round;
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   for (const auto& [a, b] : sorted) edges_.insert(edges_.end(), {a, b});
+  for (const auto& edge : round)
+    cell_edge_.push_back(static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), edge) - sorted.begin()));
+  base_.resize(sorted.size());
   for (int node : edges_) ++node_start_[node + 1];
   for (int i = 0; i < n_nodes; ++i) node_start_[i + 1] += node_start_[i];
   end_slot_.resize(edges_.size());
@@ -68,31 +77,36 @@ ContactSums EdgeContact::sum_up(int tool) const {
   return sum;
 }
 
-double EdgeContact::stiffness(const Grip& grip, const Nodes& nodes, int edge) const {
-  return share * grip.penalty * std::min(nodes.base[node(edge, 0)], nodes.base[node(edge, 1)]);
+void EdgeContact::set_stiffness(const std::vector<double>& cell_mass, double dt) {
+  step_ = dt;
+  std::fill(base_.begin(), base_.end(), 0.0);
+  for (std::size_t i = 0; i < cell_mass.size(); ++i) {
+    const double part = 2.0 / (cell_start_[i + 1] - cell_start_[i]) * cell_mass[i] / (dt * dt);
+    for (int a = cell_start_[i]; a < cell_start_[i + 1]; ++a) base_[cell_edge_[a]] += part;
+  }
 }
 
-double EdgeContact::half_at(const Grip& grip, const Nodes& nodes, int edge, double s) const {
-  return grip.thickness ? (1.0 - s) * nodes.half[node(edge, 0)] + s * nodes.half[node(edge, 1)] : 0.0;
+double EdgeContact::half_at(const Grip& grip, const double* half, int edge, double s) const {
+  return grip.thickness ? (1.0 - s) * half[node(edge, 0)] + s * half[node(edge, 1)] : 0.0;
 }
 
-void EdgeContact::add_stored(int tool, const Grip& grip, const Nodes& nodes, double& normal, double& shear) const {
+void EdgeContact::add_stored(int tool, const Grip& grip, double& normal, double& shear) const {
   const Pairs& of = pairs_[tool];
   for (int e = 0; e < static_cast<int>(of.at.size()); ++e) {
     const Touching& p = of.at[e];
     if (!(p.pressed > 0.0)) continue;
-    const double k = stiffness(grip, nodes, e);
+    const double k = stiffness(grip, e);
     normal += 0.5 * k * p.pressed * p.pressed;
     shear += 0.5 * dot(p.shear, p.shear) / k;
   }
 }
 
-void EdgeContact::add_forces(int tool, const Grip& grip, const Nodes& nodes, double* force) const {
+void EdgeContact::add_forces(int tool, const Grip& grip, double* force) const {
   const Pairs& of = pairs_[tool];
   for (int e = 0; e < static_cast<int>(of.at.size()); ++e) {
     const Touching& p = of.at[e];
     if (!(p.pressed > 0.0)) continue;
-    const double pressure = stiffness(grip, nodes, e) * p.pressed + p.viscous;
+    const double pressure = stiffness(grip, e) * p.pressed + p.viscous;
     for (int k = 0; k < 3; ++k) {
       const double f = pressure * p.normal[k] + p.shear[k];
       force[3 * std::size_t(node(e, 0)) + k] += (1.0 - p.s) * f;
@@ -178,10 +192,19 @@ bool EdgeContact::find_lowest(const contact::ToolSurface& surface, const Segment
     }
   } else {
     Place all[samples];
-    int least = 0;
+    double lowest = never;
     for (int i = 0; i < samples; ++i) {
       all[i] = look(i / (samples - 1.0));
-      if (all[i].touch.gap < all[least].touch.gap) least = i;
+      lowest = std::min(lowest, all[i].touch.gap);
+    }
+    int least = 0, last = samples - 1;
+    const auto is_lowest = [&](const Place& place) { return place.touch.gap <= lowest + alike * memory_; };
+    while (!is_lowest(all[least])) ++least;
+    while (!is_lowest(all[last])) --last;
+    // where part of the edge lies on a plane its middle is taken, whichever end comes first
+    if (last > least) {
+      best = look(0.5 * (all[least].s + all[last].s));
+      if (best.is_near && std::abs(best.slope) < level && is_lowest(best)) return done(best);
     }
     best = all[least];
     if (!best.is_near || std::abs(best.slope) < level) return done(best);
@@ -203,10 +226,10 @@ bool EdgeContact::find_lowest(const contact::ToolSurface& surface, const Segment
 }
 
 // Ask the surface about one edge. Where it is off it falls asleep, and is forgotten.
-void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const Nodes& nodes, int& lost) const {
+void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const double* half, int& lost) const {
   Touching& p = of.at[edge];
   const bool was_pressed = p.pressed > 0.0;
-  const double half = std::max(half_at(tool.grip, nodes, edge, 0.0), half_at(tool.grip, nodes, edge, 1.0));
+  const double most = std::max(half_at(tool.grip, half, edge, 0.0), half_at(tool.grip, half, edge, 1.0));
   const auto sleep = [&](double away, double known) {
     of.wake[edge] = tool.travel + reach_awake * away;
     const std::int32_t hint = p.hint, sharp_hint = p.sharp_hint;
@@ -216,16 +239,17 @@ void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen
   if (!was_pressed) {
     double end[3];
     seen.locate(1.0, end);
-    const double away = of.sharp->distance(seen.start, end, half + memory_, p.sharp_hint) - half;
+    const double away = of.sharp->distance(seen.start, end, most + memory_, p.sharp_hint) - most;
     if (away > memory_) return sleep(away, off);
   }
   contact::Touch found;
   if (!find_lowest(*tool.surface, seen, p.seen == followed, p.s, p.hint, found)) {
     if (was_pressed) lost = std::min(lost, n_nodes_ + edge);
-    return sleep(std::max(found.gap - half - 0.25 * seen.length, memory_), near);
+    return sleep(std::max(found.gap - most - 0.25 * seen.length, memory_), near);
   }
-  if (!was_pressed) p.half = half_at(tool.grip, nodes, edge, p.s);
-  if (p.seen == off) p.spared = std::max(half_at(tool.grip, nodes, edge, p.s) - found.gap, 0.0);
+  if (!was_pressed) p.half = half_at(tool.grip, half, edge, p.s);
+  // a little more than its depth, which `touch` cuts down to it: rounding must not say whether the edge is pressed
+  if (p.seen == off) p.spared = std::max(half_at(tool.grip, half, edge, p.s) - found.gap, 0.0) + alike * memory_;
   p.seen = followed;
   p.left = memory_;  // were it flat here, it need not be along the edge
   p.tilt = dot(found.normal, seen.way);
@@ -233,7 +257,7 @@ void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen
   std::copy_n(found.normal, 3, p.normal);
 }
 
-void EdgeContact::touch(const Tool& tool, Pairs& of, EdgePack& edges, const Nodes& nodes, double dt, int slot,
+void EdgeContact::touch(const Tool& tool, Pairs& of, EdgePack& edges, const double* half_of, double dt, int slot,
                         LaneSums& sums, std::vector<int>& bearing) {
   const Grip& grip = tool.grip;
   const int n = edges.n;
@@ -280,7 +304,7 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, EdgePack& edges, const Node
     for (int lane = 0; lane < n; ++lane) {
       if (!asking[lane]) continue;
       const int edge = edges.edge[lane];
-      ask(tool, of, edge, Segment(edges.x[0][lane], edges.x[1][lane], tool.displacement), nodes, sums.lost);
+      ask(tool, of, edge, Segment(edges.x[0][lane], edges.x[1][lane], tool.displacement), half_of, sums.lost);
       if (of.wake[edge] > tool.travel) edges.pair[lane] = &nothing, awake[lane] = 0;
     }
     load();
@@ -312,7 +336,7 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, EdgePack& edges, const Node
   const Pack closing = dot(normal, dx), damped = viscous;
   viscous = zero;
   if (grip.damping > 0.0 && dt > 0.0) {
-    const double factor = 2.0 * share * grip.damping * std::sqrt(grip.penalty) * nodes.step / dt;
+    const double factor = 2.0 * share * grip.damping * std::sqrt(grip.penalty) * step_ / dt;
     viscous = select(on, larger(-Pack(factor) * base * closing, -k * pressed), zero);
   }
   const Pack pressure = k * pressed + viscous;

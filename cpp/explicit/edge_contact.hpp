@@ -4,10 +4,13 @@
 // An edge is straight between its nodes, and so touches a convex tool at one place, x = (1 - s) x_a + s x_b, where its
 // gap is least: normal.(x_b - x_a) = 0, or at a node. s is looked for when the surface is asked, and kept in between;
 // half the thickness is interpolated, and force goes to the nodes in the parts 1 - s and s. Force, friction and damping
-// are those of nodes (tool_contact.hpp) with the smaller of the nodes' masses and `share` of the stiffness.
+// are those of nodes (tool_contact.hpp) with `share` of the stiffness and with the edge's own mass, which is 2/n of the
+// mass of each cell of n nodes that it bounds. So an edge that ends in a symmetry plane is as stiff as in the whole
+// sheet, and one that lies in the plane is half as stiff.
 //
-// Step. Four edges that end in a node and rest on a tool there add 4 share penalty/dt^2 to the node's own penalty/dt^2:
-// with a second tool on the other side w^2 dt^2 <= (0.9 x 2)^2 + 3.6 penalty < 4 if penalty < 0.21.
+// Step. The masses of the edges that end in a node add up to four times the node's mass, whatever the mesh. If all of
+// them rest on a tool there, they add 4 share penalty/dt^2 to the node's own penalty/dt^2: with a second tool on the
+// other side w^2 dt^2 <= (0.9 x 2)^2 + 3.6 penalty < 4 if penalty < 0.21.
 //
 // Search. A tool is sharp where it turns by more than `turn` within half the longest edge: there the edge would sink in
 // by an eighth of its length L, be it over a corner of that angle or a radius of L. A tool without such places costs
@@ -51,14 +54,13 @@ class EdgeContact {
   int chunks() const { return needed_ ? (n_edges() + chunk - 1) / chunk : 0; }
   int node(int edge, int end) const { return edges_[2 * std::size_t(edge) + end]; }
 
-  // Nodes as they are now: of node i the half thickness and the base of stiffness, mass/dt^2 with the step dt.
-  struct Nodes {
-    const double *half, *base;
-    double step;
-  };
-  // Find the forces of a chunk of edges after a step of dt. locate(node, x, v) gives a node's place and velocity.
+  // Take the edges' masses from the cells' masses [t], and the step of the stiffness.
+  void set_stiffness(const std::vector<double>& cell_mass, double dt);
+
+  // Find the forces of a chunk of edges after a step of dt. half: thickness of the nodes as it is now [mm];
+  // locate(node, x, v) gives a node's place and velocity.
   template <class Locate>
-  void visit(int c, int first_tool, const std::vector<Tool>& tools, const Nodes& nodes, double dt, Locate&& locate);
+  void visit(int c, int first_tool, const std::vector<Tool>& tools, const double* half, double dt, Locate&& locate);
   // Whether an edge of these nodes has a force, and the force of its edges on one node, added.
   bool touches(int first_node, int last_node) const {
     const int from = node_start_[first_node], to = node_start_[last_node];
@@ -71,15 +73,15 @@ class EdgeContact {
   ContactSums sum_up(int tool) const;
 
   // Energy in the springs of contact and of stick, summed over the edges of a tool.
-  void add_stored(int tool, const Grip& grip, const Nodes& nodes, double& normal, double& shear) const;
+  void add_stored(int tool, const Grip& grip, double& normal, double& shear) const;
   // All forces on nodes (n_nodes, 3), added.
-  void add_forces(int tool, const Grip& grip, const Nodes& nodes, double* force) const;
+  void add_forces(int tool, const Grip& grip, double* force) const;
   // Let go, or look again at, whatever a tool touches.
   void forget(int tool);
   void wake(int tool);
   // Depth of the edge deepest in a tool at its sharp places; edge is left alone where none is deeper than `worst`.
   template <class Locate>
-  double deepest(int number, const Tool& tool, const Nodes& nodes, double worst, Locate&& locate, int& edge) const;
+  double deepest(int number, const Tool& tool, const double* half, double worst, Locate&& locate, int& edge) const;
 
   std::size_t dump_size() const;
   void dump(int tool, std::vector<double>& to) const;
@@ -123,8 +125,8 @@ class EdgeContact {
       for (int k = 0; k < 3; ++k) x[k] = start[k] + s * way[k];
     }
   };
-  // n edges for a pack, filled up with the last of them: places and velocities of their ends, the smaller base of their
-  // nodes, half thicknesses, and where they are kept.
+  // n edges for a pack, filled up with the last of them: places and velocities of their ends, their bases, half
+  // thicknesses, and where they are kept.
   struct EdgePack {
     alignas(64) double x[2][width][4], v[2][width][4], base[width], half[2][width];
     const int* edge;
@@ -134,13 +136,13 @@ class EdgeContact {
 
   // The edges of a chunk that are awake; gives how many.
   int find_awake(int c, Pairs& of, double travel, int found[chunk + 1]) const;
-  double stiffness(const Grip& grip, const Nodes& nodes, int edge) const;
-  double half_at(const Grip& grip, const Nodes& nodes, int edge, double s) const;
+  double stiffness(const Grip& grip, int edge) const { return share * grip.penalty * base_[edge]; }
+  double half_at(const Grip& grip, const double* half, int edge, double s) const;
   bool find_lowest(const contact::ToolSurface& surface, const Segment& edge, bool known, double& s, int& hint,
                    contact::Touch& found) const;
-  void ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const Nodes& nodes, int& lost) const;
+  void ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const double* half, int& lost) const;
   // Forces of a tool on a pack of edges, the first of which has a slot in the sums.
-  void touch(const Tool& tool, Pairs& of, EdgePack& edges, const Nodes& nodes, double dt, int slot, LaneSums& sums,
+  void touch(const Tool& tool, Pairs& of, EdgePack& edges, const double* half, double dt, int slot, LaneSums& sums,
              std::vector<int>& bearing);
   // Give an edge a force at s.
   void give(int edge, double s, const double force[3], std::vector<int>& bearing);
@@ -148,7 +150,10 @@ class EdgeContact {
   int n_nodes_;
   double length_, memory_, reach_;
   bool needed_ = false;
-  std::vector<int> edges_;  // (n_edges, 2)
+  double step_ = 0.0;
+  std::vector<int> edges_;                   // (n_edges, 2)
+  std::vector<int> cell_start_, cell_edge_;  // the edges of each cell
+  std::vector<double> base_;                 // of edges: mass/dt^2 [N/mm]
   std::vector<int> node_start_,
       end_slot_;                           // of each node its ends of edges; of each end, 2 edge + end, its place there
   std::vector<double> force_;              // (ends, 3), by nodes
@@ -159,7 +164,7 @@ class EdgeContact {
 };
 
 template <class Locate>
-void EdgeContact::visit(int c, int first_tool, const std::vector<Tool>& tools, const Nodes& nodes, double dt,
+void EdgeContact::visit(int c, int first_tool, const std::vector<Tool>& tools, const double* half, double dt,
                         Locate&& locate) {
   for (int edge : bearing_[c])
     bears_[end_slot_[2 * std::size_t(edge)]] = bears_[end_slot_[2 * std::size_t(edge) + 1]] = 0;
@@ -178,18 +183,18 @@ void EdgeContact::visit(int c, int first_tool, const std::vector<Tool>& tools, c
         edges.pair[lane] = &pairs_[t].at[edge];
         for (int end = 0; end < 2; ++end) {
           locate(node(edge, end), edges.x[end][lane], edges.v[end][lane]);
-          edges.half[end][lane] = nodes.half[node(edge, end)];
+          edges.half[end][lane] = half[node(edge, end)];
         }
-        edges.base[lane] = std::min(nodes.base[node(edge, 0)], nodes.base[node(edge, 1)]);
+        edges.base[lane] = base_[edge];
       }
-      touch(tools[t], pairs_[t], edges, nodes, dt, i, sums, bearing_[c]);
+      touch(tools[t], pairs_[t], edges, half, dt, i, sums, bearing_[c]);
     }
     if (n > 0) sum = sums.sum_up();
   }
 }
 
 template <class Locate>
-double EdgeContact::deepest(int number, const Tool& tool, const Nodes& nodes, double worst, Locate&& locate,
+double EdgeContact::deepest(int number, const Tool& tool, const double* half, double worst, Locate&& locate,
                             int& edge) const {
   const Pairs& of = pairs_[number];
   if (!of.sharp) return worst;
@@ -199,11 +204,11 @@ double EdgeContact::deepest(int number, const Tool& tool, const Nodes& nodes, do
     const Segment seen(a, b, tool.displacement);
     seen.locate(1.0, b);
     int sharp_hint = -1, hint = -1;
-    const double half = half_at(tool.grip, nodes, e, 0.5);  // the middle may have gone through
-    if (of.sharp->distance(seen.start, b, 0.0, sharp_hint) > 0.5 * seen.length + half + memory_) continue;
+    const double in_middle = half_at(tool.grip, half, e, 0.5);  // it may have gone through
+    if (of.sharp->distance(seen.start, b, 0.0, sharp_hint) > 0.5 * seen.length + in_middle + memory_) continue;
     contact::Touch found;
     if (!find_lowest(*tool.surface, seen, false, s, hint, found)) continue;
-    const double depth = half_at(tool.grip, nodes, e, s) - found.gap;
+    const double depth = half_at(tool.grip, half, e, s) - found.gap;
     if (depth > worst) worst = depth, edge = e;
   }
   return worst;

@@ -46,6 +46,13 @@ int ShellLoop<Real>::n_elements() const {
 }
 
 template <class Real>
+std::vector<double> ShellLoop<Real>::element_masses() const {
+  std::vector<double> masses;
+  for (const auto& block : blocks) masses.insert(masses.end(), block->mass().begin(), block->mass().end());
+  return masses;
+}
+
+template <class Real>
 void ShellLoop<Real>::set_masses() {
   std::vector<double> sum(std::size_t(nodes.n) * 2, 0.0);
   for (const auto& block : blocks) {
@@ -57,6 +64,7 @@ void ShellLoop<Real>::set_masses() {
       sum[2 * node + 1] += share * block->inertia_ratio()[i / each];
     }
   }
+  if (beads) beads->set_masses(element_masses());
   own_mass_.resize(nodes.n);
   for (int i = 0; i < nodes.n; ++i) own_mass_[i] = sum[2 * std::size_t(i)];
   hanging.give_masses(sum);
@@ -302,7 +310,7 @@ std::unique_ptr<ToolContact> ShellLoop<Real>::make_contact() const {
 
 template <class Real>
 void ShellLoop<Real>::set_contact_stiffness(double dt) {
-  contact->set_stiffness(own_mass_, dt);
+  contact->set_stiffness(own_mass_, element_masses(), dt);
 }
 
 template <class Real>

@@ -63,6 +63,7 @@ class ShellLoop {
 
   // Masses of nodes from those of the elements; after a change of either.
   void set_masses();
+  std::vector<double> element_masses() const;
   // The material law of an element has failed in a cycle of a call; of several the first in number.
   struct Failure {
     int element = -1, cycle = -1;

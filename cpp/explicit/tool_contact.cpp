@@ -58,7 +58,7 @@ void ToolContact::add(std::shared_ptr<const contact::ToolSurface> surface, const
 
 void ToolContact::remove(int tool) {
   double normal = 0.0, shear = 0.0;
-  edges_.add_stored(tool, tools[tool].grip, nodes_of_edges(), normal, shear);
+  edges_.add_stored(tool, tools[tool].grip, normal, shear);
   edges_.forget(tool);
   for (int node = 0; node < n_nodes_; ++node) {
     const double pressed = value(tool, node, &Touching::pressed), k = stiffness(tool, node);
@@ -100,15 +100,16 @@ void ToolContact::add_stored(double& normal, double& shear) const {
       normal += 0.5 * k * pressed * pressed;
       shear += 0.5 * shear_squared(t, i) / k;
     }
-    edges_.add_stored(t, tools[t].grip, nodes_of_edges(), normal, shear);
+    edges_.add_stored(t, tools[t].grip, normal, shear);
   }
 }
 
-void ToolContact::set_stiffness(const std::vector<double>& node_mass, double dt) {
+void ToolContact::set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt) {
   double normal[2] = {}, shear[2] = {};
   add_stored(normal[0], shear[0]);
   step_ = dt;
   for (int i = 0; i < n_nodes_; ++i) base_[i] = node_mass[i] / (dt * dt);
+  edges_.set_stiffness(cell_mass, dt);
   add_stored(normal[1], shear[1]);
   total_.squeeze += normal[1] - normal[0] + shear[1] - shear[0];  // no work was done
   total_.friction += shear[1] - shear[0];
@@ -326,7 +327,7 @@ void ToolContact::add_forces(double* to) const {
       const double normal = stiffness(t, node) * pressed + p.viscous[lane];
       for (int i = 0; i < 3; ++i) to[3 * std::size_t(node) + i] += normal * p.normal[i][lane] + p.shear[i][lane];
     }
-    edges_.add_forces(t, tools[t].grip, nodes_of_edges(), to);
+    edges_.add_forces(t, tools[t].grip, to);
   }
 }
 

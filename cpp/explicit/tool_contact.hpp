@@ -46,8 +46,8 @@ struct SheetView {
 
 class ToolContact {
  public:
-  static constexpr int chunk = 256;          // points whose forces are summed up in one go
-  static constexpr int refresh_cycles = 64;  // after which a point learns the thickness anew
+  static constexpr int chunk = 256;         // points whose forces are summed up in one go
+  static constexpr int refresh_cycles = 8;  // after which all points learn the thickness anew
 
   // The nodes of cell i, in turn round it, are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. The least
   // thickness, the largest width of a cell and its longest edge [mm] set what is near.
@@ -58,8 +58,8 @@ class ToolContact {
   // Take a tool away, with what its springs hold; the others keep their numbers.
   void remove(int tool);
   void place(int tool, const double displacement[3]);
-  // Take stiffness from the nodes' masses [t] and step.
-  void set_stiffness(const std::vector<double>& node_mass, double dt);
+  // Take stiffness from the nodes' and the cells' masses [t] and step.
+  void set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt);
 
   // Find the forces of tools that have been added since, at the present place: to be called before the first cycle.
   template <class View, class Real>
@@ -123,7 +123,6 @@ class ToolContact {
   double value(int tool, int node, const Pack Touching::* row) const {
     return (pairs_[tool].packs[node / width].*row)[node % width];
   }
-  EdgeContact::Nodes nodes_of_edges() const { return {half_.data(), base_.data(), step_}; }
   double shear_squared(int tool, int node) const;
   static Pack load(const std::vector<double>& from, int slot) {
     Pack x;
@@ -178,7 +177,7 @@ void ToolContact::locate(int node, const View& sheet, double x[4], double v[4]) 
 template <class View>
 bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c, Pack on_sheet[3]) {
   const int last = std::min(slot + width, n_nodes_) - 1;
-  if ((cycle_ + slot / group) % refresh_cycles == 0) {
+  if (cycle_ % refresh_cycles == 0) {  // all at once: nothing may depend on the nodes' numbers
     Pack half(0.0);
     for (int s = slot; s <= last; ++s) half.set(s - slot, half_thickness(s, sheet));
     set_half(slot, half);
@@ -217,7 +216,7 @@ bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c,
 
 template <class View>
 void ToolContact::visit_edges(int c, const View& sheet, int first_tool) {
-  edges_.visit(c, first_tool, tools, nodes_of_edges(), sheet.dt,
+  edges_.visit(c, first_tool, tools, half_.data(), sheet.dt,
                [&](int node, double x[4], double v[4]) { locate(node, sheet, x, v); });
 }
 
@@ -269,8 +268,8 @@ double ToolContact::deepest(int tool, const View& sheet, int& point) const {
   }
   int edge = -1;
   worst = edges_.deepest(
-      tool, tools[tool], {half.data(), base_.data(), step_}, worst,
-      [&](int node, double x[4], double v[4]) { locate(node, sheet, x, v); }, edge);
+      tool, tools[tool], half.data(), worst, [&](int node, double x[4], double v[4]) { locate(node, sheet, x, v); },
+      edge);
   if (edge >= 0) point = n_nodes_ + edge;
   return worst;
 }

@@ -105,29 +105,23 @@ def _planes(case: StampingCase) -> str:
 def cut_line(line: FloatArray, spacing: float, symmetry: list[bool]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Cut a polyline (n, 2) into pieces of at most `spacing`, those at negative x or y left out where symmetry says so.
 
-    Returns the pieces' middles (m, 2), unit normals (m, 2) and lengths (m,).
+    No piece crosses an axis, so that a whole line has the pieces of its parts. Returns the pieces' middles (m, 2), unit normals (m, 2) and lengths (m,).
     """
     places, normals, lengths = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros(0)]
     for a, b in itertools.pairwise(line):
-        begin, end = 0.0, 1.0
-        for axis, is_cut in enumerate(symmetry):
-            if not is_cut:
-                continue
-            if max(a[axis], b[axis]) < 0.0:
-                end = 0.0
-            elif min(a[axis], b[axis]) < 0.0:
-                at = a[axis] / (a[axis] - b[axis])
-                begin, end = (max(begin, at), end) if a[axis] < 0.0 else (begin, min(end, at))
-        if end <= begin:
-            continue
         along = b - a
-        length = float(np.linalg.norm(along)) * (end - begin)
-        n = max(1, int(np.ceil(length / spacing * (1 - 1e-9))))
-        fractions = begin + (np.arange(n) + 0.5) / n * (end - begin)
-        places.append(a + fractions[:, None] * along)
-        unit = along / np.linalg.norm(along)
-        normals.append(np.tile([-unit[1], unit[0]], (n, 1)))
-        lengths.append(np.full(n, length / n))
+        crossings = [a[axis] / (a[axis] - b[axis]) for axis in (0, 1) if a[axis] * b[axis] < 0.0]
+        for begin, end in itertools.pairwise(sorted({0.0, 1.0, *crossings})):
+            middle = a + 0.5 * (begin + end) * along
+            if any(is_cut and middle[axis] < 0.0 for axis, is_cut in enumerate(symmetry)):
+                continue
+            length = float(np.linalg.norm(along)) * (end - begin)
+            n = max(1, int(np.ceil(length / spacing * (1 - 1e-9))))
+            fractions = begin + (np.arange(n) + 0.5) / n * (end - begin)
+            places.append(a + fractions[:, None] * along)
+            unit = along / np.linalg.norm(along)
+            normals.append(np.tile([-unit[1], unit[0]], (n, 1)))
+            lengths.append(np.full(n, length / n))
     return np.concatenate(places), np.concatenate(normals), np.concatenate(lengths)
 
 

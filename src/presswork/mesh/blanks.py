@@ -31,16 +31,23 @@ def mesh_rectangular_blank(
 ) -> Mesh:
     """Mesh a rectangle of size [mm] about the origin; symmetry: whether the planes x = 0 and y = 0 cut it.
 
-    element_size: largest side of a cell, or largest along x and along y [mm].
+    element_size: largest side of a cell, or largest along x and along y [mm]. A side that is not cut has one cell or an
+    even number of them, so that the whole blank is meshed as its half and its mirror image are.
     """
     half = 0.5 * np.array(size)
-    points, cells = _draw_grid(np.where(symmetry, 0.0, -half), half, np.asarray(element_size))
+    low = np.where(symmetry, 0.0, -half)
+    points, cells = _draw_grid(low, half, _count_cells(half - low, np.asarray(element_size), symmetry))
     return name_sets(points, [cells], symmetry, triangles)
 
 
-def _draw_grid(low: FloatArray, high: FloatArray, size: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return points (n, 2) and quadrilaterals of a rectangle; size: largest of a cell along x and y [mm]."""
-    counts = np.maximum(1, np.ceil((high - low) / size - 1e-9)).astype(int)
+def _count_cells(length: FloatArray, size: FloatArray, symmetry: Sequence[bool]) -> IntArray:
+    """Return the numbers of cells along x and y."""
+    counts = np.maximum(1, np.ceil(length / size - 1e-9)).astype(int)
+    return np.where(symmetry, counts, np.where(counts > 1, counts + counts % 2, counts))
+
+
+def _draw_grid(low: FloatArray, high: FloatArray, counts: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return points (n, 2) and quadrilaterals of a rectangle of so many cells along x and y."""
     lines = [np.linspace(begin, end, n + 1) for begin, end, n in zip(low, high, counts, strict=True)]
     x, y = (grid.ravel() for grid in np.meshgrid(*lines))
     n = len(lines[0])

@@ -262,16 +262,19 @@ def _smooth(points: FloatArray, cells: IntArray, held: Keys, symmetry: Sequence[
     """Move nodes to the middle of those that share a side with them; held ones stay, those on planes stay there."""
     sides = np.unique(np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1), axis=0)
     ends = np.concatenate([sides, sides[:, ::-1]])
-    count = np.bincount(ends[:, 0], minlength=len(points))
+    weight = np.ones(len(ends))
     free = np.ones((len(points), 2), dtype=bool)
     free[held] = False
     scale = float(np.ptp(points, axis=0).max())
     for axis, is_cut in enumerate(symmetry):
         if is_cut:
-            free[np.abs(points[:, axis]) < 1e-9 * scale, axis] = False
+            in_plane = np.abs(points[:, axis]) < 1e-9 * scale
+            free[in_plane, axis] = False
+            weight[in_plane[ends[:, 0]] & ~in_plane[ends[:, 1]]] *= 2.0  # the mirror image pulls as well
+    total = np.bincount(ends[:, 0], weight, len(points))
     for _ in range(_ROUNDS):
-        mean = np.stack([np.bincount(ends[:, 0], points[ends[:, 1], k], len(points)) for k in (0, 1)], axis=1)
-        points = np.where(free, 0.5 * (points + mean / count[:, None]), points)
+        mean = np.stack([np.bincount(ends[:, 0], weight * points[ends[:, 1], k], len(points)) for k in (0, 1)], axis=1)
+        points = np.where(free, 0.5 * (points + mean / total[:, None]), points)
     return points
 
 

@@ -7,7 +7,7 @@ touched turns by as much along it. docs/theory/explicit.md has the reasons.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,8 @@ from presswork.mesh.topology import edge_keys
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh
 from presswork.model_stamping import Refinement, StampingModel
 
+Planes = Sequence[tuple[int, IntArray]]
+"""Of each symmetry plane the axis that it is normal to, and its nodes."""
 LOOK_AHEAD = 1.0
 """How near a tool must be to be looked at, over the side of the shell."""
 
@@ -51,12 +53,15 @@ class SplitBlank:
 
         points (n_nodes, 3) and thickness (n,) [mm]: of the present sheet.
         """
-        sets = self.mesh.node_sets
-        planes = [(axis, sets[name]) for axis, name in enumerate(("symmetry_x", "symmetry_y")) if name in sets]
         step = self.sheet.split(chosen)
-        position = place_nodes(self.sheet, step, points, thickness, planes, tools)
+        position = place_nodes(self.sheet, step, points, thickness, self.planes(), tools)
         self._take(step)
         return step, position
+
+    def planes(self) -> Planes:
+        """Return the axes that symmetry planes are normal to, and their nodes."""
+        sets = self.mesh.node_sets
+        return [(axis, sets[name]) for axis, name in enumerate(("symmetry_x", "symmetry_y")) if name in sets]
 
     def _take(self, step: SplitStep) -> None:
         self._chosen.append(step.chosen)
@@ -79,21 +84,29 @@ class SplitBlank:
 
 
 def choose_shells(
-    mesh: SplitMesh, points: FloatArray, thickness: FloatArray, tools: Iterable[PlacedTool], refinement: Refinement
+    mesh: SplitMesh,
+    points: FloatArray,
+    thickness: FloatArray,
+    tools: Iterable[PlacedTool],
+    refinement: Refinement,
+    planes: Planes = (),
 ) -> BoolArray:
     """Return the shells to split (n,): those that turn by more than the angle, and may be split once more.
 
-    points (n_nodes, 3) and thickness (n,) [mm] are those of the present sheet.
+    points (n_nodes, 3) and thickness (n,) [mm] are those of the present sheet. planes: as place_nodes has them.
     """
-    turn = bend_angles(mesh, points)
+    turn = bend_angles(mesh, points, planes)
     for tool in tools:
         turn = np.maximum(turn, tool_angles(mesh, points, thickness, tool))
     return np.asarray((turn > refinement.angle) & (mesh.level < refinement.levels))
 
 
-def bend_angles(mesh: SplitMesh, points: FloatArray) -> FloatArray:
+def bend_angles(mesh: SplitMesh, points: FloatArray, planes: Planes = ()) -> FloatArray:
     """Return the largest angle between each shell's normal and a neighbour's, over the distance of both middles, times
-    the shell's own side (n,) [rad]."""
+    the shell's own side (n,) [rad].
+
+    A neighbour may be the mirror image beyond one of the symmetry planes (place_nodes).
+    """
     normal, side = measure_shells(mesh.cells, points)
     one, other = neighbours(mesh)
     unit = normal / np.linalg.norm(normal, axis=1, keepdims=True)
@@ -101,6 +114,11 @@ def bend_angles(mesh: SplitMesh, points: FloatArray) -> FloatArray:
     most = np.zeros(len(mesh.cells))
     np.maximum.at(most, one, turn * side[one])
     np.maximum.at(most, other, turn * side[other])
+    for axis, nodes in planes:
+        ends = np.isin(np.stack([mesh.cells, np.roll(mesh.cells, -1, axis=1)]), nodes).all(axis=0)
+        beside = (ends & (mesh.cells != np.roll(mesh.cells, -1, axis=1))).any(axis=1)
+        own = 2.0 * np.arcsin(np.clip(np.abs(unit[:, axis]), 0.0, 1.0))
+        most = np.where(beside, np.maximum(most, own), most)
     return most
 
 
@@ -145,7 +163,7 @@ def place_nodes(
     step: SplitStep,
     points: FloatArray,
     thickness: FloatArray,
-    planes: Iterable[tuple[int, IntArray]],
+    planes: Planes,
     tools: Iterable[PlacedTool],
 ) -> FloatArray:
     """Return the positions of all nodes (n_nodes, 3) after shells were split.
@@ -179,7 +197,7 @@ def place_nodes(
 
 
 def node_means(
-    mesh: SplitMesh, points: FloatArray, thickness: FloatArray, planes: Iterable[tuple[int, IntArray]]
+    mesh: SplitMesh, points: FloatArray, thickness: FloatArray, planes: Planes
 ) -> tuple[FloatArray, FloatArray]:
     """Return unit normals (n_nodes, 3) and half the thickness (n_nodes,) of the shells round each node."""
     of_shell, _ = measure_shells(mesh.cells, points)

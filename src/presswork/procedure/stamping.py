@@ -91,11 +91,12 @@ class ExplicitStamping(RowRecording):
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
         n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
         self.shells.dt = (end - begin) / n
-        most = min(ELEMENT_CYCLES_A_CALL // n_shells, n // SAMPLES) or 1
+        every, most = max(1, n // SAMPLES), max(1, ELEMENT_CYCLES_A_CALL // n_shells)
         self.tools.begin_row()
         self._seconds_n = self.shells.seconds
-        for part in np.split(mean_speeds(stage, begin, end, n), range(most, n, most)):
-            self.shells.advance(len(part), velocity_scale=part, damping=self.model.explicit.damping)
+        for part in np.split(mean_speeds(stage, begin, end, n), range(every, n, every)):
+            for speeds in np.split(part, range(most, len(part), most)):
+                self.shells.advance(len(speeds), velocity_scale=speeds, damping=self.model.explicit.damping)
             self.tools.sample()
             stop.look()
         energies = self._energies(stage, end)
@@ -113,7 +114,8 @@ class ExplicitStamping(RowRecording):
         """Split the shells that are bent, or will be; again, as far as there are levels."""
         for _ in range(refinement.levels):
             shells, tools = self.shells, self.tools.placed()
-            chosen = choose_shells(self._blank.sheet, shells.position, shells.thickness, tools, refinement)
+            blank = self._blank
+            chosen = choose_shells(blank.sheet, shells.position, shells.thickness, tools, refinement, blank.planes())
             if not chosen.any():
                 return
             self._split(chosen)
