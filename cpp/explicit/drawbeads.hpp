@@ -7,10 +7,10 @@
 //   length,
 //
 // with ds = d.(v - v_tool) dt, and d the normal of the line in the plan, laid into the sheet. The force T d goes to the
-// corners of the shell beneath by their shape functions. k = penalty m/dt^2 w/l, m the shell's mass and l the root of
-// its area: the points of a line through a shell share what one contact spring of a node has, so the step stays as
-// stable as with contact, and symmetry planes make no difference. The sheet slips by f l dt^2/(penalty m), some
-// micrometres, before it is held with all of f.
+// corners of the shell beneath by their shape functions. k = penalty m/dt^2 w/l, m half of the shell's mass, as a node
+// at a free edge has, and l the root of its area: the points of a line through a shell share what one contact spring of
+// such a node has, so the step stays as stable as with contact, and symmetry planes make no difference. The sheet slips
+// by f l dt^2/(penalty m), some micrometres, before it is held with all of f.
 //
 // What lies beneath is looked up every `refresh` cycles, from the shell found last: its cost does not grow.
 // Points are visited by one thread in their order, so the bits do not depend on the threads.
@@ -97,7 +97,7 @@ void Drawbeads::look_beneath(Point& p, double dt, const Nodes<Real>& nodes) cons
   for (int i = 0; i < 3; ++i) p.direction[i] = d[i] / length;
   // |g1 x g2| is a quarter of a quadrilateral's area, and twice a triangle's
   const double area = p.beneath.corners == 4 ? 4.0 * size : 0.5 * size;
-  p.stiffness = penalty * cell_mass_[p.beneath.cell] / (dt * dt) * p.length / std::sqrt(area);
+  p.stiffness = penalty * 0.5 * cell_mass_[p.beneath.cell] / (dt * dt) * p.length / std::sqrt(area);
 }
 
 template <class Real>
