@@ -105,7 +105,8 @@ def _planes(case: StampingCase) -> str:
 def cut_line(line: FloatArray, spacing: float, symmetry: list[bool]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Cut a polyline (n, 2) into pieces of at most `spacing`, those at negative x or y left out where symmetry says so.
 
-    No piece crosses an axis, so that a whole line has the pieces of its parts. Returns the pieces' middles (m, 2), unit normals (m, 2) and lengths (m,).
+    No piece crosses an axis, so that a whole line has the pieces of its parts. Returns the pieces' middles (m, 2), unit
+    normals (m, 2) and lengths (m,).
     """
     places, normals, lengths = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros(0)]
     for a, b in itertools.pairwise(line):
