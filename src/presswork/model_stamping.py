@@ -19,6 +19,7 @@ from presswork.model import (
     ExplicitElement,
     FloatArray,
     IntArray,
+    Limits,
     Material,
     Mesh,
     Model,
@@ -167,6 +168,7 @@ class StampingModel:
     """After the last stage and the trimming; None: the part stays as it is."""
     refinement: Refinement | None = None
     """None: the mesh stays as it is."""
+    limits: Limits = Limits()
     case_text: str = ""
 
     @property

@@ -20,6 +20,7 @@ from presswork import __version__, stop
 from presswork.model_stamping import AnyModel, StampingModel
 from presswork.procedure.begin import begin
 from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
+from presswork.procedure.watch import Watch
 from presswork.results import (
     History,
     OutputError,
@@ -41,7 +42,7 @@ from presswork.results.whole_file import explain_write_error, replace_whole
 __all__ = ["Outcome", "Progress", "StartError", "fingerprint", "run_model"]
 
 Status = Literal["completed", "gave_up", "interrupted"]
-_NOT_COMPUTED_WITH = ("title", "output", "case_text", "mesh")
+_NOT_COMPUTED_WITH = ("title", "output", "case_text", "mesh", "limits")
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ def run_model(
     with stop.listen():
         path = open_output_folder(folder, overwrite=overwrite, resume=resume)
         with occupy(path):
-            run = _Run(recording, path, fingerprint(model))
+            run = _Run(recording, path, fingerprint(model), Watch(model.limits))
             if resume:
                 run.load()
             else:
@@ -134,8 +135,9 @@ class _Log(logging.FileHandler):
 class _Run:
     """One run in one folder."""
 
-    def __init__(self, recording: Recording, folder: Path, model: str) -> None:
+    def __init__(self, recording: Recording, folder: Path, model: str, watch: Watch) -> None:
         self.recording = recording
+        self.watch = watch
         self.folder = folder
         self.model = model
         self.history = History(folder / HISTORY, recording.columns)
@@ -168,6 +170,8 @@ class _Run:
         status: Status = "completed"
         reason = ""
         try:
+            if self.recorded:
+                self._look_again()
             for report in self.recording.advance():
                 self._record(report, on_increment)
                 if self.recording.remaining() > 0.0:
@@ -193,12 +197,22 @@ class _Run:
             self.log.removeHandler(handler)
         return Outcome(status, self.folder, reason)
 
+    def _look_again(self) -> None:
+        """Raise GaveUpError where a run would be resumed beyond a limit that it must not pass."""
+        history = read_history(self.folder / HISTORY)
+        reason = self.watch.look(self.recording.watch(), {name: values[-1] for name, values in history.items()})
+        if reason is not None:
+            raise GaveUpError(reason)
+
     def _record(self, report: Report, on_increment: Callable[[Progress], None] | None) -> None:
+        """Write what there is to write after a report. Raises GaveUpError where it is no longer physics."""
         recording = self.recording
         for line in recording.log_lines(report):
             self.log.info("%s", line)
         started = perf_counter()
-        self.history.append(recording.row(report))
+        row = recording.row(report)
+        self.history.append(row)
+        reason = self.watch.look(recording.watch(), row)
         if report.is_save_point:
             self.save_step()
         self.recorded = report.number
@@ -207,6 +221,8 @@ class _Run:
         recording.timing.add("output", started)
         if on_increment:
             on_increment(Progress(1.0 - recording.remaining(), recording.progress_text(report)))
+        if reason is not None:
+            raise GaveUpError(reason)
 
     # --- files -------------------------------------------------------------------------------------------------------
 
@@ -223,10 +239,11 @@ class _Run:
     def _append_step(self) -> None:
         if count_steps(self.folder / RESULTS) != self.saved_steps:
             raise OutputError(f"{self.folder / RESULTS} was deleted or changed {BY_OTHERS}")
-        now = self.recording.snapshot()
+        now, mesh = self.recording.snapshot(), self.recording.mesh
+        self.watch.note_step(self.saved_steps, mesh, now)
         append_step(
             self.folder / RESULTS,
-            self.recording.mesh,
+            mesh,
             now.time,
             now.point_data,
             now.cell_data,
@@ -243,6 +260,7 @@ class _Run:
         self.history.sync()
         meta = self.recording.meta()
         meta |= {"model": self.model, "saved_steps": self.saved_steps, "increments": self.recording.number}
+        meta["watch"] = self.watch.to_text()
         save_checkpoint(self.folder / CHECKPOINT, self.recording.to_arrays(), meta)
 
     def load(self) -> None:
@@ -260,6 +278,7 @@ class _Run:
         except ValueError as error:
             raise OutputError(f"{self.folder / CHECKPOINT}: {error}; use --overwrite to start anew") from error
         self.recording.load_meta(meta)
+        self.watch.from_text(str(meta["watch"]))
         self.saved_steps = int(meta["saved_steps"])
         self.recorded = int(meta["increments"])
         self.history.truncate(self.recorded)
@@ -271,6 +290,8 @@ class _Run:
         self.history.sync()
         if count_steps(self.folder / RESULTS) < self.saved_steps:
             raise OutputError(f"{self.folder / RESULTS} was deleted or changed {BY_OTHERS}")
+        history = read_history(self.folder / HISTORY)
+        found = recording.summary(history)
         write_summary(
             self.folder / SUMMARY,
             {
@@ -282,6 +303,8 @@ class _Run:
                 "wall_seconds": {"total": recording.timing.total(), **recording.timing.seconds},
                 "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
                 "machine": platform.machine(),
-                **recording.summary(read_history(self.folder / HISTORY)),
+                **found,
+                **self.watch.summary(history),
+                "warnings": [*self.watch.warnings(), *found["warnings"]],
             },
         )

@@ -67,6 +67,7 @@ def build_solid_model(case: schema.Case) -> model.Model:
         bodies=bodies,
         contacts=contacts,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
+        limits=case.limits.build(),
         case_text=case.text,
     )
 

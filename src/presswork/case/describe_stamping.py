@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
 
 from presswork.case.describe_material import describe_forming_limit, describe_material
+from presswork.case.stamping_clashes import find_closing_stroke
 from presswork.mesh.flange import find_held_area
 from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray
@@ -53,6 +55,7 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
         closing = f", {bead.closing_force:g} N/mm to close it" if bead.closing_force else ""
         stages = ", ".join(bead.stages) or "no stage"
         yield f"{bead.line.name}: {length:.4g} mm, {bead.line.force:g} N/mm{closing}, in {stages}"
+    yield from _describe_closing(problem)
     yield from _hint_at_coarse_mesh(problem)
     for support in problem.supports:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)
@@ -83,6 +86,20 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, {time}"
     if cycles > MANY_CYCLES:
         yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
+
+
+def _describe_closing(problem: StampingModel) -> Iterator[str]:
+    """Say after which stroke tools from files close on the sheet."""
+    for punch, die in itertools.product(problem.tools, problem.tools):
+        if (punch.kind, die.kind) != ("punch", "die"):
+            continue
+        closing = find_closing_stroke(punch, die, problem.sheet[0].thickness)
+        if closing is not None:
+            x, y, z = closing.place + np.asarray(die.position)
+            yield (
+                f"{punch.name} and {die.name} close on the sheet when they have come {closing.travel:.4g} mm nearer, at "
+                f"({x:.4g}, {y:.4g}, {z:.4g}) mm of where {die.name} starts"
+            )
 
 
 def _finest(problem: StampingModel) -> float:

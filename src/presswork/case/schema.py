@@ -26,6 +26,7 @@ from presswork.case.hardening import Hardening, build_hardening
 from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
 from presswork.case.names import Name, Title
 from presswork.case.part import Part, ShortForm
+from presswork.case.limits import Limits
 from presswork.case.settings import Output, Solver
 from presswork.case.sheet_laws import RateLaw
 from presswork.case.umat import UmatMaterial
@@ -370,3 +371,4 @@ class Case(CaseFile):
         default=ExplicitSolver(), description="how the explicit procedure steps through time"
     )
     output: Output = Field(default=Output(), description="what is saved, and when")
+    limits: Limits = Field(default=Limits(), description="beyond which a run stops")

@@ -15,6 +15,7 @@ from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
+from presswork.case.limits import Limits
 from presswork.case.settings import Output, Solver
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.units import (
@@ -173,6 +174,7 @@ class ShellCase(CaseFile):
     stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     output: Output = Field(default=Output(), description="what is saved, and when")
+    limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 
     @model_validator(mode="before")
     @classmethod

@@ -47,6 +47,7 @@ def build_shell_model(case: ShellCase) -> model.Model:
         stages=tuple(_build_stage(stage) for stage in case.stages),
         solver=solver,
         output=build_output(case.output),
+        limits=case.limits.build(),
         case_text=case.text,
     )
 

@@ -13,6 +13,7 @@ from presswork.case.bead import Bead
 from presswork.case.blank import Blank
 from presswork.case.case_file import CaseFile
 from presswork.case.explicit_solid import HEAVIEST, LIGHTEST, require_density
+from presswork.case.limits import Limits
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
@@ -271,6 +272,7 @@ class StampingCase(CaseFile):
     )
     implicit: Implicit = Field(default=Implicit(), description="how the implicit procedure goes and iterates")
     output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")
+    limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 
     @model_validator(mode="before")
     @classmethod

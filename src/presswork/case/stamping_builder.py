@@ -105,6 +105,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         trim=trim,
         springback=Springback(**case.springback.model_dump()) if case.springback else None,
         refinement=Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
+        limits=case.limits.build(),
         case_text=case.text,
     )
 

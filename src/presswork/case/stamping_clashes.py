@@ -13,7 +13,7 @@ from presswork.case.stamping import StampingCase
 from presswork.case.stamping_tools import RectangularTool, RoundTool, StripTool
 from presswork.mesh.flange import find_held_area
 from presswork.mesh.swept_tool import SweptTool
-from presswork.mesh.tool_clearance import sample_tool
+from presswork.mesh.tool_clearance import Closing, find_closing
 from presswork.mesh.tool_file import TriangulatedTool
 from presswork.model import Mesh
 from presswork.model_stamping import StampingTool
@@ -27,11 +27,12 @@ LOOSE = 5e-4
 """Part of the sheet's yield stress as a holder's pressure: less than a tenth of what is usual, about 1 %."""
 SQUEEZED = 0.9
 """Part of the thickness to which a holder may be moved towards the die."""
-CLASH = 0.5
-"""Part of the thickness that must be left between punch and die."""
-SAMPLES = 8
-"""Places along the stages at which tools from files are held against each other."""
-DRAWN_WITHIN = 0.1
+CLOSED = 0.95
+"""Part of the thickness that must be left between punch and die: shells are not squeezed thinner, and cold-rolled sheet and
+the facets of tools are no truer."""
+STEP = 0.5
+"""Part of the thickness by which tools from files advance as they are held against each other."""
+DRAWN_WITHIN = 0.02
 """Part of the thickness by which the points of drawn tools may be off there."""
 SKEW = 0.01
 """Part of its width by which a tool from a file may be off a symmetry plane."""
@@ -49,7 +50,10 @@ def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...
     for one, other in itertools.permutations(tools, 2):
         if (one.kind, other.kind) in (("punch", "die"), ("punch", "holder")):
             problem = _check_pair(case, one, other, moved)
-            problems += [problem] if problem else []
+            if problem and case.limits.stop:
+                problems.append(problem)
+            elif problem:
+                logger.warning("%s: %s", problem.key, problem.expected)
     return problems
 
 
@@ -201,33 +205,44 @@ def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...
 def _check_pair(
     case: StampingCase, one: StampingTool, other: StampingTool, moved: dict[str, list[float]]
 ) -> Problem | None:
-    """Return a problem where two tools, at least one from a file, run into each other."""
-    if isinstance(one.shape, SweptTool) and isinstance(other.shape, SweptTool):
-        return None  # clearances in the plan are exact, and openings go right through
-    if _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
+    """Return a problem where two tools, at least one from a file, close on each other or on the sheet between them."""
+    closing = find_closing_stroke(one, other, case.blank.thickness)
+    if closing is None or _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
         return None
-    points = sample_tool(one.shape, DRAWN_WITHIN * case.blank.thickness)
-    surface = other.shape.surface()
-    least = CLASH * case.blank.thickness if other.kind == "die" else 0.0
-    begin = {tool.name: 0.0 for tool in (one, other)}
+    along = float(np.dot(other.way, one.way))
+    before = {tool.name: 0.0 for tool in (one, other)}
     for index, _ in enumerate(case.stages):
-        end = {tool.name: moved[tool.name][index] for tool in (one, other)}
-        for part in np.linspace(0.0, 1.0, SAMPLES + 1)[1:]:
-            way = {name: begin[name] + part * (end[name] - begin[name]) for name in begin}
-            at = points + np.asarray(one.position) + way[one.name] * np.asarray(one.way)
-            own = at - np.asarray(other.position) - way[other.name] * np.asarray(other.way)
-            gap = surface.nearest(np.ascontiguousarray(own))[0]
-            worst = int(np.argmin(gap))
-            if gap[worst] >= least * (1 - 1e-9):
-                continue
-            x, y, z = at[worst]
-            fault = (
-                f"after {abs(way[one.name]):.4g} mm of stroke {one.name} "
-                + (f"runs {-gap[worst]:.4g} mm into" if gap[worst] < 0 else f"leaves {gap[worst]:.4g} mm to")
-                + f" {other.name} at ({x:.4g}, {y:.4g}, {z:.4g}); the blank has {case.blank.thickness:g} mm"
-            )
-            mover = one.name if one.name in case.stages[index].tools else other.name
-            remedy = f"shorten the stroke, or see that {one.name} and {other.name} fit and are not swapped"
-            return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, end[mover] - begin[mover])
-        begin = end
+        after = {tool.name: moved[tool.name][index] for tool in (one, other)}
+        start, end = (ways[one.name] - along * ways[other.name] for ways in (before, after))
+        if end <= closing.travel:
+            before = after
+            continue
+        part = (closing.travel - start) / (end - start)
+        way = {name: before[name] + part * (after[name] - before[name]) for name in before}
+        mover = one.name if one.name in case.stages[index].tools else other.name
+        x, y, z = closing.place + np.asarray(other.position) + way[other.name] * np.asarray(other.way)
+        beyond = end - closing.travel
+        room = "strikes" if other.kind != "die" else f"leaves less than the blank's {case.blank.thickness:g} mm to"
+        fault = (
+            f"after {abs(way[one.name]):.4g} mm of stroke {one.name} {room} {other.name} at ({x:.4g}, {y:.4g}, {z:.4g}) "
+            f"mm, and goes {beyond:.3g} mm further"
+        )
+        remedy = (
+            f"shorten the stroke to {way[mover] - before[mover]:.4g}, or see that {one.name} and {other.name} fit and are "
+            "not swapped; limits.stop = false lets it run all the same"
+        )
+        return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, after[mover] - before[mover])
     return None
+
+
+def find_closing_stroke(one: StampingTool, other: StampingTool, thickness: float) -> Closing | None:
+    """Return after how much of its way a tool closes on another, or on the sheet between it and a die.
+
+    None where it never does, and for two drawn tools: their clearances in the plan are exact, and openings go right
+    through.
+    """
+    if isinstance(one.shape, SweptTool) and isinstance(other.shape, SweptTool):
+        return None
+    room = CLOSED * thickness if other.kind == "die" else 0.0
+    between, way = np.subtract(one.position, other.position), np.array(one.way)
+    return find_closing(one.shape, other.shape, between, way, DRAWN_WITHIN * thickness, room, STEP * thickness)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -57,3 +58,63 @@ def find_clearance(
             near = gap < least
             gap[near] = surface.nearest(x[near] + advance * along)[0]
     return math.inf
+
+
+@dataclass(frozen=True)
+class Closing:
+    """Where two tools leave no more than a certain room between them."""
+
+    travel: float
+    """Of the one along its way, counted from where it starts [mm]."""
+    place: FloatArray
+    """Where they are nearest, in the other's frame (3,) [mm]."""
+
+
+def find_closing(
+    one: ToolShape, other: ToolShape, between: FloatArray, way: FloatArray, within: float, room: float, step: float
+) -> Closing | None:
+    """Return where a tool, going along its way, first leaves less than `room` to another [mm]; None where it never does.
+
+    between, way, within: as in `find_clearance`. step: of the travel [mm]; what they leave less room in over a shorter
+    way is not found. Tools that slide along each other with more room between them go on. A gap falls by no more than
+    the travel, so only points that may be near are asked again.
+    """
+    points = sample_tool(one, within) + between, sample_tool(other, within) - between
+    surfaces, ways = (other.surface(), one.surface()), (way, -way)
+    heights = [float(np.ptp(x @ way)) for x in points]
+    farthest = sum(heights) + float(np.abs(between @ way))
+    at_least = [surface.nearest(x)[0] for surface, x in zip(surfaces, points, strict=True)]
+
+    def ask(travel: float, near: float) -> tuple[float, FloatArray]:
+        """Return the least gap at a travel, and its place, of the points that may be nearer than `near`."""
+        found = [(math.inf, np.zeros(3))]
+        for side, (surface, x, along) in enumerate(zip(surfaces, points, ways, strict=True)):
+            asked = np.flatnonzero(at_least[side] < near)
+            if len(asked):
+                places = x[asked] + travel * along
+                gap = surface.nearest(np.ascontiguousarray(places))[0]
+                worst = int(np.argmin(gap))
+                found.append((float(gap[worst]), places[worst] + (side == 1) * (between + travel * way)))
+        return min(found, key=lambda pair: pair[0])
+
+    before, travel = 0.0, 0.0
+    while travel <= farthest:
+        gap, place = ask(travel, room + step)
+        if gap < room:
+            break
+        advance = min(max(step, min(float(g.min()) for g in at_least) - room), farthest + step)
+        before, travel = travel, travel + advance
+        for side, (surface, x, along) in enumerate(zip(surfaces, points, ways, strict=True)):
+            at_least[side] = at_least[side] - advance
+            near = at_least[side] < room + step
+            at_least[side][near] = surface.nearest(np.ascontiguousarray(x[near] + travel * along))[0]
+    else:
+        return None
+    while travel - before > 1e-3 * step:
+        middle = 0.5 * (before + travel)
+        gap, at = ask(middle, room + 2.0 * step)
+        if gap < room:
+            travel, place = middle, at
+        else:
+            before = middle
+    return Closing(travel, place)

@@ -29,6 +29,7 @@ from presswork.model.mesh import (
     SolidElement,
     ThicknessRule,
 )
+from presswork.model.limits import Limits
 from presswork.model.model import Analysis, Model
 from presswork.model.settings import (
     ExplicitSolid,
@@ -73,6 +74,7 @@ __all__ = [
     "IntArray",
     "Integrator",
     "Kinematic",
+    "Limits",
     "MaskArray",
     "Material",
     "Mesh",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from presswork.model.contact import Body, BodyContact, SheetBead, SheetTool, Tool
+from presswork.model.limits import Limits
 from presswork.model.material import Material
 from presswork.model.mesh import Mesh
 from presswork.model.settings import ExplicitSolid, OutputSettings, SolverSettings
@@ -41,5 +42,6 @@ class Model:
     """Of a shell: unit vector that, laid into the sheet, is x of its laws."""
     explicit: ExplicitSolid | None = None
     """Of a solid by the explicit procedure; None: the implicit one."""
+    limits: Limits = Limits()
     case_text: str = ""
     """The case file as read, kept with the results."""

@@ -12,11 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork import _core
 from presswork.model import FloatArray, Material, Model, Stage, Tool, ToolMotion
+from presswork.pose import ToolPose, place_segments
 from presswork.procedure.explicit_energy import EnergyBalance, warn_of_energies
 from presswork.procedure.explicit_input import check_damping
 from presswork.procedure.explicit_solids import FREEDOMS, ExplicitSolids, Wall
+from presswork.procedure.limits import Watched, measure_hydrostatic_stress
 from presswork.procedure.motion import SmoothStroke
+from presswork.procedure.penetration import Penetration
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
 from presswork.procedure.solid_material import SolidMaterial
@@ -43,9 +47,11 @@ class ExplicitImpact(RowRecording):
         assert model.explicit is not None
         super().__init__(model, threads, 4)
         self.settings = model.explicit
+        materials = [_solid_material(material) for material in model.materials]
+        self._mises = [material.make_mises() for material in materials]
         self.solids = ExplicitSolids(
             model.mesh,
-            [_solid_material(material) for material in model.materials],
+            materials,
             axisymmetric=model.analysis == "axisymmetric",
             depth=model.depth,
             hourglass_fraction=self.settings.hourglass_stiffness,
@@ -141,6 +147,33 @@ class ExplicitImpact(RowRecording):
         stroke, against = (0.0, np.hypot(*force)) if way is None else (wall.displacement @ way, -force @ way)
         values = {"stroke": stroke, "force": against, "force_x": force[0], "force_y": force[1], "force_z": 0.0}
         return {f"{tool.name}.{name}": float(value) for name, value in values.items()}
+
+    def watch(self) -> Watched:
+        """Return how far the present state is towards its limits."""
+        mesh, walls = self.model.mesh, zip(self.model.tools, self.walls, strict=True)
+        placed = {
+            tool.name: place_segments(tool.segments, ToolPose(np.zeros(2), wall.displacement, 0.0)) for tool, wall in walls
+        }
+        deepest = Penetration().note(mesh, self.solids.position, placed, self._find_gaps)
+        stress, flow = self.solids.stress, self._flow_stress()
+        centres = np.concatenate([self.solids.position[b.connectivity].mean(axis=1) for b in mesh.blocks])
+        hydrostatic = measure_hydrostatic_stress(stress[:, :3].mean(axis=1), flow, centres)
+        return Watched((hydrostatic, *([deepest] if deepest else [])))
+
+    def _flow_stress(self) -> FloatArray:
+        """Return the flow stress of the cells at rest, and at their first temperature (n_cells,) [MPa]."""
+        eqps = self.solids.equivalent_plastic_strain
+        ends = np.cumsum([len(block.connectivity) for block in self.mesh.blocks])[:-1]
+        parts = zip(self.mesh.blocks, np.split(eqps, ends), strict=True)
+        return np.concatenate([self._mises[b.material].flow_stress(np.ascontiguousarray(e))[0] for b, e in parts])
+
+    def _find_gaps(self, places: FloatArray) -> FloatArray:
+        """Return the distance of places (n, 2) from each wall (n_walls, n) [mm]."""
+        gaps = [
+            _core.touch_profile(np.ascontiguousarray(tool.segments), np.ascontiguousarray(places - wall.displacement))[0]
+            for tool, wall in zip(self.model.tools, self.walls, strict=True)
+        ]
+        return np.array(gaps).reshape(len(gaps), len(places))
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""

@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 from presswork.formability import Formability
 from presswork.model import Model, ToolMotion
+from presswork.pose import ToolPose, place_segments
 from presswork.procedure.arc_length import ArcLengthProcedure
 from presswork.procedure.implicit import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
 from presswork.procedure.increments import IncrementRecording
+from presswork.procedure.limits import Measure, Watched, measure_hydrostatic_stress, watch_sheet
+from presswork.procedure.mechanics import Mechanics
 from presswork.procedure.penetration import Penetration
 from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.tool_quantities import ToolQuantities, describe_plane, measure_tools
@@ -63,7 +66,6 @@ class ImplicitRecording(IncrementRecording):
 
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
-        self.penetration.note(self.model, self.procedure.contact, self.procedure.state)
         self._tools = measure_tools(self.procedure, self._stage())
         row = self._begin_row(report)
         for name, tool in self._tools.items():
@@ -75,6 +77,38 @@ class ImplicitRecording(IncrementRecording):
         for name, (force_x, force_y) in self.procedure.contact_forces().items():
             row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
         return row
+
+    def watch(self) -> Watched:
+        """Return how far the converged state is towards its limits."""
+        verdict = self._judge()
+        if verdict is not None:
+            return watch_sheet(verdict)
+        procedure, model, state = self.procedure, self.model, self.procedure.state
+        mechanics = procedure.mechanics
+        assert isinstance(mechanics, Mechanics)
+        points = model.mesh.points + state.displacement
+        placed = {
+            t.name: place_segments(
+                t.segments, ToolPose(np.asarray(t.centre), state.tool_displacement[i], float(state.tool_angle[i]))
+            )
+            for i, t in enumerate(model.tools)
+        }
+        deepest = self.penetration.note(
+            model.mesh, points, placed, lambda places: procedure.contact.find_gaps(state, places)
+        )
+        found = [deepest] if deepest else []
+        for name, depth, edge in procedure.body_depths():
+            fact = f"bodies lie {depth:.3g} mm in each other at the contact {name}, whose edges have {edge:.3g} mm"
+            found.append(Measure("penetration", depth / edge, fact))
+        for number, block in enumerate(model.mesh.blocks):
+            if model.materials[block.material].umat is None:
+                centres = points[block.connectivity].mean(axis=1)
+                stress, eqps = state.stress[number], state.eqps[number]
+                flow = mechanics.flow_stress(number, eqps)
+                mean = stress[..., :3].mean(axis=-1)
+                of_cell = np.repeat(centres, mean.shape[1], axis=0)
+                found.append(measure_hydrostatic_stress(mean.ravel(), flow.ravel(), of_cell))
+        return Watched(tuple(found))
 
     def _stage(self) -> int:
         """The stage that the converged state belongs to."""

@@ -20,6 +20,7 @@ from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 from presswork.procedure.held_flange import warn_of_holders
 from presswork.procedure.implicit import TIME, ImplicitProcedure, IncrementReport
 from presswork.procedure.increments import IncrementRecording
+from presswork.procedure.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.stamping_tools import (
     bead_columns,
@@ -36,7 +37,7 @@ from presswork.procedure.stamping_tools import (
     tool_text,
 )
 from presswork.procedure.transfer import SheetState, sheet_of_implicit
-from presswork.results.formability import formability_fields, judge_fields
+from presswork.results.formability import FormingVerdict, formability_fields, judge_fields
 
 DEPTH = 2.0
 """Thicknesses that a node of a guess may lie in a tool and be found: behind that is another wall."""
@@ -177,6 +178,25 @@ class ImplicitStamping(IncrementRecording):
             tool_displacement=self._displacement(),
         )
 
+    def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
+        """Return the verdict on the sheet by its cell fields."""
+        mesh = self.model.mesh
+        points = mesh.points + self.procedure.state.displacement[:, :3]
+        centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in mesh.blocks])
+        verdict = judge_fields(fields, centres, self._judged)
+        assert verdict is not None, "shells have principal strains"
+        return verdict
+
+    def watch(self) -> Watched:
+        """Return how far the converged state is towards its limits."""
+        procedure, thickness = self.procedure, self.model.sheet[0].thickness
+        strained = watch_sheet(self._judge(procedure.mechanics.cell_fields(procedure.state)))
+        contact = procedure.equilibrium.sheet
+        depths = contact.depths(procedure.state) if contact else np.zeros(0)
+        each = zip(self.model.tools, depths, strict=True)
+        deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]
+        return Watched((*strained.measures, *deep), strained.margin)
+
     def sheet(self) -> SheetState:
         """Return the converged state of the sheet."""
         return sheet_of_implicit(self.procedure)
@@ -204,11 +224,7 @@ class ImplicitStamping(IncrementRecording):
         """Return counts, extremes and energies, with warnings where they are out of hand."""
         state = self.procedure.state
         fields = self.procedure.mechanics.cell_fields(state)
-        mesh = self.model.mesh
-        points = mesh.points + state.displacement[:, :3]
-        centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in mesh.blocks])
-        verdict = judge_fields(fields, centres, self._judged)
-        assert verdict is not None, "shells have principal strains"
+        verdict = self._judge(fields)
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         energy = self.procedure.energy_balance()
         untouched = find_never_touched([t.name for t in self.model.tools], history)

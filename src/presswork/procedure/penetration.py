@@ -1,19 +1,50 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How deep the workpiece has been in tools: its nodes, and the edges between them, which may cut a tool's corner."""
+"""How deep tools are in a body: in its nodes and in the edges between them, and how far their profiles reach into it.
+
+A rib that is narrower than an edge cuts it deeply, yet no point of the edge is farther from the rib's face than half
+its width; so the profile's own points are looked at, too.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from presswork.mesh.edges import edge_shape_functions
-from presswork.model import FloatArray, Model
-from presswork.procedure.contact import Contact
-from presswork.state import State
+from presswork.mesh.polygon import contains, measure_distance
+from presswork.model import FloatArray, Mesh
+from presswork.procedure.limits import Measure
 
 _BETWEEN = np.linspace(-1.0, 1.0, 10)[1:-1]
 """Where edges are looked at."""
+_SPACING = 0.25
+"""Of the places where profiles are looked at, over the mean edge."""
+_MOST_PLACES = 400
+"""On a piece of a profile."""
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """Where a tool is in the workpiece."""
+
+    tool: str
+    depth: float
+    """[mm]"""
+    edge: float
+    """Length at the start of the edge that it cuts [mm]."""
+    place: FloatArray
+    """(2,) [mm]."""
+
+    def to_measure(self) -> Measure:
+        """Return it as a limit counts it."""
+        x, y = self.place
+        fact = (
+            f"the tool {self.tool} has cut {self.depth:.3g} mm into the workpiece at ({x:.4g}, {y:.4g}) mm, through an "
+            f"edge that was {self.edge:.3g} mm long"
+        )
+        return Measure("penetration", self.depth / self.edge, fact)
 
 
 @dataclass
@@ -23,17 +54,71 @@ class Penetration:
     node: float = 0.0
     edge: float = 0.0
 
-    def note(self, model: Model, contact: Contact, state: State) -> None:
-        """Look at a converged state."""
-        if not model.tools:
-            return
-        points = model.mesh.points + state.displacement
-        self.node = max(self.node, _depth(contact, state, points[contact.nodes]))
-        edges = model.mesh.boundary_edges
-        along = [np.einsum("a,eai->ei", edge_shape_functions(edges.shape[1], s)[0], points[edges]) for s in _BETWEEN]
-        self.edge = max(self.edge, self.node, _depth(contact, state, np.concatenate(along)))
+    def note(
+        self,
+        mesh: Mesh,
+        points: FloatArray,
+        tools: Mapping[str, FloatArray],
+        find_gaps: Callable[[FloatArray], FloatArray],
+    ) -> Measure | None:
+        """Look at a converged state, and return where a tool is deepest, by the length of the edge at the start.
+
+        points: of the nodes now (n_points, 2) [mm]; tools: profiles where they are now (n_segments, 7). find_gaps: of
+        places from each tool (n_tools, n) [mm].
+        """
+        edges = mesh.boundary_edges
+        if not tools or not len(edges):
+            return None
+        inner = np.stack(
+            [np.einsum("a,eai->ei", edge_shape_functions(edges.shape[1], s)[0], points[edges]) for s in _BETWEEN], axis=1
+        )
+        along = np.concatenate([points[edges], inner], axis=1)
+        depth = -find_gaps(along.reshape(-1, 2)).reshape(len(tools), *along.shape[:2])
+        self.node = max(self.node, float(depth[:, :, : edges.shape[1]].max()))
+        self.edge = max(self.edge, float(depth.max()))
+        length = np.asarray(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1))
+        share = np.maximum(depth, 0.0) / length[:, None]
+        tool, edge, place = (int(i) for i in np.unravel_index(np.argmax(share), share.shape))
+        deep = float(max(depth[tool, edge, place], 0.0))
+        cuts = [_Cut(list(tools)[tool], deep, float(length[edge]), along[edge, place])]
+        cuts += _find_profiles_inside(along[:, [0, *range(edges.shape[1], along.shape[1]), 1]], length, tools)
+        return max((cut.to_measure() for cut in cuts), key=lambda measure: measure.value)
 
 
-def _depth(contact: Contact, state: State, points: FloatArray) -> float:
-    """Return how deep the deepest of the points is inside a tool."""
-    return max(0.0, -float(contact.find_gaps(state, points).min(initial=0.0)))
+def _find_profiles_inside(along: FloatArray, length: FloatArray, tools: Mapping[str, FloatArray]) -> list[_Cut]:
+    """Return how deep each tool's profile reaches into the workpiece, if it does.
+
+    along: places on the boundary edges in turn (n_edges, m, 2) [mm]; length: of the edges at the start (n_edges,) [mm].
+    """
+    sides = np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2, 2)
+    low, high = along.min(axis=(0, 1)), along.max(axis=(0, 1))
+    spacing = _SPACING * float(length.mean())
+    found = []
+    for name, segments in tools.items():
+        places = _trace(segments, spacing)
+        places = places[((places > low) & (places < high)).all(axis=1)]
+        places = places[contains(sides, places)]
+        if not len(places):
+            continue
+        depth = measure_distance(sides, places)
+        at = int(np.argmax(depth))
+        edge = int(np.argmin(np.linalg.norm(along - places[at], axis=2).min(axis=1)))
+        found.append(_Cut(name, float(depth[at]), float(length[edge]), places[at]))
+    return found
+
+
+def _trace(segments: FloatArray, spacing: float) -> FloatArray:
+    """Return places on a profile (n_segments, 7), about `spacing` apart (n, 2) [mm]."""
+    places = []
+    for x0, y0, x1, y1, cx, cy, turn in segments.tolist():
+        start, end, centre = np.array([x0, y0]), np.array([x1, y1]), np.array([cx, cy])
+        if turn == 0.0:
+            n = int(min(np.linalg.norm(end - start) / spacing, _MOST_PLACES)) + 2
+            places.append(start + np.linspace(0.0, 1.0, n)[:, None] * (end - start))
+            continue
+        radius = float(np.linalg.norm(start - centre))
+        first, last = (float(np.arctan2(*(p - centre)[::-1])) for p in (start, end))
+        swept = turn * ((turn * (last - first)) % (2.0 * np.pi))
+        angle = np.linspace(first, first + swept, int(min(abs(swept) * radius / spacing, _MOST_PLACES)) + 6)
+        places.append(centre + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+    return np.concatenate(places)

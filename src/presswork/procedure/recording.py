@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from presswork.formability import Info
 from presswork.model import FloatArray, IntArray, Mesh
 from presswork.model_stamping import AnyModel
+from presswork.procedure.limits import Watched
 from presswork.procedure.timing import Timing
 
 Row = dict[str, float | int | str]
@@ -97,6 +98,9 @@ class Recording(Protocol):
 
     def row(self, report: Any) -> Row:
         """Return the row of the history."""
+
+    def watch(self) -> Watched:
+        """Return how far the present state is towards its limits."""
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""

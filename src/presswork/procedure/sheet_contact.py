@@ -220,6 +220,17 @@ class SheetContact:
         carried, restrained = self.beads.work(state_n, trial)
         return 0.5 * float((forces * moved).sum()) + carried, lost + restrained
 
+    def depths(self, state: State) -> FloatArray:
+        """Return how deep the sheet's surface is in each tool at a converged state (n_tools,) [mm]."""
+        self.begin_increment(state)
+        x = self._model.mesh.points + state.displacement[:, :3]
+        half = 0.5 * self._thickness
+        found = np.zeros(len(self._model.sheet_tools))
+        for t, tool in enumerate(self._model.sheet_tools):
+            gap, *_ = tool.surface.nearest(x - np.array(tool.position) - state.sheet_tool_move[t], float(half.max()))
+            found[t] = max(0.0, -float((gap - half).min()))
+        return found
+
     def tool_forces(self, state: State) -> FloatArray:
         """Return the force of the sheet on each tool (n_tools, 3) [N], as modelled."""
         return np.asarray(-state.sheet_tool_force.sum(axis=1))

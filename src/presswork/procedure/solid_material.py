@@ -52,13 +52,16 @@ class SolidMaterial:
         """Temperature at the start [degrees C]."""
         return self.heating.start if self.heating else Heating.start
 
+    def make_mises(self) -> _core.VonMises:
+        """Return the compiled law at rest, and at the first temperature."""
+        if self.hardening is None:
+            return _core.VonMises(self.young, self.poisson, _core.HardeningLaw.linear, [1e3 * self.young, 0.0])
+        parameters = [float(p) for p in self.hardening.parameters]
+        return _core.VonMises(self.young, self.poisson, _core.HardeningLaw[self.hardening.law], parameters)
+
     def make_law(self) -> _core.AdiabaticMises:
         """Return the compiled law."""
-        if self.hardening is None:
-            mises = _core.VonMises(self.young, self.poisson, _core.HardeningLaw.linear, [1e3 * self.young, 0.0])
-        else:
-            parameters = [float(p) for p in self.hardening.parameters]
-            mises = _core.VonMises(self.young, self.poisson, _core.HardeningLaw[self.hardening.law], parameters)
+        mises = self.make_mises()
         rate = _core.RateLaw[self.rate.law] if self.rate else _core.RateLaw.none
         rate_parameters = self.rate.parameters if self.rate else (0.0, 1.0)
         if self.heating is None:

@@ -12,7 +12,7 @@ walls and flange move.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,10 +24,11 @@ from presswork.model import FloatArray, Mesh, Model, OutputSettings, ShellElemen
 from presswork.model_stamping import Springback, StampingModel
 from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
 from presswork.procedure.implicit_stamping import ImplicitStamping
+from presswork.procedure.limits import Watched
 from presswork.procedure.recording import GaveUpError, ModelRecording, Report, Row, Snapshot, StartError
 from presswork.procedure.stamping import ExplicitStamping
 from presswork.procedure.transfer import TransferError, begin_with
-from presswork.procedure.trim import TrimError, TrimmedSheet, trim_sheet
+from presswork.procedure.trim import TrimError, TrimmedSheet, explain_beside, trim_sheet
 from presswork.results.formability import formability_fields
 
 TRIM, NAME, DEVIATION = "trim", "springback", "deviation"
@@ -157,7 +158,7 @@ class ReleasedStamping(ModelRecording):
         mesh, state, trimmed = self.forming.mesh, self.forming.sheet(), None
         try:
             if self.model.trim:
-                trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS)
+                trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS, self.model.symmetry)
                 mesh, state = trimmed.mesh, trimmed.state
             implicit = ImplicitProcedure(make_springback_model(self.model, mesh), threads=self._threads)
             begin_with(state, implicit)
@@ -206,7 +207,9 @@ class ReleasedStamping(ModelRecording):
             assert self._released is not None
             assert self._released.trimmed is not None
             before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.forming.mesh, self.mesh))
-            return [f"{TRIM}: {after} of {before} shells, outline within {self._released.trimmed.off_line:.3g} mm"]
+            trimmed = self._released.trimmed
+            cut = f"{TRIM}: {after} of {before} shells, cut within {trimmed.off_line:.3g} mm of the line"
+            return [cut, *(f"warning: {text}" for text in explain_beside(trimmed))]
         if not isinstance(report, SpringbackReport):
             return self.forming.log_lines(report)
         found = report.increment
@@ -239,6 +242,10 @@ class ReleasedStamping(ModelRecording):
     def _time(self) -> float:
         assert self._released is not None
         return self.forming.time + float(self._released.implicit.state.progress[0])
+
+    def watch(self) -> Watched:
+        """Return how far forming is towards its limits; a part that is let go has passed none of its own."""
+        return self.forming.watch() if self._released is None else Watched()
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state.
@@ -305,7 +312,13 @@ class ReleasedStamping(ModelRecording):
         if self._released.trimmed is not None:
             cells = sum(len(block.connectivity) for block in self.mesh.blocks)
             miss = self._released.trimmed.off_line
-            summary[TRIM] = {"cells": cells, "off_line_mm": miss}
+            beside = self._released.trimmed.beside
+            summary[TRIM] = {
+                "cells": cells,
+                "off_line_mm": miss,
+                "beside_sheet": {name: asdict(each) for name, each in beside.items()},
+            }
+            summary["warnings"] = [*summary["warnings"], *explain_beside(self._released.trimmed)]
             if miss > WORTH_A_WARNING * self._released.trimmed.element_size:
                 text = f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there"
                 summary["warnings"] = [*summary["warnings"], text]

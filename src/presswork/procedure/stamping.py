@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import stop
-from presswork.model import BoolArray, Mesh
+from presswork.model import BoolArray, FloatArray, Mesh
 from presswork.model_stamping import Refinement, StampingModel, StampingStage
 from presswork.procedure.explicit import FREEDOMS, PHASES, SAFETY, ExplicitShells
 from presswork.procedure.explicit_energy import YIELD_OFFSET, EnergyBalance, MassScaling, warn_of_energies
@@ -23,12 +23,13 @@ from presswork.procedure.explicit_fields import OnePointFields
 from presswork.procedure.explicit_input import check_damping
 from presswork.procedure.explicit_options import ShellOptions
 from presswork.procedure.held_flange import warn_of_holders
+from presswork.procedure.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.refinement import SplitBlank, choose_shells
 from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
 from presswork.procedure.stamping_tools import StampingTools, cut_surfaces, describe_stamping, mean_speeds
 from presswork.procedure.transfer import SheetState, sheet_of_explicit
-from presswork.results.formability import formability_fields, judge_fields
+from presswork.results.formability import FormingVerdict, formability_fields, judge_fields
 from presswork.sheet_law import make_sheet_law
 
 CYCLES, ADDED_MASS, SHELL_CYCLES = range(2, 5)
@@ -215,8 +216,7 @@ class ExplicitStamping(RowRecording):
         shells, mesh = self.shells, self.model.mesh
         points = shells.position
         reaction = shells.internal_force * self._held()
-        eqps = shells.history_at_points[..., 0]
-        cells = self._fields.cell_fields(points, shells.thickness, shells.stress_at_points, eqps)
+        cells = self._cell_fields()
         return Snapshot(
             time=shells.time,
             point_data={
@@ -230,6 +230,26 @@ class ExplicitStamping(RowRecording):
             surfaces=cut_surfaces(self.model),
             tool_displacement=self.tools.displacement(),
         )
+
+    def _cell_fields(self) -> dict[str, FloatArray]:
+        shells = self.shells
+        eqps = shells.history_at_points[..., 0]
+        return self._fields.cell_fields(shells.position, shells.thickness, shells.stress_at_points, eqps)
+
+    def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
+        """Return the verdict on the sheet by its cell fields."""
+        position = self.shells.position
+        centres = np.concatenate([position[b.connectivity].mean(axis=1) for b in self.model.mesh.blocks])
+        verdict = judge_fields(fields, centres, self._judged)
+        assert verdict is not None, "shells have principal strains"
+        return verdict
+
+    def watch(self) -> Watched:
+        """Return how far the present state is towards its limits."""
+        thickness = self.model.sheet[0].thickness
+        depths = [measure_sheet_penetration(t.name, t.penetration, thickness) for t in self.shells.tools.values()]
+        strained = watch_sheet(self._judge(self._cell_fields()))
+        return Watched((*strained.measures, *depths), strained.margin)
 
     def _held(self) -> NDArray[np.bool_]:
         """Mark the freedoms that supports and the present stage prescribe (n_points, 6)."""
@@ -280,10 +300,8 @@ class ExplicitStamping(RowRecording):
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are out of hand."""
         shells = self.shells
-        fields = self.snapshot().cell_data
-        centres = np.concatenate([shells.position[b.connectivity].mean(axis=1) for b in self.model.mesh.blocks])
-        verdict = judge_fields(fields, centres, self._judged)
-        assert verdict is not None
+        fields = self._cell_fields()
+        verdict = self._judge(fields)
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         cycles = int(self._progress[CYCLES])
         names_of_tools = [t.name for t in self.model.tools]

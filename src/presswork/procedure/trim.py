@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
+from presswork.mesh.beside import Beside, find_beside
 from presswork.mesh.checks import MeshError
 from presswork.mesh.cut import NATURAL, CutCells, CutMesh, cut_mesh
 from presswork.mesh.topology import find_boundary_edges
@@ -33,6 +34,8 @@ class TrimmedSheet:
     """The farthest that a trim line is from the outline [mm]."""
     element_size: float
     """Mean length of the new outline's edges [mm]."""
+    beside: Mapping[str, Beside]
+    """By line, where one runs beside the sheet."""
 
 
 class TrimError(Exception):
@@ -40,15 +43,24 @@ class TrimError(Exception):
 
 
 def trim_sheet(
-    mesh: Mesh, state: SheetState, lines: tuple[TrimLine, ...], elements: Mapping[int, ShellElement]
+    mesh: Mesh,
+    state: SheetState,
+    lines: tuple[TrimLine, ...],
+    elements: Mapping[int, ShellElement],
+    symmetry: tuple[bool, bool] = (False, False),
 ) -> TrimmedSheet:
     """Cut a sheet along one line after the other.
 
     mesh: undeformed, with the blocks of the state; elements: of the cells of three and four nodes after the cut, at
-    whose points the state is given. Raises TrimError.
+    whose points the state is given; symmetry: whether planes normal to x and y cut the sheet. Raises TrimError.
     """
     off_line, sizes = 0.0, []
+    beside: dict[str, Beside] = {}
     for line in lines:
+        outline = state.position[find_boundary_edges([b.connectivity for b in state.blocks])[:, :2], :2]
+        found = find_beside(outline, line.polygon, symmetry)
+        if found is not None:
+            beside[line.name] = found
         try:
             cut = cut_mesh(state.position, tuple(b.connectivity for b in state.blocks), line.polygon, line.keep)
         except MeshError as error:
@@ -58,7 +70,17 @@ def trim_sheet(
         sizes.append(float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).mean()))
         state = _cut_state(state, cut, elements)
         mesh = _cut_mesh(mesh, cut, elements)
-    return TrimmedSheet(mesh, state, off_line, float(np.mean(sizes)))
+    return TrimmedSheet(mesh, state, off_line, float(np.mean(sizes)), beside)
+
+
+def explain_beside(trimmed: TrimmedSheet) -> list[str]:
+    """Say of each line that runs beside the sheet where, and by how much."""
+    return [
+        f"the line trim.{name} runs beside the formed sheet over {each.length:.4g} of its {each.whole:.4g} mm, by up to "
+        f"{each.depth:.3g} mm at ({each.place[0]:.4g}, {each.place[1]:.4g}) mm: there the part keeps the edge of the "
+        "blank; make the blank larger or the line smaller, unless this is meant"
+        for name, each in trimmed.beside.items()
+    ]
 
 
 def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[int, ShellElement]) -> Mesh:

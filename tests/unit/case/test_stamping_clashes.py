@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswork.case import CaseError, StampingCase, build_model
+from presswork.case import CaseError, StampingCase, build_model, describe
 from presswork.mesh.swept_tool import draw_die, draw_holder, draw_punch
 
 from .round_cup import CUP, changed
@@ -106,27 +106,56 @@ def write_stl(path: Path, points: np.ndarray, triangles: np.ndarray) -> dict[str
     return {"shape": "file", "path": str(path)}
 
 
-def test_a_stroke_deeper_than_the_die_is_refused(tmp_path) -> None:
-    """A die from a file with a bottom 18 mm below its face: 17.2 mm of stroke are all there is, 17.6 mm the limit."""
+def write_closed_die(folder: Path) -> list[tuple[str, object]]:
+    """A die from a file with a bottom 18 mm below its face: with the blank of 0.8 mm 18 mm of stroke are all there is."""
     points, triangles = draw_die((26.25, 26.25), 26.25, 6.0, width=60.0, depth=18.0).triangulate(0.05)
     low = np.flatnonzero(points[:, 2] < -18 + 1e-6)
     order = low[np.argsort(np.arctan2(points[low, 1], points[low, 0]))]
     bottom = [[len(points), a, b] for a, b in zip(order, np.roll(order, -1), strict=True)]
-    die = write_stl(tmp_path / "die.stl", np.vstack([points, [0, 0, -18]]), np.vstack([triangles, bottom]))
-    changes = [("tools.die", {"kind": "die", **die})]
-    build(*changes, ("stages.0.tools.punch.stroke", 17.0))
-    refuse(["stages.0.tools.punch.stroke = 18.5", "punch leaves 0.3 mm to die", "0.8 mm"], *changes,
-           ("stages.0.tools.punch.stroke", 18.5))  # fmt: skip
-    refuse(["runs", "into die"], *changes, ("stages.0.tools.punch.stroke", 22))
-    refuse(["punch", "die", "swapped"], *changes, ("tools.punch.diameter", 55), ("tools.holder.diameter", 58))
+    die = write_stl(folder / "die.stl", np.vstack([points, [0, 0, -18]]), np.vstack([triangles, bottom]))
+    return [("tools.die", {"kind": "die", **die})]
+
+
+def test_a_stroke_deeper_than_the_die_is_refused_with_the_stroke_at_which_tools_close(tmp_path) -> None:
+    """A twentieth of the thickness is left to facets: 18.04 mm."""
+    die = write_closed_die(tmp_path)
+    key = "stages.0.tools.punch.stroke"
+    build(*die, (key, 18.0))
+    for stroke, further in ((18.16, "0.12"), (18.5, "0.46"), (22, "3.96"), (60, "42")):
+        refuse(
+            [f"{key} = {stroke:g}", "after 18.04 mm of stroke punch leaves less than the blank's 0.8 mm to die",
+             f"goes {further} mm further", "shorten the stroke to 18.04", "limits.stop = false"],
+            *die, (key, stroke),
+        )  # fmt: skip
+    refuse(["punch", "die", "swapped"], *die, ("tools.punch.diameter", 55), ("tools.holder.diameter", 58))
+
+
+def test_tools_that_close_in_a_later_stage_are_refused_there(tmp_path) -> None:
+    stages = [{"name": n, "tools": {"punch": {"stroke": s}}} for n, s in (("draw", 15), ("up", -5), ("set", 9))]
+    die = write_closed_die(tmp_path)
+    refuse(["stages.2.tools.punch.stroke = 9", "after 18.04 mm", "shorten the stroke to 8.04"], *die, ("stages", stages))
+    stages[2]["tools"] = {"punch": {"stroke": 8}}
+    build(*die, ("stages", stages))
+
+
+def test_limits_that_do_not_stop_let_tools_close_with_a_warning(tmp_path, caplog) -> None:
+    build(*write_closed_die(tmp_path), ("stages.0.tools.punch.stroke", 18.5), ("limits", {"stop": False}))
+    assert "leaves less than the blank's 0.8 mm to die" in caplog.text
+
+
+def test_check_says_after_which_stroke_tools_close(tmp_path) -> None:
+    case = StampingCase.model_validate(changed(CUP, *write_closed_die(tmp_path), ("stages.0.tools.punch.stroke", 15)))
+    said = describe(build_model(case))
+    assert "punch and die close on the sheet when they have come 18.04 mm nearer" in said
+    assert "close on the sheet" not in describe(build_model(StampingCase.model_validate(CUP)))
 
 
 def test_a_tool_from_a_file_has_the_symmetry_of_the_blank(tmp_path) -> None:
     points, triangles = draw_punch((25, 25), 25, 5, 30).triangulate(0.05)
     there = {"kind": "punch", **write_stl(tmp_path / "there.stl", points, triangles)}
-    off = {"kind": "punch", **write_stl(tmp_path / "off.stl", points + np.array([0.5, 0, 0]), triangles)}
+    off = {"kind": "punch", **write_stl(tmp_path / "off.stl", points + np.array([0.4, 0, 0]), triangles)}
     build(("tools.punch", there))
-    refuse(["tools.punch", "not symmetric about the plane x = 0", "x = -24.5 to 25.5 mm"], ("tools.punch", off))
+    refuse(["tools.punch", "not symmetric about the plane x = 0", "x = -24.6 to 25.4 mm"], ("tools.punch", off))
     build(("tools.punch", off), ("blank.symmetry", ["y"]))
 
 

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Limits of a case, beyond which a run stops; names and defaults are those of model.Limits."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from presswork import model
+from presswork.case.part import Part
+from presswork.case.units import Number
+
+_LIMITS = model.Limits()
+
+
+class Limits(Part):
+    """Beyond which a state is no longer physics; a run stops there, with all that it has computed."""
+
+    stop: bool = Field(default=_LIMITS.stop, description="false: the run goes on beyond its limits, and warns")
+    penetration: Number = Field(
+        default=_LIMITS.penetration,
+        gt=0,
+        description="depth of a tool or another body in an edge of a solid, over the edge's first length; in the "
+        "surface of a sheet, over its thickness",
+    )
+    thinning: Number = Field(default=_LIMITS.thinning, gt=0, lt=1, description="of a sheet, over its first thickness")
+    hydrostatic_stress: Number = Field(
+        default=_LIMITS.hydrostatic_stress, gt=0, description="of solids, either way, over the flow stress there"
+    )
+
+    def build(self) -> model.Limits:
+        """Return the Model's limits."""
+        return model.Limits(**self.model_dump())

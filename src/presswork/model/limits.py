@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Limits beyond which a state is no longer physics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Limits:
+    """A run stops at the first converged state beyond one of these; see docs/guide.md for why they are what they are."""
+
+    stop: bool = True
+    """False: the run goes on, and warns."""
+    penetration: float = 0.5
+    """Of a tool, or of another body, into an edge of a solid, over the edge's length at the start; into the surface of
+    a sheet, over its thickness."""
+    thinning: float = 0.7
+    """Of a sheet, over its thickness at the start."""
+    hydrostatic_stress: float = 30.0
+    """Either way, over the flow stress."""
