@@ -168,7 +168,7 @@ class StampingModel:
     """After the last stage and the trimming; None: the part stays as it is."""
     refinement: Refinement | None = None
     """None: the mesh stays as it is."""
-    limits: Limits = Limits()
+    limits: Limits = field(default_factory=Limits)
     case_text: str = ""
 
     @property

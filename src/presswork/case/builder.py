@@ -7,6 +7,7 @@ of the workpiece normal to that component. In plane strain a tool that reaches o
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from presswork import model
 from presswork.case import schema
 from presswork.case.bodies import build_bodies, build_contacts
+from presswork.case.cavity import check_cavity
 from presswork.case.errors import CaseError, Problem
 from presswork.case.hardening import build_hardening
 from presswork.case.reach import check_reach, check_room
@@ -22,6 +24,8 @@ from presswork.case.settings import build_output, build_solver
 from presswork.case.stamping import RAMP
 from presswork.case.tools import build_tool, check_motions
 from presswork.case.umat import UmatMaterial, build_umat
+
+logger = logging.getLogger(__name__)
 
 _AXES = ("x", "y")
 
@@ -49,7 +53,7 @@ def build_solid_model(case: schema.Case) -> model.Model:
     supports = tuple(model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix)) for entry in case.boundary.values())
     problems = problems or check_room(tools, stages, supports, mesh)
     _stop_at(problems, case)
-    return model.Model(
+    found = model.Model(
         title=case.title,
         analysis=case.analysis,
         depth=case.depth,
@@ -70,6 +74,12 @@ def build_solid_model(case: schema.Case) -> model.Model:
         limits=case.limits.build(),
         case_text=case.text,
     )
+    closing = check_cavity(found)
+    if case.limits.stop:
+        _stop_at(closing, case)
+    for problem in closing:
+        logger.warning("%s: %s", problem.key, problem.expected)
+    return found
 
 
 def _stop_at(problems: list[Problem], case: schema.Case) -> None:

@@ -97,8 +97,8 @@ def _describe_closing(problem: StampingModel) -> Iterator[str]:
         if closing is not None:
             x, y, z = closing.place + np.asarray(die.position)
             yield (
-                f"{punch.name} and {die.name} close on the sheet when they have come {closing.travel:.4g} mm nearer, at "
-                f"({x:.4g}, {y:.4g}, {z:.4g}) mm of where {die.name} starts"
+                f"{punch.name} and {die.name} close on the sheet when they have come {closing.travel:.4g} mm nearer, "
+                f"at ({x:.4g}, {y:.4g}, {z:.4g}) mm of where {die.name} starts"
             )
 
 

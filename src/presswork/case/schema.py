@@ -23,10 +23,10 @@ from presswork.case.case_file import CaseFile
 from presswork.case.contact import Contact, require_friction
 from presswork.case.explicit_solid import ExplicitSolver, Heating, require_density
 from presswork.case.hardening import Hardening, build_hardening
+from presswork.case.limits import Limits
 from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
 from presswork.case.names import Name, Title
 from presswork.case.part import Part, ShortForm
-from presswork.case.limits import Limits
 from presswork.case.settings import Output, Solver
 from presswork.case.sheet_laws import RateLaw
 from presswork.case.umat import UmatMaterial

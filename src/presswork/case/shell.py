@@ -13,9 +13,9 @@ from pydantic import (
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.limits import Limits
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
-from presswork.case.limits import Limits
 from presswork.case.settings import Output, Solver
 from presswork.case.shell_material import ShellMaterial, add_library_materials
 from presswork.case.units import (

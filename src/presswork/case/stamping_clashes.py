@@ -28,8 +28,8 @@ LOOSE = 5e-4
 SQUEEZED = 0.9
 """Part of the thickness to which a holder may be moved towards the die."""
 CLOSED = 0.95
-"""Part of the thickness that must be left between punch and die: shells are not squeezed thinner, and cold-rolled sheet and
-the facets of tools are no truer."""
+"""Part of the thickness that must be left between punch and die: shells are not squeezed thinner, and neither rolled
+sheet nor the facets of tools are truer."""
 STEP = 0.5
 """Part of the thickness by which tools from files advance as they are held against each other."""
 DRAWN_WITHIN = 0.02
@@ -224,12 +224,12 @@ def _check_pair(
         beyond = end - closing.travel
         room = "strikes" if other.kind != "die" else f"leaves less than the blank's {case.blank.thickness:g} mm to"
         fault = (
-            f"after {abs(way[one.name]):.4g} mm of stroke {one.name} {room} {other.name} at ({x:.4g}, {y:.4g}, {z:.4g}) "
-            f"mm, and goes {beyond:.3g} mm further"
+            f"after {abs(way[one.name]):.4g} mm of stroke {one.name} {room} {other.name} at ({x:.4g}, {y:.4g}, "
+            f"{z:.4g}) mm, and goes {beyond:.3g} mm further"
         )
         remedy = (
-            f"shorten the stroke to {way[mover] - before[mover]:.4g}, or see that {one.name} and {other.name} fit and are "
-            "not swapped; limits.stop = false lets it run all the same"
+            f"shorten the stroke to {way[mover] - before[mover]:.4g}, or see that {one.name} and {other.name} fit and "
+            "are not swapped; limits.stop = false lets it run all the same"
         )
         return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, after[mover] - before[mover])
     return None

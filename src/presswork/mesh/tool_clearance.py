@@ -73,7 +73,7 @@ class Closing:
 def find_closing(
     one: ToolShape, other: ToolShape, between: FloatArray, way: FloatArray, within: float, room: float, step: float
 ) -> Closing | None:
-    """Return where a tool, going along its way, first leaves less than `room` to another [mm]; None where it never does.
+    """Return where a tool, going along its way, first leaves less than `room` [mm] to another; None where it does not.
 
     between, way, within: as in `find_clearance`. step: of the travel [mm]; what they leave less room in over a shorter
     way is not found. Tools that slide along each other with more room between them go on. A gap falls by no more than

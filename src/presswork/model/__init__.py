@@ -8,6 +8,7 @@ Directions and boundaries have names, never integer tags. All names are imported
 
 from presswork.model.arrays import BoolArray, FloatArray, IndexArray, IntArray, MaskArray
 from presswork.model.contact import Body, BodyContact, ContactLaw, SheetBead, SheetTool, Spring, Tool
+from presswork.model.limits import Limits
 from presswork.model.material import (
     Hardening,
     HardeningLaw,
@@ -29,7 +30,6 @@ from presswork.model.mesh import (
     SolidElement,
     ThicknessRule,
 )
-from presswork.model.limits import Limits
 from presswork.model.model import Analysis, Model
 from presswork.model.settings import (
     ExplicitSolid,

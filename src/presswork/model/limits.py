@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Limits:
-    """A run stops at the first converged state beyond one of these; see docs/guide.md for why they are what they are."""
+    """A run stops at the first converged state beyond one of these; docs/guide.md has the reasons."""
 
     stop: bool = True
     """False: the run goes on, and warns."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from presswork.model.contact import Body, BodyContact, SheetBead, SheetTool, Tool
@@ -42,6 +42,6 @@ class Model:
     """Of a shell: unit vector that, laid into the sheet, is x of its laws."""
     explicit: ExplicitSolid | None = None
     """Of a solid by the explicit procedure; None: the implicit one."""
-    limits: Limits = Limits()
+    limits: Limits = field(default_factory=Limits)
     case_text: str = ""
     """The case file as read, kept with the results."""

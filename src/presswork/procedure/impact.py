@@ -152,7 +152,8 @@ class ExplicitImpact(RowRecording):
         """Return how far the present state is towards its limits."""
         mesh, walls = self.model.mesh, zip(self.model.tools, self.walls, strict=True)
         placed = {
-            tool.name: place_segments(tool.segments, ToolPose(np.zeros(2), wall.displacement, 0.0)) for tool, wall in walls
+            tool.name: place_segments(tool.segments, ToolPose(np.zeros(2), wall.displacement, 0.0))
+            for tool, wall in walls
         }
         deepest = Penetration().note(mesh, self.solids.position, placed, self._find_gaps)
         stress, flow = self.solids.stress, self._flow_stress()
@@ -170,7 +171,9 @@ class ExplicitImpact(RowRecording):
     def _find_gaps(self, places: FloatArray) -> FloatArray:
         """Return the distance of places (n, 2) from each wall (n_walls, n) [mm]."""
         gaps = [
-            _core.touch_profile(np.ascontiguousarray(tool.segments), np.ascontiguousarray(places - wall.displacement))[0]
+            _core.touch_profile(np.ascontiguousarray(tool.segments), np.ascontiguousarray(places - wall.displacement))[
+                0
+            ]
             for tool, wall in zip(self.model.tools, self.walls, strict=True)
         ]
         return np.array(gaps).reshape(len(gaps), len(places))

@@ -79,9 +79,7 @@ def measure_sheet_penetration(name: str, depth: float, thickness: float) -> Meas
     return Measure("penetration", depth / thickness, fact)
 
 
-def measure_hydrostatic_stress(
-    stress: FloatArray, flow_stress: FloatArray, centres: FloatArray
-) -> Measure:
+def measure_hydrostatic_stress(stress: FloatArray, flow_stress: FloatArray, centres: FloatArray) -> Measure:
     """Return the largest hydrostatic stress over the flow stress.
 
     stress, flow_stress: of points (n,) [MPa]; centres: of their cells (n, 2) [mm].
@@ -90,7 +88,7 @@ def measure_hydrostatic_stress(
     worst = int(np.argmax(share))
     x, y = centres[worst]
     fact = (
-        f"the hydrostatic stress is {stress[worst]:.4g} MPa at ({x:.4g}, {y:.4g}) mm, {share[worst]:.3g} times the flow "
-        f"stress of {flow_stress[worst]:.4g} MPa"
+        f"the hydrostatic stress is {stress[worst]:.4g} MPa at ({x:.4g}, {y:.4g}) mm, {share[worst]:.3g} times the "
+        f"flow stress of {flow_stress[worst]:.4g} MPa"
     )
     return Measure("hydrostatic_stress", float(share[worst]), fact)

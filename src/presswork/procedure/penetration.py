@@ -70,7 +70,8 @@ class Penetration:
         if not tools or not len(edges):
             return None
         inner = np.stack(
-            [np.einsum("a,eai->ei", edge_shape_functions(edges.shape[1], s)[0], points[edges]) for s in _BETWEEN], axis=1
+            [np.einsum("a,eai->ei", edge_shape_functions(edges.shape[1], s)[0], points[edges]) for s in _BETWEEN],
+            axis=1,
         )
         along = np.concatenate([points[edges], inner], axis=1)
         depth = -find_gaps(along.reshape(-1, 2)).reshape(len(tools), *along.shape[:2])
@@ -113,12 +114,12 @@ def _trace(segments: FloatArray, spacing: float) -> FloatArray:
     for x0, y0, x1, y1, cx, cy, turn in segments.tolist():
         start, end, centre = np.array([x0, y0]), np.array([x1, y1]), np.array([cx, cy])
         if turn == 0.0:
-            n = int(min(np.linalg.norm(end - start) / spacing, _MOST_PLACES)) + 2
+            n = min(int(np.linalg.norm(end - start) / spacing), _MOST_PLACES) + 2
             places.append(start + np.linspace(0.0, 1.0, n)[:, None] * (end - start))
             continue
         radius = float(np.linalg.norm(start - centre))
         first, last = (float(np.arctan2(*(p - centre)[::-1])) for p in (start, end))
         swept = turn * ((turn * (last - first)) % (2.0 * np.pi))
-        angle = np.linspace(first, first + swept, int(min(abs(swept) * radius / spacing, _MOST_PLACES)) + 6)
+        angle = np.linspace(first, first + swept, min(int(abs(swept) * radius / spacing), _MOST_PLACES) + 6)
         places.append(centre + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
     return np.concatenate(places)

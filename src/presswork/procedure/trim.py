@@ -76,9 +76,9 @@ def trim_sheet(
 def explain_beside(trimmed: TrimmedSheet) -> list[str]:
     """Say of each line that runs beside the sheet where, and by how much."""
     return [
-        f"the line trim.{name} runs beside the formed sheet over {each.length:.4g} of its {each.whole:.4g} mm, by up to "
-        f"{each.depth:.3g} mm at ({each.place[0]:.4g}, {each.place[1]:.4g}) mm: there the part keeps the edge of the "
-        "blank; make the blank larger or the line smaller, unless this is meant"
+        f"the line trim.{name} runs beside the formed sheet over {each.length:.4g} of its {each.whole:.4g} mm, by up "
+        f"to {each.depth:.3g} mm at ({each.place[0]:.4g}, {each.place[1]:.4g}) mm: there the part keeps the edge of "
+        "the blank; make the blank larger or the line smaller, unless this is meant"
         for name, each in trimmed.beside.items()
     ]
 

@@ -107,7 +107,7 @@ def write_stl(path: Path, points: np.ndarray, triangles: np.ndarray) -> dict[str
 
 
 def write_closed_die(folder: Path) -> list[tuple[str, object]]:
-    """A die from a file with a bottom 18 mm below its face: with the blank of 0.8 mm 18 mm of stroke are all there is."""
+    """A die from a file with a bottom 18 mm below its face: with a blank of 0.8 mm 18 mm of stroke are all there is."""
     points, triangles = draw_die((26.25, 26.25), 26.25, 6.0, width=60.0, depth=18.0).triangulate(0.05)
     low = np.flatnonzero(points[:, 2] < -18 + 1e-6)
     order = low[np.argsort(np.arctan2(points[low, 1], points[low, 0]))]
@@ -133,7 +133,9 @@ def test_a_stroke_deeper_than_the_die_is_refused_with_the_stroke_at_which_tools_
 def test_tools_that_close_in_a_later_stage_are_refused_there(tmp_path) -> None:
     stages = [{"name": n, "tools": {"punch": {"stroke": s}}} for n, s in (("draw", 15), ("up", -5), ("set", 9))]
     die = write_closed_die(tmp_path)
-    refuse(["stages.2.tools.punch.stroke = 9", "after 18.04 mm", "shorten the stroke to 8.04"], *die, ("stages", stages))
+    refuse(
+        ["stages.2.tools.punch.stroke = 9", "after 18.04 mm", "shorten the stroke to 8.04"], *die, ("stages", stages)
+    )
     stages[2]["tools"] = {"punch": {"stroke": 8}}
     build(*die, ("stages", stages))
 
