@@ -134,7 +134,8 @@ def test_limits_are_what_the_case_says(tmp_path) -> None:
     case = write(tmp_path, GEAR_BLANK)
     deeper = run(case, tmp_path / "deeper", "limits.penetration=0.8", "stages.0.tools.punch.stroke=1.6")
     assert deeper.status == "completed"
-    stressed = run(case, tmp_path / "stressed", "limits.hydrostatic_stress=0.4")
+    # a billet upset without friction has a third of its flow stress
+    stressed = run(case, tmp_path / "stressed", "limits.hydrostatic_stress=0.3")
     assert stressed.status == "gave_up"
     assert "the hydrostatic stress is" in stressed.reason
     assert stressed.result.history["punch.stroke"][-1] < 1.25
