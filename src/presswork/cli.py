@@ -52,11 +52,17 @@ Settings = Annotated[
 ]
 
 
-def _load(case_file: Path, settings: list[str] | None, folder: Path | None = None) -> AnyModel | OneStepModel:
+def _load(
+    case_file: Path, settings: list[str] | None, folder: Path | None = None, *, run_user_code: bool = True
+) -> AnyModel | OneStepModel:
     """Build the model of a case file. folder: for a picture of what is refused, if that can be drawn."""
     try:
         case = read_case(case_file, overrides=settings or [])
-        return build_onestep_model(case) if isinstance(case, OneStepCase) else build_model(case)
+        return (
+            build_onestep_model(case)
+            if isinstance(case, OneStepCase)
+            else build_model(case, run_user_code=run_user_code)
+        )
     except CaseError as error:
         raise _refuse(f"{error}{_picture_undercut(error, folder)}") from error
 
@@ -182,11 +188,20 @@ def _draw(
 
 
 @app.command()
-def check(case: CaseFile, set_: Settings = None) -> None:
-    """Validate a case and say in words what would be computed."""
-    model = _load(case, set_)
+def check(
+    case: CaseFile,
+    set_: Settings = None,
+    run_user_code: Annotated[
+        bool, typer.Option("--run-user-code", help="Open and try the libraries (umat) that the case names.")
+    ] = False,
+) -> None:
+    """Validate a case and say in words what would be computed; code that it names runs only if asked for."""
+    model = _load(case, set_, run_user_code=run_user_code)
     typer.echo(describe(model))
     if isinstance(model, OneStepModel):
+        return
+    if not run_user_code and any(material.umat for material in model.materials):
+        typer.echo("not opened: the libraries of its materials, whose code would run; --run-user-code tries them")
         return
     try:
         check_start(model)

@@ -30,13 +30,13 @@ logger = logging.getLogger(__name__)
 _AXES = ("x", "y")
 
 
-def build_solid_model(case: schema.Case) -> model.Model:
+def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model.Model:
     """Build the Model of a solid's case, as kinds.build_model says."""
     _stop_at(check_references(case), case)
     mesh, bodies = build_bodies(case)
     problems = check_sets(case, mesh)
     _stop_at(problems, case)
-    materials, problems = _build_materials(case)
+    materials, problems = _build_materials(case, run_user_code)
     _stop_at(problems, case)
     contacts, problems = build_contacts(case, mesh, bodies, materials)
     planes, plane_problems = _find_symmetry_planes(case, mesh, bodies)
@@ -92,9 +92,9 @@ def _folder(case: schema.Case) -> Path:
     return case.source.parent if case.source is not None else Path()
 
 
-def _build_materials(case: schema.Case) -> tuple[tuple[model.Material, ...], list[Problem]]:
+def _build_materials(case: schema.Case, run_user_code: bool) -> tuple[tuple[model.Material, ...], list[Problem]]:
     built = [
-        build_umat(name, material, _folder(case))
+        build_umat(name, material, _folder(case), run_user_code=run_user_code)
         if isinstance(material, UmatMaterial)
         else _build_material(name, material)
         for name, material in case.materials.items()

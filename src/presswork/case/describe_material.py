@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
+import math
+
 from presswork import model
 
 
 def describe_material(material: model.Material) -> str:
     if material.umat:
-        umat = material.umat
-        return (
-            f"UMAT of {umat.library}, {len(umat.props)} props, {umat.n_state} state variables; "
-            f"at first E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}"
+        umat, tried = material.umat, not math.isnan(material.young)
+        return f"UMAT of {umat.library}, {len(umat.props)} props, {umat.n_state} state variables; " + (
+            f"at first E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}" if tried else "not opened"
         )
     assert material.hardening is not None
     parts = [f"E = {material.young:g} MPa", f"Poisson's ratio {material.poisson:g}"]

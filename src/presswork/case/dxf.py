@@ -15,6 +15,7 @@ from presswork.case.biarc import Curve, CurveError, fit_biarcs
 from presswork.case.chain import Piece, ProfileFileError
 from presswork.case.errors import suggest
 from presswork.case.profile import RELATIVE_TOLERANCE
+from presswork.case.units import LENGTH
 from presswork.model import FloatArray
 
 # $INSUNITS: inch, foot, mm, cm, m, micrometre; a drawing without a unit is in mm
@@ -32,6 +33,24 @@ def read_drawing(
     from splines and ellipses [mm]; without it RELATIVE_TOLERANCE of the drawing's extent. Raises ProfileFileError.
     """
     drawing = _open(path)
+    try:
+        with np.errstate(all="ignore"):
+            pieces, tolerance = _read(drawing, layer, factor, tolerance)
+    except ProfileFileError:
+        raise
+    except Exception as error:  # entities without their parts, which the library asks for as they are used
+        reason = " ".join(str(error).split())[:100]
+        fault = f"the drawing is damaged ({type(error).__name__}: {reason})"
+        raise ProfileFileError(fault, "export it again as DXF R2000 or later") from error
+    largest = max(float(np.abs(np.array(piece.segments)[:, 0:4]).max()) for piece in pieces)
+    if not largest <= LENGTH.largest:  # nan, too
+        fault = f"coordinates up to {largest:.4g} mm, beyond {LENGTH.largest:g} mm"
+        raise ProfileFileError(fault, "check the drawing and its unit")
+    return pieces, tolerance
+
+
+def _read(drawing: Any, layer: str | None, factor: float | None, tolerance: float | None) -> tuple[list[Piece], float]:
+    """Return the pieces of a drawing that has been opened, as read_drawing does."""
     found = list(_explode(drawing.modelspace(), None))
     layers = Counter(name for name, _ in found)
     if layer is not None:
@@ -56,15 +75,14 @@ def read_drawing(
 
 def _open(path: Path) -> Any:
     from ezdxf import filemanagement, recover
-    from ezdxf.lldxf.const import DXFError
 
     try:
         return filemanagement.readfile(path)
-    except (OSError, DXFError, UnicodeError, ValueError):
+    except Exception:  # nearly anything on a bad file
         pass
     try:
         return recover.readfile(path)[0]
-    except (OSError, DXFError, UnicodeError, ValueError) as error:
+    except Exception as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         remedy = "export it again as DXF R2000 or later"
         raise ProfileFileError(f"no DXF drawing that can be read ({reason})", remedy) from None

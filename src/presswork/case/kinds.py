@@ -47,12 +47,15 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
     return kinds.get(str(analysis), schema.Case).from_toml(path, overrides)
 
 
-def build_model(case: AnyCase) -> AnyModel:
+def build_model(case: AnyCase, *, run_user_code: bool = True) -> AnyModel:
     """Build the Model of a case of any kind; raises CaseError with every problem of the first kind that is found.
 
     The kinds of problem are, in this order: names that do not exist and values that do not go together; the mesh; sets,
-    supports and tools that do not fit the workpiece.
+    supports and tools that do not fit the workpiece. run_user_code: try the shared libraries that a case names, in a
+    process of their own; without it they are not opened, and the Model can be described, not computed.
     """
+    if isinstance(case, schema.Case):
+        return build_solid_model(case, run_user_code=run_user_code)
     for kind, build in KINDS.values():
         if isinstance(case, kind):
             if build is None:

@@ -13,6 +13,7 @@ from presswork.case.chain import ProfileFileError, join_pieces
 from presswork.case.dxf import read_drawing
 from presswork.case.profile import MEETING, Outline, ProfileError, draw_outline
 from presswork.case.units import LENGTH, unit_factor
+from presswork.text_file import UnreadableError, read_text
 
 
 def is_drawing(path: str | Path) -> bool:
@@ -73,8 +74,8 @@ def read_points(path: Path, factor: float = 1.0) -> tuple[list[tuple[float, floa
     point that repeats the one before is left out. Raises ProfileFileError with the number of the line at fault.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError):
+        text = read_text(path)
+    except (OSError, UnreadableError):
         raise ProfileFileError("not a text file in UTF-8", "save it as text with two columns, x and y") from None
     points: list[tuple[float, float]] = []
     lines: list[int] = []
@@ -104,6 +105,11 @@ def read_points(path: Path, factor: float = 1.0) -> tuple[list[tuple[float, floa
             first_loop = numbers[loop_column] if first_loop is None else first_loop
             if numbers[loop_column] != first_loop:
                 break
+        if max(abs(x), abs(y)) * factor > LENGTH.largest:
+            fault = (
+                f"line {number}: a coordinate of {max(abs(x), abs(y)) * factor:.4g} mm, beyond {LENGTH.largest:g} mm"
+            )
+            raise ProfileFileError(fault, "check the file and its unit")
         if not points or points[-1] != (x * factor, y * factor):
             points.append((x * factor, y * factor))
             lines.append(number)

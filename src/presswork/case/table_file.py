@@ -7,6 +7,7 @@ import csv
 from pathlib import Path
 
 from presswork.case.errors import CaseError, Problem
+from presswork.text_file import UnreadableError, read_text
 
 
 def read_table_lines(path: Path, *, least: int) -> list[tuple[int, list[str]]]:
@@ -15,13 +16,16 @@ def read_table_lines(path: Path, *, least: int) -> list[tuple[int, list[str]]]:
     Raises CaseError for a file that cannot be read, or that has fewer than `least` such lines, the head among them.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_text(path)
     except FileNotFoundError:
         raise CaseError([Problem("", "no such file", "check the path")], path) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError([Problem("", f"cannot be read ({error})", "give a CSV file in UTF-8")], path) from None
+    except UnreadableError as error:
+        raise CaseError([Problem("", error.fault, "give a CSV file in UTF-8")], path) from None
     numbered = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
     if len(numbered) < least:
         raise CaseError([Problem("", "an empty file", "give a head line and one line for each point")], path)
     separator = ";" if ";" in numbered[0][1] else ","
-    return [(i, next(csv.reader([line], delimiter=separator))) for i, line in numbered]
+    try:
+        return [(i, next(csv.reader([line], delimiter=separator))) for i, line in numbered]
+    except csv.Error as error:  # a NUL, or a cell of a hundred thousand letters
+        raise CaseError([Problem("", f"no table of text ({error})", "give a CSV file in UTF-8")], path) from None

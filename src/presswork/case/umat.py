@@ -3,30 +3,29 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
 from pydantic import Field
 
-from presswork import _core, model
+from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.part import Part
 from presswork.case.settings import Whole
 from presswork.case.units import Number
-from presswork.umat import open_umat
+from presswork.umat import try_umat
 
-_SMALL = 1e-6
-"""Strain of the trial, far below yield of any metal."""
 _FAULTS = {
-    _core.UmatStatus.not_finite: (
+    "not_finite": (
         "its first call gives stresses or a tangent that are no numbers",
         "it may read more than the {n_props} props given, or need more than {n_state} state variables",
     ),
-    _core.UmatStatus.overrun: (
+    "overrun": (
         "it writes beyond its {n_state} state variables",
         "give state_variables as its *DEPVAR says",
     ),
-    _core.UmatStatus.stopped: ("it stops (XIT) at its first call", "look at its own message; check props"),
+    "stopped": ("it stops (XIT) at its first call", "look at its own message; check props"),
 }
 
 
@@ -51,8 +50,13 @@ class UmatMaterial(Part):
     )
 
 
-def build_umat(name: str, material: UmatMaterial, folder: Path) -> model.Material | Problem:
-    """Open and try the library of a material; return the Model's, with the elastic constants that it shows."""
+def build_umat(
+    name: str, material: UmatMaterial, folder: Path, *, run_user_code: bool = True
+) -> model.Material | Problem:
+    """Open and try the library of a material; return the Model's, with the elastic constants that it shows.
+
+    run_user_code: without it the library is not opened, and the constants are nan.
+    """
     key = f"materials.{name}"
     path = (folder / material.umat).resolve()
     if not path.is_file():
@@ -65,22 +69,18 @@ def build_umat(name: str, material: UmatMaterial, folder: Path) -> model.Materia
     law = model.Umat(
         str(path), material.props, n_state, material.jacobian, material.thread_safe, material.plastic_strain or 0
     )
-    try:
-        compiled = open_umat(law)
-    except RuntimeError as error:
-        return Problem(
-            f"{key}.umat", f"cannot be used: {error}", "compile it with `presswork material compile`", material.umat
-        )
-    rest, state = np.zeros(4), np.zeros(n_state)
-    status, _, state, tangent = compiled.update(rest, rest, state, 1.0)
-    if status == _core.UmatStatus.done:  # once more with a strain: a first call may only set up state variables
-        strain = np.array([_SMALL, 0.0, 0.0, 0.0])
-        status, _, _, tangent = compiled.update(strain, rest, state, 1.0)
-    if status in _FAULTS:
-        fault, remedy = (text.format(n_props=n_props, n_state=n_state) for text in _FAULTS[status])
+    if not run_user_code:
+        return model.Material(name, math.nan, math.nan, hardening=None, umat=law)
+    trial = try_umat(law)
+    if trial.fault:
+        remedy = "compile it with `presswork material compile`"
+        return Problem(f"{key}.umat", f"cannot be used: {trial.fault}", remedy, material.umat)
+    if trial.status in _FAULTS:
+        fault, remedy = (text.format(n_props=n_props, n_state=n_state) for text in _FAULTS[trial.status])
         return Problem(f"{key}.umat", fault, remedy, material.umat)
+    tangent = np.array(trial.tangent)
     shear, bulk = float(tangent[3, 3]), float(tangent[:3, :3].mean())
-    if status != _core.UmatStatus.done or not (shear > 0.0 and bulk > 0.0):
+    if trial.status != "done" or not (shear > 0.0 and bulk > 0.0):
         fault = "its first call, at a strain of one millionth, gives no tangent (DDSDDE) of a solid"
         return Problem(f"{key}.umat", fault, f"check the {n_props} props and their units (MPa, mm, s)", material.umat)
     young = 9.0 * bulk * shear / (3.0 * bulk + shear)

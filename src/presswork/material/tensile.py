@@ -9,6 +9,7 @@ that start with # are left out; other columns are ignored.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,10 @@ _KINDS = {
     ("engineering_strain_percent", "engineering_stress"): (True, 0.01),
 }
 """Columns: whether they are engineering values, and the factor of the strain."""
+
+
+LARGEST = 1e6
+"""Above any angle, strain or stress of a test."""
 
 
 @dataclass(frozen=True)
@@ -64,16 +69,21 @@ def read_tensile(path: Path) -> list[TensileTest]:
         row = []
         for name in wanted:
             text = cells[head.index(name)].strip() if head.index(name) < len(cells) else ""
-            try:
-                row.append(float(text))
-            except ValueError:
-                problems.append(Problem(f"line {number}, {name}", "expected a number", "decimals with a point", text))
+            value = _read_number(text)
+            row.append(value)
+            if not abs(value) < LARGEST:
+                remedy = "decimals with a point, no larger than a metal's"
+                problems.append(Problem(f"line {number}, {name}", "expected a number", remedy, text))
         rows.append(row)
+    if not rows:
+        problems.append(Problem("", "no points", "give a line for each point"))
     if problems:
         raise CaseError(problems, path)
     table = {name: np.array(column) for name, column in zip(wanted, zip(*rows, strict=True), strict=False)}
     strain, stress = factor * table[strain_name], table[stress_name]
     width = factor * table[optional[0]] if optional[0] in table else None
+    if min(strain.min(), 0.0 if width is None else width.min()) <= -1.0:
+        raise CaseError([Problem("", "strains of -1 and below: nothing would be left", "mend their signs")], path)
     angles = table.get("angle", np.zeros(len(strain)))
     tests = [
         _make_test(float(angle), strain, stress, width, angles == angle, engineering) for angle in np.unique(angles)
@@ -83,6 +93,14 @@ def read_tensile(path: Path) -> list[TensileTest]:
     if problems:
         raise CaseError(problems, path)
     return tests
+
+
+def _read_number(text: str) -> float:
+    """Return a number; nan for what is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 def _make_test(

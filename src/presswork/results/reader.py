@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Iterable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -75,8 +76,10 @@ class Result:
             return {}
         try:
             content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise ResultError(f"{path} is damaged: {error}") from error
+        if not isinstance(content, dict):
+            raise ResultError(f"{path} is damaged: it is no table")
         return content
 
     @property
@@ -133,7 +136,11 @@ class Result:
                 blocks.append(ResultBlock(element, int(types[first]), ids))
                 first += count
             edges = extras["boundary_edges"][()].astype(np.int64)
-            return ResultMesh(root["Points"][place.points, : self._dimension], tuple(blocks), edges)
+            points = root["Points"][place.points, : self._dimension]
+            for ids in [edges, *(block.connectivity for block in blocks)]:
+                if ids.size and not 0 <= ids.min() <= ids.max() < len(points):
+                    raise ValueError("cells use points that are not there")
+            return ResultMesh(points, tuple(blocks), edges)
 
     @cached_property
     def tools(self) -> dict[str, FloatArray]:
@@ -193,6 +200,8 @@ class Result:
             index = self._index(step, len(offsets))
             n, start = int(root[f"NumberOf{count}"][root["Steps/PartOffsets"][index]]), int(offsets[index])
             values = np.asarray(root[f"{group}/{stored}"][start : start + n], dtype=np.float64)
+            if len(values) != n:
+                raise ValueError(f"{stored} has {len(values)} rows, not {n}")
         return values if component is None else values[:, component]
 
     def unit(self, name: str) -> str:
@@ -257,7 +266,7 @@ class Result:
             raise ResultError(f"{self.folder} has {count} saved steps, 0 to {count - 1}; there is no step {step}")
         return step % count
 
-    def _open(self) -> h5py.File:
+    def _open(self) -> AbstractContextManager[h5py.File]:
         """Open the results file for reading; a run that appends meanwhile replaces it, which does no harm."""
         return open_results(self.folder / RESULTS)
 

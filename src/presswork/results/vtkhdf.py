@@ -14,7 +14,8 @@ instant, for ParaView too. Reference: VTK file formats, "VTKHDF File Format" (Ki
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -141,19 +142,30 @@ def truncate_steps(path: Path | str, n: int) -> None:
     with replace_whole(path, needed_bytes=path.stat().st_size) as temporary:
         shutil.copyfile(path, temporary)
         with write_hdf5(temporary, "r+") as file:
-            _truncate(file, n)
+            try:
+                _truncate(file, n)
+            except (KeyError, ValueError, TypeError, RuntimeError) as error:
+                raise OutputError(f"{path} is damaged; run with --overwrite to start anew") from error
 
 
-def open_results(path: Path | str) -> h5py.File:
-    """Open the file for reading. Raises OutputError if it is not a results file or is damaged."""
+@contextmanager
+def open_results(path: Path | str) -> Iterator[h5py.File]:
+    """Open the file for reading. Raises OutputError if it is not a results file, or what the block reads is damaged."""
     try:
         file = h5py.File(path, "r")
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise OutputError(f"{path} cannot be read as a results file: {error}") from error
-    if "VTKHDF/Steps" not in file or "presswork" not in file:
-        file.close()
-        raise OutputError(f"{path} is not a results file of presswork")
-    return file
+    try:
+        with file:
+            if "VTKHDF/Steps" not in file or "presswork" not in file:
+                raise OutputError(f"{path} is not a results file of presswork")
+            yield file
+    except OutputError:
+        raise
+    except Exception as error:  # HDF5 meets damage with errors of every kind
+        reason = " ".join(str(error).split())[:100]
+        remedy = "run the case again, or copy the folder once more from where it is whole"
+        raise OutputError(f"{path} is damaged ({type(error).__name__}: {reason}); {remedy}") from error
 
 
 def _check_fields(fields: Mapping[str, FloatArray], n_rows: int) -> dict[str, FloatArray]:

@@ -6,9 +6,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from presswork import build_model
 from presswork.case import CaseError, read_case
+from presswork.cli import app
 from presswork.examples import copy_example
 from presswork.umat import CompileError, compile_law
 
@@ -69,6 +71,52 @@ def test_a_library_that_lacks_a_symbol_says_which(tmp_path):
     source.write_text("void sprind_(void);\nvoid umat_(void) { sprind_(); }\n")
     with pytest.raises(CaseError, match="undefined symbol: sprind_"):
         build(tmp_path, compile_law(source))
+
+
+@pytest.mark.parametrize("part", [0.0, 0.1, 0.5])
+def test_a_library_cut_short_is_refused_in_words(tmp_path, umat_laws, part):
+    """Opening it may end the process by a signal, which must not be this one."""
+    whole = umat_laws.read_bytes()
+    short = tmp_path / "short.so"
+    short.write_bytes(whole[: int(part * len(whole))])
+    with pytest.raises(CaseError, match=r"materials\.steel\.umat.*cannot be used"):
+        build(tmp_path, short)
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("*(volatile int*)0 = 1;", "ends the process by SIGSEGV"),
+        ("abort();", "ends the process by SIGABRT"),
+        ("exit(3);", "ends the process with status 3"),
+    ],
+)
+def test_code_that_ends_its_process_is_refused_in_words(tmp_path, body, said):
+    source = tmp_path / "bad.c"
+    source.write_text(f"#include <stdlib.h>\nvoid umat_(void) {{ {body} }}\n")
+    with pytest.raises(CaseError, match=said):
+        build(tmp_path, compile_law(source))
+
+
+def test_check_runs_the_code_of_a_case_only_when_asked(tmp_path):
+    """The library writes a file as it is opened, before any routine is called."""
+    source, mark = tmp_path / "mark.c", tmp_path / "ran"
+    source.write_text(
+        f'#include <stdio.h>\n__attribute__((constructor)) static void run(void) {{ fclose(fopen("{mark}", "w")); }}\n'
+        "void umat_(void) {}\n"
+    )
+    library = compile_law(source)
+    with pytest.raises(CaseError):
+        build(tmp_path / "a", library)
+    mark.unlink()
+    case = str(tmp_path / "a" / "case" / "upsetting_q4.toml")
+    told = CliRunner().invoke(app, ["check", case])
+    assert told.exit_code == 0
+    assert "not opened" in told.output
+    assert "--run-user-code" in told.output
+    assert not mark.exists()
+    assert CliRunner().invoke(app, ["check", case, "--run-user-code"]).exit_code == 2
+    assert mark.exists()
 
 
 def test_sizes_that_the_library_tells_are_held_against_the_case(tmp_path):
