@@ -22,7 +22,7 @@ from presswork.case.reach import check_reach, check_room
 from presswork.case.references import check_references, check_sets
 from presswork.case.settings import build_output, build_solver
 from presswork.case.stamping import RAMP
-from presswork.case.tools import build_tool, check_motions
+from presswork.case.tools import build_tool, check_motions, find_way
 from presswork.case.umat import UmatMaterial, build_umat
 
 logger = logging.getLogger(__name__)
@@ -43,7 +43,9 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     problems += plane_problems
     if case.analysis == "axisymmetric":
         problems += _check_axis(case, mesh)
-    built = [build_tool(name, tool, mesh, planes, _folder(case)) for name, tool in case.tools.items()]
+    built = [
+        build_tool(name, tool, mesh, planes, _folder(case), find_way(case, name)) for name, tool in case.tools.items()
+    ]
     problems += [tool for tool in built if isinstance(tool, Problem)]
     tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
     stages = tuple(_build_stage(stage, explicit=case.procedure == "explicit") for stage in case.stages)

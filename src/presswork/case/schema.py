@@ -38,6 +38,7 @@ from presswork.case.units import (
     ForceVector,
     Length,
     Number,
+    Place,
     Point,
     Stiffness,
     Stress,
@@ -192,6 +193,11 @@ class Tool(Part):
         default=None,
         description="the point [x, y] about which the tool turns, and its torque is taken [mm]; without it: the centre "
         "that all its arcs share, as of a roll",
+    )
+    position: Place | None = Field(
+        default=None,
+        description="where the origin of the profile, as drawn, starts [x, y] [mm], centre included; touch: it is moved "
+        "from there along its first motion until it touches the workpiece",
     )
     spring: Spring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
 

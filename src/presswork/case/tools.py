@@ -25,17 +25,26 @@ from presswork.case.profile import (
 from presswork.case.profile_file import read_outline
 from presswork.model import FloatArray, Mesh, Spring, Tool
 
+TOUCHING = 1e-9
+"""Of the size of the workpiece: the gap of a tool that is moved to touch it."""
+MOST_STEPS = 2000
+"""Steps on its way there: one for a flat tool, more the more it slides along the workpiece."""
 TOLERANCE = 1e-6
 """Of the size of the workpiece: how deep a node may lie in a tool at the start."""
 
 
 def build_tool(
-    name: str, tool: schema.Tool, mesh: Mesh, symmetry_planes: tuple[FloatArray, FloatArray], folder: Path
+    name: str,
+    tool: schema.Tool,
+    mesh: Mesh,
+    symmetry_planes: tuple[FloatArray, FloatArray],
+    folder: Path,
+    way: tuple[float, float] = (0.0, 0.0),
 ) -> Tool | Problem:
     """Build a tool, or say why it cannot be.
 
     symmetry_planes: positions [mm] of the symmetry planes normal to x and to y; both empty in axisymmetry. folder: what
-    the path of a profile file is relative to.
+    the path of a profile file is relative to. way: direction of the tool's first motion, zero where it has none.
     """
     outline = _draw(name, tool, folder)
     if isinstance(outline, Problem):
@@ -43,9 +52,12 @@ def build_tool(
     problem = _check_crossing(name, tool, outline)
     if problem is not None:
         return problem
-    segments = outline.segments
-    m, mu = np.where(np.isnan(outline.m), tool.m, outline.m), np.where(np.isnan(outline.mu), tool.mu, outline.mu)
     nodes = mesh.points[np.unique(mesh.boundary_edges)]
+    place = _find_place(name, tool, outline.segments, nodes, np.array(way))
+    if isinstance(place, Problem):
+        return place
+    segments = shift_segments(outline.segments, place)
+    m, mu = np.where(np.isnan(outline.m), tool.m, outline.m), np.where(np.isnan(outline.mu), tool.mu, outline.mu)
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     backwards = tool.free_side == "right"
     if tool.free_side == "auto":
@@ -70,8 +82,57 @@ def build_tool(
     if tool.spring:
         direction = schema.unit_vector(tool.spring.direction)
         spring = Spring(tool.spring.stiffness, tool.spring.preload, direction)
-    centre = tool.centre or find_centre(segments) or (0.0, 0.0)
+    centre = find_centre(segments) or (0.0, 0.0)
+    if tool.centre is not None:
+        centre = (tool.centre[0] + float(place[0]), tool.centre[1] + float(place[1]))
     return Tool(name, segments, tool.contact, m=m, mu=mu, mirrored_across=mirrored, centre=centre, spring=spring)
+
+
+def shift_segments(segments: FloatArray, place: FloatArray) -> FloatArray:
+    """Return a profile moved by `place` [mm]; centres of arcs move along."""
+    shifted = segments.copy()
+    shifted[:, 0:4] += np.tile(place, 2)
+    shifted[:, 4:6] += np.where(segments[:, TURN : TURN + 1] != 0.0, place, 0.0)
+    return shifted
+
+
+def _find_place(
+    name: str, tool: schema.Tool, segments: FloatArray, nodes: FloatArray, way: FloatArray
+) -> FloatArray | Problem:
+    """Return how far a tool is moved from where it is drawn to where it starts (2) [mm].
+
+    To touch, it goes along its way by the least distance of any node again and again: no node can come nearer than that.
+    """
+    if tool.position != "touch":
+        return np.array(tool.position or (0.0, 0.0))
+    key = f"tools.{name}.position"
+    if not way.any():
+        remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y]"
+        return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
+    corners = segments[:, 0:4].reshape(-1, 2)
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    farthest = size + float(np.linalg.norm(np.ptp(corners, axis=0)))
+    farthest += float(np.linalg.norm(corners.mean(axis=0) - nodes.mean(axis=0)))
+    gone = 0.0
+    for _ in range(MOST_STEPS):
+        gap = float(np.abs(measure_distance(nodes - gone * way, segments).distance).min())
+        if gap <= TOUCHING * size:
+            return np.asarray(gone * way)
+        gone += gap
+        if gone > farthest:
+            break
+    fault = f"along its first motion, ({way[0]:g}, {way[1]:g}), the tool passes the workpiece or never comes to it"
+    return Problem(key, fault, "draw it on the side that it comes from, or give position = [x, y]", "touch")
+
+
+def find_way(case: schema.Case, name: str) -> tuple[float, float]:
+    """Return the direction of a tool's first motion, of length 1; zero where it has none."""
+    for stage in case.stages:
+        motion = stage.tools[name].build() if name in stage.tools else None
+        x, y = (motion.direction if motion.force is not None else motion.move) if motion else (0.0, 0.0)
+        if x or y:
+            return schema.unit_vector((x, y))
+    return 0.0, 0.0
 
 
 def check_motions(case: schema.Case, tools: Sequence[Tool]) -> list[Problem]:

@@ -7,7 +7,7 @@ import functools
 import math
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
@@ -125,6 +125,11 @@ def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:
     return to_number(value[0], dimension), to_number(value[1], dimension)
 
 
+def to_place(value: object) -> object:
+    """Convert [x, y], each a number or a string with a unit; the word "touch" stays."""
+    return value if value == "touch" else to_pair(value, LENGTH)
+
+
 def to_sides(value: object) -> tuple[float, float]:
     """Convert one length for both directions, or [x, y], each a number or a string with a unit."""
     if isinstance(value, list | tuple):
@@ -179,6 +184,11 @@ Rate = Annotated[float, *_scalar(RATE)]
 HeatCapacity = Annotated[float, *_scalar(HEAT_CAPACITY)]
 Number = Annotated[float, *_scalar(PURE_NUMBER)]
 Point = Annotated[tuple[float, float], *_pair(LENGTH)]
+Place = Annotated[
+    Literal["touch"] | tuple[float, float],
+    BeforeValidator(to_place),
+    WithJsonSchema({"anyOf": [{"const": "touch"}, {"type": "array", "items": _json_schema(LENGTH)}]}),
+]
 Sides = Annotated[
     tuple[float, float],
     BeforeValidator(to_sides),

@@ -32,6 +32,8 @@ from presswork.model import FloatArray, IntArray
 
 _SMALLEST, _LARGEST = 1.0, 1e4
 """Diagonals of tools that are believed [mm]."""
+_USUAL = 200.0
+"""That of a tool of usual size [mm]."""
 _UNITS = {"m": 1e3, "inch": 25.4, "cm": 10.0, "mm": 1.0, "um": 1e-3}
 
 
@@ -69,7 +71,7 @@ def read_tool(
     raw = read_raw(path)
     points, cells = _take_facets(raw, scale)
     size = float(np.linalg.norm(np.ptp(points[cells.reshape(-1)], axis=0)))
-    _check_size(size)
+    _check_size(size, scale)
     notes: list[str] = []
     points, triangles = merge_points(points, cells, 1e-6 * size)
     triangles = _drop_flat(points, triangles, 1e-7 * size, notes)
@@ -107,10 +109,13 @@ def _take_facets(raw: RawMesh, scale: float) -> tuple[FloatArray, IntArray]:
     return points, np.concatenate(parts)
 
 
-def _check_size(size: float) -> None:
+def _check_size(size: float, scale: float) -> None:
+    """Refuse a size that no tool has, and name the units of the file's own numbers that give one, the likeliest first."""
     if _SMALLEST <= size <= _LARGEST:
         return
-    fitting = [f'"{unit}" ({size * factor:.4g} mm)' for unit, factor in _UNITS.items() if 10.0 <= size * factor <= 5e3]
+    own = size / scale
+    likely = sorted(_UNITS.items(), key=lambda unit: abs(math.log(max(own, 1e-300) * unit[1] / _USUAL)))
+    fitting = [f'"{unit}" ({own * factor:.4g} mm)' for unit, factor in likely if 10.0 <= own * factor <= 5e3]
     raise MeshError(
         f"the tool is {size:.4g} mm across: its file is in another unit",
         f"give its unit: {' or '.join(fitting)}" if fitting else "give its unit",
