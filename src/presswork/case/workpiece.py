@@ -87,7 +87,10 @@ class Workpiece(Part):
     """The body that is formed."""
 
     material: str = Field(description="name of one of the [materials]")
-    element: model.SolidElement = Field(description="element formulation")
+    element: model.SolidElement = Field(
+        default="quad4_fbar",
+        description="element formulation; without it quad4_fbar, which locks neither in volume nor in a neck",
+    )
     mesh: Annotated[Rectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_rectangle)] = Field(
         description="the mesh of the workpiece"
     )

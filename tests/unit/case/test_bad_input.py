@@ -37,7 +37,7 @@ FAULTS = {
         ('material = "steel"', 'material = "steel"\nmatrial = "iron"'),
         ["workpiece.matrial", '"iron"', "unknown key", "did you mean `material`?"],
     ),
-    "missing_key": (('element = "tri3"', ""), ["workpiece.element: missing key", "element formulation"]),
+    "missing_key": (('material = "steel"', ""), ["workpiece.material: missing key", "name of one of the [materials]"]),
     "missing_material_key": (("poisson = 0.3", ""), ["materials.steel.poisson: missing key", "Poisson's ratio"]),
     "unknown_kind": (
         ('kind = "rectangle"', 'kind = "rectangel"'),

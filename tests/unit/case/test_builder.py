@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswork import model
+from presswork import Case, model
 from presswork.case import build_model, describe, read_case
 from presswork.examples import copy_example, list_examples
 
@@ -225,3 +225,17 @@ def test_an_example_with_a_mesh_file_brings_it_along(tmp_path: Path) -> None:
     with pytest.raises(Exception, match=r"extrusion_cone.inp is there already"):
         copy_example("extrusion_cone", tmp_path)
     assert not case_file.exists()
+
+
+def test_without_an_element_quad4_fbar_is_taken_and_check_names_it() -> None:
+    """The default (docs/verification.md, neck of a bar)."""
+    steel = {"young": 210e3, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 100}}
+    case = Case.model_validate({
+        "title": "block", "analysis": "plane_strain", "materials": {"steel": steel},
+        "workpiece": {"material": "steel", "mesh": {"size": [2, 1], "cells": [2, 1]}},
+        "boundary": {"foot": {"set": "bottom", "fix": ["x", "y"]}},
+        "stages": [{"name": "pull", "displacement": [{"set": "top", "component": "y", "value": 0.1}]}],
+    })  # fmt: skip
+    problem = build_model(case)
+    assert [block.element for block in problem.mesh.blocks] == ["quad4_fbar"]
+    assert "elements: 2 quad4_fbar" in describe(problem)
