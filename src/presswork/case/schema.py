@@ -196,8 +196,8 @@ class Tool(Part):
     )
     position: Place | None = Field(
         default=None,
-        description="where the origin of the profile, as drawn, starts [x, y] [mm], centre included; touch: it is moved "
-        "from there along its first motion until it touches the workpiece",
+        description="where the origin of the profile, as drawn, starts [x, y] [mm], centre included; touch: it is "
+        "moved from there along its first motion until it touches the workpiece",
     )
     spring: Spring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
 

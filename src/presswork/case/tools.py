@@ -101,7 +101,7 @@ def _find_place(
 ) -> FloatArray | Problem:
     """Return how far a tool is moved from where it is drawn to where it starts (2) [mm].
 
-    To touch, it goes along its way by the least distance of any node again and again: no node can come nearer than that.
+    To touch, it goes along its way by the least distance of any node again and again: no node can come nearer.
     """
     if tool.position != "touch":
         return np.array(tool.position or (0.0, 0.0))

@@ -110,7 +110,7 @@ def _take_facets(raw: RawMesh, scale: float) -> tuple[FloatArray, IntArray]:
 
 
 def _check_size(size: float, scale: float) -> None:
-    """Refuse a size that no tool has, and name the units of the file's own numbers that give one, the likeliest first."""
+    """Refuse a size that no tool has, and name the units of the file's numbers that give one, the likeliest first."""
     if _SMALLEST <= size <= _LARGEST:
         return
     own = size / scale

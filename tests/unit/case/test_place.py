@@ -59,10 +59,10 @@ def test_a_round_tool_touches_the_corner_that_comes_first() -> None:
 
 
 def test_a_tool_that_never_moves_cannot_be_brought() -> None:
+    case = {**SOLID, "materials": {"steel": STEEL}, "tools": {"punch": {"profile": FLAT, "contact": "sticking",
+            "position": "touch"}}, "stages": [{"name": "pull", "displacement": [
+                {"set": "top", "component": "y", "value": 1}]}]}  # fmt: skip
     with pytest.raises(CaseError, match=r"tools\.punch\.position.*never moves"):
-        case = {**SOLID, "materials": {"steel": STEEL}, "tools": {"punch": {"profile": FLAT, "contact": "sticking",
-                "position": "touch"}}, "stages": [{"name": "pull", "displacement": [
-                    {"set": "top", "component": "y", "value": 1}]}]}  # fmt: skip
         build_model(Case(**case))
 
 
