@@ -187,6 +187,20 @@ def _draw(
         console.print(f"at the end: {verdict['verdict']}", markup=False)
 
 
+def _overlay(results: list[Result], out: Path) -> None:
+    from presswork.view.overlay_plot import plot_overlays
+
+    try:
+        paths = plot_overlays(results, out)
+    except ImportError as error:
+        console.print(f"no pictures: {error}", markup=False)
+        return
+    found = (
+        f"{len(paths)} pictures in {out}" if paths else "nothing to draw over each other: these runs share no quantity"
+    )
+    console.print(found, markup=False)
+
+
 @app.command()
 def check(
     case: CaseFile,
@@ -217,7 +231,9 @@ def plot(
         typer.Option(help="Fields to draw; default: effective stress and strain, of a sheet also its strains."),
     ] = None,
     step: Annotated[list[int] | None, typer.Option(help="Saved steps to draw, from 0, or from the end: -1.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Where to write; default: DIR/plots.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where to write; default: DIR/plots; of several runs: comparison.")
+    ] = None,
     section: Annotated[
         list[str] | None,
         typer.Option(
@@ -230,9 +246,16 @@ def plot(
         Path | None, typer.Option(help="Of a sheet: write its outline as .csv or .dxf, at the last of the steps.")
     ] = None,
 ) -> None:
-    """Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram."""
+    """Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.
+
+    Several folders are drawn over each other, into --out or the folder comparison: force curves, sections, forming
+    limit, contact stress. With fields, steps, sections or an outline each is drawn by itself.
+    """
     sections = [_read_section(text) for text in section or ()]
     try:
+        if len(folders) > 1 and not (field or step or section or outline):
+            _overlay([Result(folder) for folder in folders], out or Path("comparison"))
+            return
         for folder in folders:
             target = out / folder.name if out and len(folders) > 1 else out
             result = Result(folder)

@@ -14,7 +14,7 @@ import typer
 from rich.console import Console
 
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.forming_limit.build import build_curve
+from presswork.case.forming_limit.build import build_curve, mean_r_value
 from presswork.case.library import find_sheet, list_sheets
 from presswork.case.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
@@ -105,7 +105,7 @@ def flc(
             writer.writerows([f"{a:.6g}", f"{b:.6g}"] for a, b in zip(curve.minor, curve.major, strict=True))
         minor, major = curve.lowest()
         typer.echo(f"{curve.method}: lowest at minor {minor:.3f}, major {major:.3f}")
-        typer.echo(draw_curves({"": curve}, sheet.name, path))
+        typer.echo(draw_curves({"": curve}, sheet.name, path, r=mean_r_value(sheet.material)))
 
 
 @material_app.command()

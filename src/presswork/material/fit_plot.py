@@ -42,17 +42,22 @@ def draw_fit(tests: Sequence[TensileTest], fits: Sequence[HardeningFit], young: 
     return path
 
 
-def draw_curves(curves: Mapping[str, FormingLimitCurve], title: str, path: Path) -> Path:
-    """Draw forming limit curves by name. Raises ImportError without matplotlib."""
+def draw_curves(curves: Mapping[str, FormingLimitCurve], title: str, path: Path, *, r: float = 1.0) -> Path:
+    """Draw forming limit curves by name, and the strain path of tension in a sheet of the mean r-value r.
+
+    Raises ImportError without matplotlib.
+    """
     figure = new_figure(6.4, 4.8)
     ax = figure.subplots()
     for name, curve in curves.items():
         ax.plot(curve.minor, curve.major, label=f"{name} ({curve.method})" if name else curve.method)
     top = 1.15 * max(float(curve.major.max()) for curve in curves.values())
-    for slope, text in ((-2.0, "tension, r = 1"), (1.0, "balanced")):
+    tension = -(1 + r) / r
+    for slope, text, side in ((tension, f"tension, r = {r:.3g}", "right"), (1.0, "balanced", "left")):
         ax.plot([0.0, top / slope], [0.0, top], color="0.7", linewidth=0.8)
-        ax.annotate(text, (0.9 * top / slope, 0.9 * top), color="0.5", fontsize=8)
-    ax.set_xlim(-0.55 * top, 1.0 * top)
+        place = 0.4 * top if side == "right" else 0.9 * top
+        ax.annotate(text, (place / slope, place), color="0.5", fontsize=8, ha=side)
+    ax.set_xlim(min(-0.55, 1.02 / tension) * top, 1.0 * top)
     ax.set_ylim(0.0, top)
     ax.set_xlabel("minor true strain")
     ax.set_ylabel("major true strain")

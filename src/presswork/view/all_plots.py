@@ -11,9 +11,9 @@ import numpy as np
 
 from presswork.post.draw_in import write_draw_in
 from presswork.post.section import write_section
-from presswork.results import OutputError, Result, ResultError
+from presswork.post.springback import find_formed_step
+from presswork.results import Result, ResultError
 from presswork.results.formability import FORMABILITY_FIELDS
-from presswork.results.whole_file import explain_write_error
 from presswork.view.blank_plot import plot_blank
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
@@ -27,9 +27,10 @@ from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
 from presswork.view.mirror import Mirror
 from presswork.view.outline_plot import plot_outline
-from presswork.view.section_plot import plot_draw_in, plot_section
+from presswork.view.section_plot import comes_in, plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell
-from presswork.view.style import require_matplotlib, save_picture
+from presswork.view.springback_plot import plot_springback
+from presswork.view.style import bare_figure, create_folder, is_let_go, require_matplotlib, save_picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,44 +73,49 @@ def plot_all(
     if fields is None:
         fields = default_fields(result)
         fields = [field for field in fields if field in result.field_names or field not in FORMABILITY_FIELDS]
+        fields = [field for field in fields if field in FORMABILITY_FIELDS or _is_told(result, field, chosen)]
     count = len(result.times)
     for step in chosen:
         for field in fields:
             result.field(field, step)
     if sections and not result.is_shell:
         raise ResultError(f"{result.folder} holds no sheet that a section could cut")
-    _create(folder)
+    create_folder(folder)
     paths = []
     if (result.is_stamping or result.is_onestep) and not mirror:
         mirror = cast(Mirror, result.info.get("symmetry", ""))
     for step in (step % count for step in chosen):
         if result.is_stamping:
-            figure = plot_section(result, 0.0, step, figure=_new_figure())
+            figure = plot_section(result, 0.0, step, figure=bare_figure())
             figure.set_size_inches(7.0, 6.0)
             paths.append(save_picture(figure, folder / f"section_{step:03d}.png"))
             paths.append(
-                save_picture(plot_outline(result, step, figure=_new_figure()), folder / f"outline_{step:03d}.png")
+                save_picture(plot_outline(result, step, figure=bare_figure()), folder / f"outline_{step:03d}.png")
             )
             write_draw_in(result, folder / f"draw_in_{step:03d}.csv", step)
+            if is_let_go(result, step) and _has_formed_step(result, step):
+                figure = plot_springback(result, 0.0, step, figure=bare_figure())
+                figure.set_size_inches(7.4, 4.8)
+                paths.append(save_picture(figure, folder / f"springback_section_{step:03d}.png"))
         for section in sections:
             paths.append(_draw_section(result, section, step, folder))
         if result.formability.curve is not None:
-            figure = plot_forming_limit(result, step, figure=_new_figure())
+            figure = plot_forming_limit(result, step, figure=bare_figure())
             figure.set_size_inches(7.0, 5.2)
             paths.append(save_picture(figure, folder / f"forming_limit_{step:03d}.png"))
         for field in fields:
             if result.is_shell:
-                figure = plot_shell(result, field, step, mirror=mirror, figure=_new_figure())
+                figure = plot_shell(result, field, step, mirror=mirror, figure=bare_figure())
                 paths.append(save_picture(figure, folder / f"shell_{field}_{step:03d}.png"))
                 continue
-            contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=_new_figure())
+            contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=bare_figure())
             paths.append(save_picture(contours, folder / f"contours_{field}_{step:03d}.png"))
             paths.append(save_picture(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
     if result.is_onestep:
-        return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=_new_figure()), folder / "blank.png")]
+        return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=bare_figure()), folder / "blank.png")]
     paths += [*_plot_forces(result, folder), *_plot_energies(result, folder)]
-    if result.surfaces and count > 1:
-        paths.append(save_picture(plot_draw_in(result, figure=_new_figure()), folder / "draw_in.png"))
+    if result.surfaces and count > 1 and comes_in(result):
+        paths.append(save_picture(plot_draw_in(result, figure=bare_figure()), folder / "draw_in.png"))
     return [*paths, *_plot_interfaces(result, folder, steps)]
 
 
@@ -124,11 +130,25 @@ def default_fields(result: Result) -> Sequence[str]:
     return (*FIELDS, *(name for name in (TEMPERATURE,) if name in result.field_names))
 
 
+def _is_told(result: Result, field: str, steps: Sequence[int]) -> bool:
+    """Say whether a field is anything but zero throughout, as plastic strain is in an elastic sheet."""
+    return any(bool(result.field(field, step).any()) for step in steps)
+
+
+def _has_formed_step(result: Result, step: int) -> bool:
+    """Say whether a step before springback was saved on the same mesh."""
+    try:
+        find_formed_step(result, step)
+    except ResultError:
+        return False
+    return True
+
+
 def _draw_section(result: Result, section: tuple[float, float, float], step: int, folder: Path) -> Path:
     """Draw one section, and write its thickness beside the picture."""
     x, y, angle = section
     path = folder / f"section_{x:g}_{y:g}_{angle:g}_{step:03d}.png"
-    figure = plot_section(result, angle, step, start=(x, y), figure=_new_figure())
+    figure = plot_section(result, angle, step, start=(x, y), figure=bare_figure())
     figure.set_size_inches(7.0, 6.0)
     write_section(result, path.with_suffix(".csv"), float(np.radians(angle)), step, start=(x, y))
     return save_picture(figure, path)
@@ -139,11 +159,11 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
     turning = find_turning_tools(result.history)
     if not (turning or find_moving_tools(result.history)):
         return []
-    figure = _new_figure()
+    figure = bare_figure()
     plot_history(result, ax=figure.subplots())
     paths = [save_picture(figure, folder / ("force_angle.png" if turning else "force_stroke.png"))]
     for tool in turning:
-        figure = _new_figure()
+        figure = bare_figure()
         plot_history(result, y=f"{tool}.torque", ax=figure.subplots())
         paths.append(save_picture(figure, folder / f"torque_{tool}.png"))
     return paths
@@ -154,7 +174,7 @@ def _plot_energies(result: Result, folder: Path) -> list[Path]:
     history = result.history
     if not find_energies(history) or len(history["time"]) == 0:
         return []
-    figure = _new_figure()
+    figure = bare_figure()
     plot_energies(result, figure.subplots())
     return [save_picture(figure, folder / "energies.png")]
 
@@ -164,7 +184,7 @@ def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequ
     if not {"contact_pressure", "contact_shear"} <= set(result.field_names):
         return []
     chosen = None if steps == "last" else steps
-    figures = {tool: plot_interface(result, tool, chosen, figure=_new_figure()) for tool in result.tools}
+    figures = {tool: plot_interface(result, tool, chosen, figure=bare_figure()) for tool in result.tools}
     return [
         save_picture(figure, folder / f"interface_{tool}.png")
         for tool, figure in figures.items()
@@ -174,24 +194,7 @@ def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequ
 
 def _draw_mesh(result: Result, field: str, step: int, mirror: Mirror) -> Figure:
     """Draw the mesh coloured by a field."""
-    figure = _new_figure()
+    figure = bare_figure()
     figure.set_size_inches(*panel_size(result, step, mirror))
     plot_mesh(result, field, step, figure.subplots(), mirror=mirror)
     return figure
-
-
-def _new_figure() -> Figure:
-    """Return a figure that no window system is needed for."""
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=(6.4, 4.2), layout="constrained")
-
-
-def _create(folder: Path) -> None:
-    """Create the folder for the pictures in an existing parent."""
-    try:
-        folder.mkdir(exist_ok=True)
-    except FileNotFoundError as error:
-        raise OutputError(f"{folder} cannot be created: its parent folder does not exist") from error
-    except OSError as error:
-        raise explain_write_error(error, folder, 0) from error

@@ -48,12 +48,17 @@ def plot_forming_limit(
         beside = float(judged.curve.limit(np.array([max(float(minor.max()), 0.0)]))[0])
         top = max(top, 1.35 * judged.curve.lowest()[1], 1.1 * beside)
     r = judged.r
-    for slope, text in ((-(1 + r) / r, f"tension, r = {r:.3g}"), (-1.0, "thickens"), (1.0, "balanced")):
+    for height, slope, text in (
+        (0.97, -(1 + r) / r, f"tension, r = {r:.3g}"),
+        (0.86, -1.0, "thickens"),
+        (0.97, 1.0, "balanced"),
+    ):
         ax.plot([0.0, top / slope], [0.0, top], color="0.75", linewidth=0.8, zorder=0)
         end = min(top, slope * (left if slope < 0 else right))
-        fits = 0.97 * end / slope > left + _LABEL * (right - left)  # left of its line
-        side = "right" if fits else "left"
-        ax.annotate(text, (0.97 * end / slope, 0.97 * end), color="0.5", fontsize=7, ha=side, va="top")
+        place = (height * end / slope, height * end)
+        fits = place[0] > left + _LABEL * (right - left)  # left of its line
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
+        ax.annotate(text, place, color="0.4", fontsize=7, ha="right" if fits else "left", va="top", bbox=box)
     ax.set_xlim(left, right)
     ax.set_ylim(min(0.0, float(major.min())), top)
     ax.set_xlabel("minor true strain [–]")

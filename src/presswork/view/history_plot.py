@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
-from presswork.view.style import clean_axes, new_figure, require_matplotlib
+from presswork.view.style import begin_at_zero, clean_axes, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +33,7 @@ def plot_history(
     their folders. Raises ResultError for an unknown column, or if no tool moves.
     """
     runs = [results] if isinstance(results, Result) else list(results)
-    names = list(labels) if labels is not None else _name_runs(runs)
+    names = list(labels) if labels is not None else name_runs(runs)
     require_matplotlib()
     ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
     drawn: list[tuple[str, str]] = []
@@ -51,7 +51,7 @@ def plot_history(
         ax.set_title(str(runs[0].info.get("title", "")))
     if len(drawn) > 1:
         ax.legend(frameon=False)
-    ax.margins(x=0.02)
+    begin_at_zero(ax)
     clean_axes(ax)
     return ax
 
@@ -70,7 +70,7 @@ def plot_energies(result: Result, ax: Axes | None = None) -> Axes:
     ax.set_ylabel("energy [J]")
     ax.set_title(str(result.info.get("title", "")))
     ax.legend(frameon=False, fontsize="small")
-    ax.margins(x=0.02)
+    begin_at_zero(ax)
     clean_axes(ax)
     return ax
 
@@ -117,7 +117,7 @@ def _choose_columns(
     return pairs
 
 
-def _name_runs(runs: Sequence[Result]) -> list[str]:
+def name_runs(runs: Sequence[Result]) -> list[str]:
     """Return the runs' folder names, with their parents where they would be the same."""
     folders = [run.folder.resolve() for run in runs]
     names = [folder.name for folder in folders]

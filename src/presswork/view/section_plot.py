@@ -10,7 +10,7 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.post.section import ORIGIN, cut_sheet, cut_tool, measure_draw_in
 from presswork.results import Result, ResultError
-from presswork.view.style import clean_axes, describe_step, is_let_go, new_figure, require_matplotlib
+from presswork.view.style import begin_at_zero, clean_axes, describe_step, is_let_go, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,10 +68,18 @@ def plot_section(
     lower.plot(sheet.way, result.field("thickness_strain", step)[sheet.cell], ".-", linewidth=1.2, markersize=3)
     lower.set_xlabel(f"distance from {beginning} in the undeformed blank [mm]")
     lower.set_ylabel("thickness strain [–]")
+    lower.axhline(0.0, color="0.5", linewidth=0.8)
     if start == ORIGIN:
         lower.set_xlim(left=0.0)
     clean_axes(lower)
     return figure
+
+
+def comes_in(result: Result) -> bool:
+    """Say whether the blank's edge has moved along x by the last step on the first mesh."""
+    steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
+    size = float(np.ptp(result.mesh.points, axis=0).max())
+    return any(abs(measure_draw_in(result, float(np.radians(a)), steps[-1])) > 1e-4 * size for a in _DRAW_IN_ANGLES)
 
 
 def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
@@ -104,6 +112,7 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
         ax.plot(stroke, come_in, ".-", label=label, linewidth=1.6)
     ax.set_xlabel(f"{tool} stroke [mm]")
     ax.set_ylabel("draw-in [mm]")
+    begin_at_zero(ax)
     ax.set_title(str(result.info.get("title", "")))
     ax.legend(frameon=False)
     clean_axes(ax)

@@ -17,6 +17,7 @@ from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, ZONE_COLOURS, describe_step, label_field, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
+    from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d import Axes3D
 
@@ -24,6 +25,9 @@ _TOOL_GREYS = ("0.2", "#8a5a2b", "#2b6a8a", "#5a8a2b")
 _TOOL_SECTIONS = (0.0, 90.0, 180.0, 270.0)
 """Half planes in which tools are drawn [degree]: whole surfaces would hide the sheet."""
 ZONE_FIELD = "formability_zone"
+DIVERGING = ("thinning", "thickness_strain", "deviation")
+"""Fields whose sign matters."""
+DIVERGING_COLOURS = "RdBu_r"
 _LIGHT = np.array([0.35, -0.5, 0.8])
 
 
@@ -55,7 +59,8 @@ def plot_shell(
     points = mesh.points + scale * (moved - mesh.points)
     outlines = outline_cells(mesh, points)
     values = None if field is None else _cell_values(result, field, step)
-    colours = _colours(values, outlines, by_zone=field == ZONE_FIELD)
+    scaled = None if values is None else _scale(values, diverging=field in DIVERGING)
+    colours = _colours(values, outlines, scaled, by_zone=field == ZONE_FIELD)
     width = float(np.clip(10.0 / np.sqrt(len(outlines)), 0.04, 0.6)) if show_edges else 0.0
     low, high = points.min(axis=0), points.max(axis=0)
     for x, y in IMAGES[mirror]:
@@ -69,12 +74,37 @@ def plot_shell(
     frame_axes(ax, low, high)
     if field == ZONE_FIELD and values is not None:
         _add_zone_legend(figure, values)
-    elif field is not None and values is not None:
-        _add_colour_bar(figure, ax, values, label_field(result, field))
+    elif field is not None and values is not None and scaled is not None:
+        _add_colour_bar(figure, ax, values, scaled, label_field(result, field))
     title = str(result.info.get("title", "")).strip()
     magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
-    ax.set_title("\n".join(filter(None, (title, describe_step(result, step) + magnified))), fontsize="medium")
+    extremes = "" if values is None or field == ZONE_FIELD else _describe_extremes(values, outlines)
+    ax.set_title("\n".join(filter(None, (title, describe_step(result, step) + magnified, extremes))), fontsize="medium")
     return figure
+
+
+def _describe_extremes(values: FloatArray, outlines: list[FloatArray]) -> str:
+    """Return the smallest and the largest value of the cells and where they are, in the part that is modelled."""
+    if not np.isfinite(values).any():
+        return ""
+    texts = []
+    for cell in (int(np.nanargmin(values)), int(np.nanargmax(values))):
+        x, y, z = outlines[cell].mean(axis=0)
+        texts.append(f"{values[cell]:.3g} at ({x:.0f}, {y:.0f}, {z:.0f})")
+    return " to ".join(texts) + " mm"
+
+
+def _scale(values: FloatArray, *, diverging: bool) -> ScalarMappable:
+    """Return the colours of the values; of a diverging field zero is in the middle, and white."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+    if diverging:
+        largest = max(abs(low), abs(high)) or 1.0
+        return ScalarMappable(Normalize(-largest, largest), DIVERGING_COLOURS)
+    return ScalarMappable(Normalize(low, high if high > low else low + 1.0), COLOURS)
 
 
 def _draw_tools(ax: Axes3D, result: Result, step: int, low: FloatArray, high: FloatArray) -> None:
@@ -115,19 +145,18 @@ def _cell_values(result: Result, field: str, step: int) -> FloatArray:
     return np.concatenate([values[block.connectivity].mean(axis=1) for block in result.mesh_at(step).blocks])
 
 
-def _colours(values: FloatArray | None, outlines: list[FloatArray], *, by_zone: bool) -> FloatArray:
+def _colours(
+    values: FloatArray | None, outlines: list[FloatArray], scaled: ScalarMappable | None, *, by_zone: bool
+) -> FloatArray:
     """Return one colour per cell, darker where the sheet turns away from the light."""
-    from matplotlib import colormaps
-    from matplotlib.colors import Normalize, to_rgba_array
+    from matplotlib.colors import to_rgba_array
 
-    if values is None:
+    if values is None or scaled is None:
         colours = np.tile([0.82, 0.87, 0.93, 1.0], (len(outlines), 1))
     elif by_zone:
         colours = to_rgba_array(ZONE_COLOURS)[values.astype(int)]
     else:
-        finite = values[np.isfinite(values)]
-        low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
-        colours = np.asarray(colormaps[COLOURS](Normalize(low, high if high > low else low + 1.0)(values)))
+        colours = np.array(scaled.to_rgba(values), dtype=np.float64)
     normals = _normals(outlines)
     light = _LIGHT / np.linalg.norm(_LIGHT)
     colours[:, :3] *= (0.72 + 0.28 * np.abs(normals @ light))[:, None]
@@ -178,14 +207,13 @@ def _add_zone_legend(figure: Figure, values: FloatArray) -> None:
     figure.legend(handles=patches, loc="outside lower center", ncols=3, frameon=False, fontsize="small", title=title)
 
 
-def _add_colour_bar(figure: Figure, ax: Axes3D, values: FloatArray, label: str) -> None:
-    """Put a colour bar beside the sheet."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    finite = values[np.isfinite(values)]
-    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
-    drawn = ScalarMappable(Normalize(low, high if high > low else low + 1.0), COLOURS)
-    bar = figure.colorbar(drawn, ax=ax, shrink=0.6, pad=0.1)
+def _add_colour_bar(figure: Figure, ax: Axes3D, values: FloatArray, scaled: ScalarMappable, label: str) -> None:
+    """Put a colour bar beside the sheet; of diverging colours from the smallest to the largest value, zero marked."""
+    bar = figure.colorbar(scaled, ax=ax, shrink=0.6, pad=0.1)
     bar.set_label(label)
+    finite = values[np.isfinite(values)]
+    if scaled.get_cmap().name == DIVERGING_COLOURS and len(finite):
+        low, high = min(float(finite.min()), 0.0), max(float(finite.max()), 0.0)
+        bar.ax.set_ylim(low, high if high > low else low + 1.0)
+        bar.ax.axhline(0.0, color="k", linewidth=1.2)
     bar.outline.set_linewidth(0.5)

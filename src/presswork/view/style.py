@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.results import Result
-from presswork.results.whole_file import replace_whole
+from presswork.results import OutputError, Result
+from presswork.results.whole_file import explain_write_error, replace_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,7 +58,7 @@ class Progress:
     """How far the process has come at a saved step."""
 
     tool: str
-    """The tool that has moved most by the last step."""
+    """The tool that works at this step."""
     stroke: float
     """Its way [mm]."""
     direction: str
@@ -69,14 +69,29 @@ class Progress:
 
 def measure_progress(result: Result, step: int) -> Progress | None:
     """Return the stroke and the body's reduction along it; None if no tool moves in the whole run."""
-    final = {name: float(np.linalg.norm(result.tool_displacement(name))) for name in result.tools}
-    tool = max(final, key=lambda name: final[name], default="")
-    if not tool or final[tool] == 0:
+    tool = find_working_tool(result, step)
+    if tool is None:
         return None
-    axis = int(np.argmax(np.abs(result.tool_displacement(tool))))
+    axis = int(np.argmax(np.abs(result.tool_displacement(tool, step) - result.tool_displacement(tool, 0))))
     extent = float(np.ptp(result.points(step)[:, axis])) / float(np.ptp(result.mesh.points[:, axis]))
     stroke = float(np.linalg.norm(result.tool_displacement(tool, step)))
     return Progress(tool, stroke, ("width", "height")[axis], 1 - extent)
+
+
+def find_working_tool(result: Result, step: int) -> str | None:
+    """Return the tool that has moved most since the step before, or since the last one since which any has moved.
+
+    At the first step it is the one that moves first. None if no tool moves in the whole run.
+    """
+    place = result.surface_displacement if result.surfaces else result.tool_displacement
+    names = list(result.surfaces or result.tools)
+    at = step % len(result.times)
+    for now in [*range(at, 0, -1), *range(at + 1, len(result.times))]:
+        way = {name: float(np.linalg.norm(place(name, now) - place(name, now - 1))) for name in names}
+        tool = max(names, key=lambda name: way[name], default=None)
+        if tool is not None and way[tool] > 0:
+            return tool
+    return None
 
 
 def find_turning_tool(result: Result) -> str | None:
@@ -93,21 +108,48 @@ def is_let_go(result: Result, step: int) -> bool:
 
 def describe_step(result: Result, step: int) -> str:
     """Return what tells a step from others: a roll's angle, stroke and reduction, or the time if no tool moves."""
-    if result.surfaces:
-        way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
-        tool = max(way, key=lambda name: way[name])
-        if way[tool] > 0:
-            stroke = f"{tool} stroke {np.linalg.norm(result.surface_displacement(tool, step)):.2f} mm"
-            return f"{stroke}, after springback" if is_let_go(result, step) else stroke
+    if result.is_onestep:
+        return "part" if step % len(result.times) else "blank"
+    if result.surfaces and (tool := find_working_tool(result, step)) is not None:
+        stroke = f"{tool} stroke {np.linalg.norm(result.surface_displacement(tool, step)):.2f} mm"
+        return f"{stroke}, after springback" if is_let_go(result, step) else stroke
     if (roll := find_turning_tool(result)) is not None:
         return f"{roll} turned by {abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
     progress = measure_progress(result, step)
     if progress is None:
-        return f"time {result.times[step]:.4g} s"
+        time = float(result.times[step])
+        return f"time {1e3 * time:.4g} ms" if 0 < time < 0.1 else f"time {time:.4g} s"
     text = f"{progress.tool} stroke {progress.stroke:.2f} mm"
     if progress.reduction < 0.005:
         return text
     return f"{text}, {progress.direction} of the workpiece reduced by {100 * progress.reduction:.1f} %"
+
+
+def begin_at_zero(ax: Axes, *, x: bool = True) -> None:
+    """Let axes begin at zero where all that is drawn is positive, with a small margin elsewhere."""
+    for axis in ("x", "y") if x else ("y",):
+        parts = [np.asarray(getattr(line, f"get_{axis}data")(), dtype=np.float64) for line in ax.lines]
+        values = np.concatenate([np.zeros(0), *parts])
+        values = values[np.isfinite(values)]
+        if len(values) and values.min() >= -1e-6 * values.max() and values.max() > 0:
+            getattr(ax, f"set_{axis}lim")(0.0, (1.02 if axis == "x" else 1.05) * values.max())
+
+
+def bare_figure(width: float = 6.4, height: float = 4.2) -> Figure:
+    """Return an empty figure [inch] that no window system is needed for."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def create_folder(folder: Path) -> None:
+    """Create the folder for the pictures in an existing parent. Raises OutputError."""
+    try:
+        folder.mkdir(exist_ok=True)
+    except FileNotFoundError as error:
+        raise OutputError(f"{folder} cannot be created: its parent folder does not exist") from error
+    except OSError as error:
+        raise explain_write_error(error, folder, 0) from error
 
 
 def clean_axes(ax: Axes) -> None:

@@ -61,8 +61,7 @@ def build_formability(material: SheetLaws, key: str) -> Formability:
 
     key: of the material in the case, for errors. Raises CaseError.
     """
-    r00, r45, r90 = r_value(material.yield_function.build(), np.radians([0.0, 45.0, 90.0]))
-    r = float(r00 + 2 * r45 + r90) / 4
+    r = mean_r_value(material)
     limit = material.forming_limit
     if limit is None:
         return Formability(r=r)
@@ -72,6 +71,12 @@ def build_formability(material: SheetLaws, key: str) -> Formability:
         raise CaseError([dataclasses.replace(p, key=_place(key, p.key, limit)) for p in error.problems]) from None
     usual = 0.08 if material.young < _ALUMINIUM else 0.1
     return Formability(curve, usual if limit.safety_margin is None else limit.safety_margin, r)
+
+
+def mean_r_value(material: SheetLaws) -> float:
+    """Return the normal anisotropy (r00 + 2 r45 + r90)/4 of a material's yield function."""
+    r00, r45, r90 = r_value(material.yield_function.build(), np.radians([0.0, 45.0, 90.0]))
+    return float(r00 + 2 * r45 + r90) / 4
 
 
 def _place(material: str, key: str, limit: object) -> str:
