@@ -59,8 +59,9 @@ def measure_springback(
 ) -> SectionSpringback:
     """Measure the walls of the section from `start` (x, y) [mm] at an angle from x [rad], formed and at `step`.
 
-    A wall is a run of pieces of the sheet steeper than 60 degrees as formed, without the radii at its ends.
-    Angles and curl radius are those of the draw-bending benchmark (NUMISHEET '93): theta_1, theta_2 and rho. Raises ResultError if nothing has sprung back.
+    A wall is a run of pieces of the sheet steeper than 60 degrees as formed, without the radii at its ends. Angles and
+    curl radius are those of the draw-bending benchmark (NUMISHEET '93): theta_1, theta_2 and rho. Raises ResultError if
+    nothing has sprung back.
     """
     formed = cut_sheet(result, angle, find_formed_step(result, step), start=start)
     free = cut_sheet(result, angle, step, start=start)
