@@ -27,15 +27,15 @@ auto field(const InterfaceOutput& o) {
 
 InterfaceOutput evaluate(Ints slave, Ints master, Ints slots, Ints pairs, Doubles x, Doubles x_n, Doubles slave_depth,
                          Doubles master_depth, Bytes held, Doubles pressure, Doubles shear, Doubles slip,
-                         Doubles stiffness, Doubles shear_limit, double mu, double tangential_part, double reach,
-                         double touching, double largest_pressure, double thickness, bool with_tangent) {
+                         Doubles believed, Doubles least_weight, Doubles stiffness, Doubles shear_limit, double mu,
+                         double tangential_part, double reach, double touching, double thickness, bool with_tangent) {
   const std::size_t n_slots = pressure.size();
   require(slave.shape(1) == master.shape(1), "slave and master edges must have as many nodes");
   require(slots.size() == 2 * slave.shape(0), "slots must have shape (n_slave, 2)");
   require(x.size() == x_n.size() && x.ndim() == 2, "x and x_n must have shape (n_points, 2)");
   require(slave_depth.size() == slave.shape(0) && master_depth.size() == master.shape(0), "one depth an edge");
   require(held.size() == n_slots && shear.size() == n_slots && slip.size() == n_slots && stiffness.size() == n_slots &&
-              shear_limit.size() == n_slots,
+              shear_limit.size() == n_slots && believed.size() == n_slots && least_weight.size() == n_slots,
           "one value a slot");
   InterfaceInput in{edge_list(slave),
                     edge_list(master),
@@ -53,12 +53,13 @@ InterfaceOutput evaluate(Ints slave, Ints master, Ints slots, Ints pairs, Double
                     pressure.data(),
                     shear.data(),
                     slip.data(),
+                    believed.data(),
+                    least_weight.data(),
                     stiffness.data(),
                     tangential_part,
                     shear_limit.data(),
                     mu,
                     touching,
-                    largest_pressure,
                     with_tangent};
   for (std::size_t i = 0; i < pairs.shape(0); ++i) in.pairs.push_back({pairs.data()[2 * i], pairs.data()[2 * i + 1]});
   return evaluate_interface(in);
@@ -74,6 +75,9 @@ void bind_interface(nb::module_& m) {
       .def_prop_ro("shear", &field<&InterfaceOutput::shear>, "Along the slave edge (n_slots,) [MPa].")
       .def_prop_ro("gap", &field<&InterfaceOutput::gap>, "Weighted mean (n_slots,) [mm]; infinite where none faces.")
       .def_prop_ro("slip", &field<&InterfaceOutput::slip>, "Weighted mean (n_slots,) [mm].")
+      .def_prop_ro("slope_places", &field<&InterfaceOutput::slope_places, 2>, "Slots and nodes of the slopes (n, 2).")
+      .def_prop_ro("pressure_slopes", &field<&InterfaceOutput::pressure_slopes, 2>,
+                   "d pressure / d position of active slots (n, 2) [MPa/mm].")
       .def_prop_ro("status", &field<&InterfaceOutput::status>, "0 apart, 1 sticks, 2 slides (n_slots,).")
       .def_prop_ro("push", &field<&InterfaceOutput::push>, "On the master's nodes (n_points,) [N].")
       .def_prop_ro("drag", &field<&InterfaceOutput::drag>, "On the master's nodes (n_points,) [N].")
@@ -84,9 +88,9 @@ void bind_interface(nb::module_& m) {
           "Of the slave on the master [N].");
   m.def("evaluate_interface", &evaluate, nb::arg("slave"), nb::arg("master"), nb::arg("slots"), nb::arg("pairs"),
         nb::arg("x"), nb::arg("x_n"), nb::kw_only(), nb::arg("slave_depth"), nb::arg("master_depth"), nb::arg("held"),
-        nb::arg("pressure"), nb::arg("shear"), nb::arg("slip"), nb::arg("stiffness"), nb::arg("shear_limit"),
-        nb::arg("mu"), nb::arg("tangential_part"), nb::arg("reach"), nb::arg("touching"), nb::arg("largest_pressure"),
-        nb::arg("thickness"), nb::arg("with_tangent"),
+        nb::arg("pressure"), nb::arg("shear"), nb::arg("slip"), nb::arg("believed"), nb::arg("least_weight"),
+        nb::arg("stiffness"), nb::arg("shear_limit"), nb::arg("mu"), nb::arg("tangential_part"), nb::arg("reach"),
+        nb::arg("touching"), nb::arg("thickness"), nb::arg("with_tangent"),
         "Mortar contact of slave and master edges at positions x; see interface.hpp.");
   m.def(
       "find_edge_pairs",

@@ -82,7 +82,9 @@ struct Slot {
   NodeVectors weight_slope, gap_slope, slip_slope;  // by the nodes' positions
   NodeVectors push, drag;                           // nodal forces of a unit pressure and of a unit shear
   double pressure = 0, shear = 0;
-  bool is_active = false;
+  double believed = 0, believed_shear = 0;  // those of the geometric part of the tangent
+  double way = 0;                           // sign of the shear
+  bool is_active = false, follows_push = false;
   SlotStatus status = SlotStatus::apart;
 };
 
@@ -161,20 +163,27 @@ class Interface {
   void apply_laws(int i) {
     Slot& slot = slots_[i];
     if (!(slot.weight > 0.0)) return;
+    if (slot.weight < in_.least_weight[i]) slot.weight = in_.least_weight[i], slot.weight_slope = {};
     slot.gap /= slot.weight;
     slot.slip = slot.slip / slot.weight + in_.slip[i];
     const double trial = in_.pressure[i] - in_.stiffness[i] * slot.gap;
     slot.is_active = in_.held[i] || trial >= -in_.stiffness[i] * in_.touching;
     slot.pressure = in_.held[i] ? trial : std::max(trial, 0.0);
-    if (!(slot.pressure > 0.0)) return;
-    const double limit = limit_of(i), spring = in_.shear[i] - tangential(i) * slot.slip;
+    slot.believed = in_.held[i] ? in_.believed[i] : slot.pressure;
+    if (!(slot.believed > 0.0)) return;
+    const double by_push = in_.mu * slot.believed, limit = std::min(by_push, in_.shear_limit[i]);
+    const double spring = in_.shear[i] - tangential(i) * slot.slip;
     slot.status = limit > 0.0 && std::abs(spring) <= limit ? SlotStatus::sticks : SlotStatus::slides;
-    slot.shear = slot.status == SlotStatus::sticks ? spring : std::copysign(limit, spring);
+    slot.follows_push = slot.status == SlotStatus::slides && by_push <= in_.shear_limit[i];
+    slot.way = std::copysign(1.0, spring);
+    if (slot.status == SlotStatus::sticks)
+      slot.shear = slot.believed_shear = spring;
+    else
+      slot.shear = slot.way * (slot.follows_push ? in_.mu * slot.pressure : limit),
+      slot.believed_shear = slot.way * limit;
   }
 
   double tangential(int i) const { return in_.tangential_part * in_.stiffness[i]; }
-  double by_push(int i) const { return in_.mu * std::max(slots_[i].pressure, 0.0); }
-  double limit_of(int i) const { return std::min(by_push(i), in_.shear_limit[i]); }
 
   void add_forces(const Segment<nodes>& s) {
     const auto& q = s.integrals;
@@ -197,12 +206,6 @@ class Interface {
     }
   }
 
-  // A guess may penetrate so deep that its pressure exceeds any stress that the bodies can bear, and the geometric
-  // terms would drown their stiffness: they get the part of it that is no more than largest_pressure.
-  double credible(int i) const {
-    return std::min(1.0, in_.largest_pressure / std::max(std::abs(slots_[i].pressure), 1e-300));
-  }
-
   void add_block(int row, int column, const double k[4]) {
     out_.block_pairs.insert(out_.block_pairs.end(), {row, column});
     out_.blocks.insert(out_.blocks.end(), k, k + 4);
@@ -211,7 +214,7 @@ class Interface {
   // Pressure and shear held, the geometry changes.
   void add_geometric_blocks(const Segment<nodes>& s) {
     const auto& q = s.integrals;
-    if (slots_[s.slots[0]].pressure == 0.0 && slots_[s.slots[1]].pressure == 0.0) return;
+    if (slots_[s.slots[0]].believed == 0.0 && slots_[s.slots[1]].believed == 0.0) return;
     for (int side = 0; side < 2; ++side)
       for (int i = 0; i < nodes; ++i) {
         Variable force[2] = {0.0, 0.0};
@@ -219,8 +222,7 @@ class Interface {
           const Slot& slot = slots_[s.slots[A]];
           const Variable& m = side == 0 ? q.slave[i][A] : q.master[i][A];
           for (int k = 0; k < 2; ++k)
-            force[k] += m * Variable(credible(s.slots[A])) *
-                        (Variable(slot.shear) * q.tangent[k] - Variable(slot.pressure) * q.normal[k]);
+            force[k] += m * (Variable(slot.believed_shear) * q.tangent[k] - Variable(slot.believed) * q.normal[k]);
         }
         const double sign = side == 0 ? -1.0 : 1.0;  // of -force
         for (int j = 0; j < 4; ++j) {
@@ -234,18 +236,26 @@ class Interface {
   // The geometry held, pressure and shear of the slot change with its gap and slip.
   void add_slot_blocks(int i) {
     const Slot& slot = slots_[i];
-    if (!slot.is_active) return;
+    if (!(slot.weight > 0.0)) return;
     NodeVectors pressure_slope, shear_slope;
     pressure_slope.add(slot.gap_slope, -in_.stiffness[i] / slot.weight);
     pressure_slope.add(slot.weight_slope, in_.stiffness[i] * slot.gap / slot.weight);
-    if (slot.status == SlotStatus::sticks || (slot.pressure <= 0.0 && in_.mu > 1.0)) {
+    store_slopes(i, pressure_slope);
+    if (!slot.is_active) return;
+    if (slot.status == SlotStatus::sticks || (slot.believed <= 0.0 && in_.mu > 1.0)) {
       shear_slope.add(slot.slip_slope, -tangential(i) / slot.weight);
       shear_slope.add(slot.weight_slope, tangential(i) * (slot.slip - in_.slip[i]) / slot.weight);
-    } else if (slot.pressure > 0.0 && by_push(i) <= in_.shear_limit[i]) {
-      shear_slope.add(pressure_slope, std::copysign(in_.mu, slot.shear));
+    } else if (slot.follows_push) {
+      shear_slope.add(pressure_slope, slot.way * in_.mu);
     }
     add_product(slot.push, pressure_slope);
     if (!shear_slope.nodes.empty()) add_product(slot.drag, shear_slope);
+  }
+
+  void store_slopes(int i, const NodeVectors& slope) {
+    for (std::size_t k = 0; k < slope.nodes.size(); ++k)
+      out_.slope_places.insert(out_.slope_places.end(), {i, slope.nodes[k]});
+    out_.pressure_slopes.insert(out_.pressure_slopes.end(), slope.values.begin(), slope.values.end());
   }
 
   void add_product(const NodeVectors& force, const NodeVectors& slope) {

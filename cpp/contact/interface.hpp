@@ -48,12 +48,13 @@ struct InterfaceInput {
   double thickness;                          // normal to the plane [mm]; 0 for full rings
   const std::uint8_t* held;                  // (n_slots): keeps contact even where it pulls
   const double *pressure, *shear, *slip;     // (n_slots): multipliers [MPa], slip still to be undone [mm]
+  const double* believed;                    // (n_slots): pressure for the tangent and for who sticks [MPa]
+  const double* least_weight;                // (n_slots): no mean is taken over less than this [mm2]
   const double* stiffness;                   // (n_slots): normal [MPa/mm]; tangential is a part of it
   double tangential_part;
   const double* shear_limit;  // (n_slots): m k [MPa], infinite without
   double mu;
-  double touching;          // gaps below this [mm] count as contact in the tangent
-  double largest_pressure;  // that counts in full in the geometric part of the tangent [MPa]
+  double touching;  // gaps below this [mm] count as contact in the tangent
   bool with_tangent;
 };
 
@@ -66,6 +67,8 @@ struct InterfaceOutput {
   std::vector<double> blocks;            // (n_blocks, 2, 2): d(-force) / d(position) [N/mm]
   std::vector<double> pressure, shear;   // (n_slots) [MPa]
   std::vector<double> gap, slip;         // (n_slots): weighted means [mm]
+  std::vector<int> slope_places;         // (n_slopes, 2): slot and node of what follows
+  std::vector<double> pressure_slopes;   // (n_slopes, 2): d pressure / d position [MPa/mm], as if the slot were active
   std::vector<std::uint8_t> status;      // (n_slots)
   std::vector<double> push, drag, area;  // (n_points): of the interface on the master's nodes [N, N, mm2]
   double master_force[2] = {0, 0};       // of the slave on the master [N]

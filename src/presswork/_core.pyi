@@ -344,6 +344,14 @@ class InterfaceResult:
         """Weighted mean (n_slots,) [mm]."""
 
     @property
+    def slope_places(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]:
+        """Slots and nodes of the slopes (n, 2)."""
+
+    @property
+    def pressure_slopes(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """d pressure / d position of active slots (n, 2) [MPa/mm]."""
+
+    @property
     def status(self) -> Annotated[NDArray[numpy.uint8], dict(writable=False)]:
         """0 apart, 1 sticks, 2 slides (n_slots,)."""
 
@@ -363,7 +371,7 @@ class InterfaceResult:
     def master_force(self) -> tuple[float, float]:
         """Of the slave on the master [N]."""
 
-def evaluate_interface(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], slots: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], x_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, slave_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], master_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], held: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], pressure: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slip: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear_limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], mu: float, tangential_part: float, reach: float, touching: float, largest_pressure: float, thickness: float, with_tangent: bool) -> InterfaceResult:
+def evaluate_interface(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], slots: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], x_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, slave_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], master_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], held: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], pressure: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slip: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], believed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], least_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear_limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], mu: float, tangential_part: float, reach: float, touching: float, thickness: float, with_tangent: bool) -> InterfaceResult:
     """
     Mortar contact of slave and master edges at positions x; see interface.hpp.
     """

@@ -64,7 +64,7 @@ class State:
     external_force: FloatArray
     """Applied loads, in the same form."""
     velocity: FloatArray
-    """Mean of the last increment (n_points, 3) [mm/s]; no rows without inertia."""
+    """Mean of the last increment (n_points, 2), of a shell (n_points, 3) [mm/s]; no rows without inertia."""
     inertia_force: FloatArray
     """Resistance of the nodes to their acceleration, in the same form [N]."""
     tool_displacement: FloatArray
@@ -150,8 +150,8 @@ class State:
             increment=np.zeros((n, 2)),
             reaction=np.zeros((n, 2)),
             external_force=np.zeros((n, 2)),
-            velocity=np.zeros((n_moving, 3)),
-            inertia_force=np.zeros((n_moving, 3)),
+            velocity=np.zeros((n_moving, 3 if model.analysis == "shell" else 2)),
+            inertia_force=np.zeros((n_moving, 3 if model.analysis == "shell" else 2)),
             tool_displacement=np.zeros((n_tools, 2)),
             tool_angle=np.zeros(n_tools),
             tool_travel=np.zeros((n_tools, 2)),

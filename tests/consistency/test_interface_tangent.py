@@ -35,10 +35,11 @@ class Surfaces:
         self.pairs = _core.find_edge_pairs(self.slave, self.master, self.x, 2.0, False)
         self.arguments = {
             "slave_depth": np.full(4, 0.5), "master_depth": np.full(3, 0.5), "held": np.zeros(n, dtype=np.uint8),
-            "pressure": rng.uniform(5, 9, n),
+            "pressure": rng.uniform(5, 9, n), "believed": np.zeros(n),
+            "least_weight": np.zeros(n),
             "shear": rng.uniform(-1, 1, n), "slip": rng.uniform(-1e-3, 1e-3, n), "stiffness": np.full(n, 300.0),
             "shear_limit": np.full(n, law["m_k"]), "mu": law["mu"], "tangential_part": 0.4, "reach": 0.4,
-            "touching": 1e-9, "largest_pressure": 1e3, "thickness": thickness, "with_tangent": True,
+            "touching": 1e-9, "thickness": thickness, "with_tangent": True,
         }  # fmt: skip
 
     @staticmethod
@@ -84,6 +85,37 @@ def test_interface_tangent_is_the_derivative_of_the_forces(nodes, thickness, law
         slopes[:, j] = -(ahead - behind) / (2 * step)
     assert np.abs(slopes).max() > 10.0
     np.testing.assert_allclose(tangent, slopes, atol=2e-6 * np.abs(slopes).max())
+
+
+@pytest.mark.parametrize("thickness", [0.0, 1.7], ids=["axisymmetric", "plane_strain"])
+@pytest.mark.parametrize("nodes", [2, 3])
+def test_pressure_slopes_are_the_derivatives_of_the_pressures(nodes, thickness) -> None:
+    """By which the iteration says what pressure a correction leads to."""
+    surfaces = Surfaces(nodes, LAWS["frictionless"], thickness)
+    surfaces.arguments["held"] = np.ones(len(surfaces.arguments["held"]), dtype=np.uint8)
+    found = surfaces.evaluate(surfaces.x)
+    change = np.random.default_rng(5).uniform(-1.0, 1.0, surfaces.x.shape)
+    slot, node = np.asarray(found.slope_places).T
+    slopes = np.zeros(len(found.pressure))
+    np.add.at(slopes, slot, (np.asarray(found.pressure_slopes) * change[node]).sum(axis=1))
+    ahead, behind = (np.asarray(surfaces.evaluate(surfaces.x + s * 1e-6 * change).pressure) for s in (1, -1))
+    assert np.abs(slopes).max() > 10.0
+    np.testing.assert_allclose(slopes, (ahead - behind) / 2e-6, atol=1e-5 * np.abs(slopes).max())
+
+
+def test_tangent_and_friction_follow_the_believed_pressure() -> None:
+    """A slot that is held keeps sliding with the pressure believed in, whatever the guess's gap makes of it."""
+    surfaces = Surfaces(2, LAWS["coulomb_slides"], 1.0)
+    n = len(surfaces.arguments["held"])
+    surfaces.arguments |= {"held": np.ones(n, dtype=np.uint8), "believed": np.full(n, 7.0)}
+    lifted = surfaces.x + [0.0, -0.05] * (np.arange(len(surfaces.x)) < len(surfaces.lower))[:, None]
+    found = surfaces.evaluate(lifted)
+    pulls = np.asarray(found.pressure) < 0
+    assert pulls.any()
+    assert (np.asarray(found.status)[pulls] == 2).all()
+    np.testing.assert_allclose(np.abs(found.shear)[pulls], 0.05 * np.abs(found.pressure)[pulls])
+    surfaces.arguments["believed"] = np.full(n, -7.0)
+    assert (np.asarray(surfaces.evaluate(lifted).shear)[pulls] == 0.0).all()
 
 
 @pytest.mark.parametrize("nodes", [2, 3])

@@ -69,7 +69,7 @@ def press_body(law: dict[str, Any]) -> ImplicitProcedure:
                     {"set": "punch.top", "component": "x", "value": 0}]},
                 {"name": "draw", "displacement": [
                     {"set": "punch.top", "component": "y", "value": 0},
-                    {"set": "punch.top", "component": "x", "value": 0.05}]}],
+                    {"set": "punch.top", "component": "x", "value": 0.03}]}],
         solver={"initial_increment": 0.2, "max_increment": 0.2},
     )  # fmt: skip
     return ImplicitProcedure(build_model(case), threads=1)
@@ -115,11 +115,7 @@ def pulls_of_sheet_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, floa
 
 CONTACTS: dict[str, tuple[Callable[[], ImplicitProcedure], Callable[..., tuple[FloatArray, float]]]] = {
     **{f"tool_{name}": (lambda law=law: press_ball(law), pulls_of_tools) for name, law in LAWS.items()},
-    **{
-        f"bodies_{name}": (lambda law=law: press_body(law), pulls_of_slots)
-        for name, law in LAWS.items()
-        if name != "coulomb"
-    },
+    **{f"bodies_{name}": (lambda law=law: press_body(law), pulls_of_slots) for name, law in LAWS.items()},
     "sheet_tools": (draw_sheet, pulls_of_sheet_tools),
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from curved_beams import beams, slide
+from sliding_arches import beams, slide
 
 from presswork.model import SolverSettings
 

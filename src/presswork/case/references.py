@@ -43,7 +43,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         )
     for name, entry in case.tools.items():
         problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
-    problems += _check_umats(case)
+    problems += _check_umats(case) + _check_densities(case)
     if case.solver.control == "arc_length":
         fault = "arc length is for shells under loads alone"
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
@@ -68,6 +68,22 @@ def check_references(case: schema.Case) -> list[Problem]:
                 )
             )
         unloads = unloads or bool(stage.force or stage.pressure)
+    return problems
+
+
+def _check_densities(case: schema.Case) -> list[Problem]:
+    """Return the problems of materials without mass where inertia acts."""
+    if case.solver.inertia == 0.0:
+        return []
+    problems = []
+    for name in sorted({body.material for _, body in list_bodies(case).values()} & set(case.materials)):
+        material = case.materials[name]
+        if isinstance(material, UmatMaterial):
+            fault = "a UMAT has no density, which inertia needs"
+            problems.append(Problem(f"materials.{name}.umat", fault, "leave solver.inertia out, or take hardening"))
+        elif material.density is None:
+            remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
+            problems.append(Problem(f"materials.{name}.density", "missing key", remedy))
     return problems
 
 

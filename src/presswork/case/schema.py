@@ -68,7 +68,7 @@ class Material(Part):
     young: Stress = Field(gt=0, description="Young's modulus [MPa]")
     poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
     hardening: Hardening = Field(description="flow stress against equivalent plastic strain")
-    density: Density | None = Field(default=None, description='explicit: density [t/mm^3], e.g. "7850 kg/m^3"')
+    density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
     rate: RateLaw | None = Field(default=None, description="explicit: factor on the flow stress by strain rate")
     heating: Heating | None = Field(
         default=None, description="explicit: heating by plastic work, and the softening that it brings"

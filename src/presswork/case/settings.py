@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.part import Part
-from presswork.case.units import Number, fault
+from presswork.case.units import Number, Rate, fault
 
 _TERMS = model.TangentTerms()
 _SOLVER = model.SolverSettings()
@@ -88,6 +88,20 @@ class Solver(Part):
         ge=0,
         description="shells: transverse shear stiffness added to the tangent alone, over the elastic one",
     )
+
+    inertia: Number = Field(
+        default=_SOLVER.inertia,
+        ge=0,
+        description="solids: mass over the material's, in the time of the stages: steadies what nothing holds and what "
+        "snaps; needs the materials' density",
+    )
+    damping: Rate = Field(default=_SOLVER.damping, ge=0, description="of this mass [1/s]")
+
+    @model_validator(mode="after")
+    def _check_damping(self) -> Self:
+        if self.damping and not self.inertia:
+            raise fault("damps a mass, but inertia is 0", "add inertia = 1, the materials' own mass", key="damping")
+        return self
 
     @model_validator(mode="after")
     def _check_increments(self) -> Self:

@@ -62,7 +62,7 @@ class SolverSettings:
     contact_stiffness: float = 0.01
     """Shells on tools in space: stiffness of contact over that of the sheet across its thickness."""
     inertia: float = 0.0
-    """Shells: mass over that of the sheet; what moves then resists, by backward Euler in the time of the stages."""
+    """Mass over that of the material; what moves then resists, by backward Euler in the time of the stages."""
     damping: float = 0.0
     """Of this mass [1/s]."""
 

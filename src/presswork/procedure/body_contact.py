@@ -34,6 +34,10 @@ PENETRATION = 1e-3
 """Of the slave edge's length: more than that of gap or slip at nodes that push or stick takes another iteration."""
 STEEPEST = {"frictionless": 0.0, "shear": 1.0, "sticking": 10.0}
 """Most shear over pressure that a law without mu of its own allows: where bodies part, shear goes as pressure does."""
+COVERED = 0.01
+"""Of the surface that a slot stands for: means are taken over no less, or a sliver of contact beside an edge would have
+any pressure.
+"""
 MARGIN = 1.5
 """Edges nearer than this times the mean edge are candidates for contact."""
 REACH = 0.25
@@ -43,7 +47,7 @@ TOUCHING = 1e-6
 MAX_CHANGES = 4
 """Changes after which a slot keeps contact until the increment ends."""
 CREDIBLE = 0.05
-"""Largest pressure that counts in full in the geometric tangent, over Young's modulus."""
+"""Largest pressure, over Young's modulus, with which a slot is taken hold of that a guess has pushed in."""
 RELEASE = 1e-3
 """A slot that may change no more may pull with no more than this part of the largest pressure."""
 STICKS = 1
@@ -91,9 +95,11 @@ class Interface:
         lengths = [np.linalg.norm(points[e[:, 1]] - points[e[:, 0]], axis=1) for e in (self.slave, self.master)]
         self.mean_edge = float(np.concatenate(lengths).mean())
         self.edge = float(lengths[0].mean())
-        self._young = min(model.materials[i].young for b in contact.between for i in self._materials(b))
+        young = min(model.materials[i].young for b in contact.between for i in self._materials(b))
         # the same at all slots: then a uniform pressure makes a uniform penetration, and passes the patch test
-        self.stiffness = np.full(len(self.nodes), STIFFNESS * self._young / self.edge)
+        self.stiffness = np.full(len(self.nodes), STIFFNESS * young / self.edge)
+        self.credible = CREDIBLE * young
+        self._least_weight = COVERED * self._measure_slots()
         self._cell_of = [find_cells_of_edges(model, edges) for edges in (self.slave, self.master)]
         self.pairs: IntArray = np.zeros((0, 2), dtype=np.int32)
         # how deep the other body may reach behind each edge before the two count as apart: half a cell
@@ -108,6 +114,14 @@ class Interface:
         if self._model.analysis == "axisymmetric":
             edges = edges[np.abs(points[edges[:, :2], 0]).max(axis=1) > 1e-9 * np.ptp(points)]
         return np.ascontiguousarray(edges, dtype=np.int32)
+
+    def _measure_slots(self) -> FloatArray:
+        """Return the surface that each slot stands for where all of it is in contact (n_slots,) [mm2]."""
+        points = self._model.mesh.points
+        first, last = points[self.slave[:, 0]], points[self.slave[:, 1]]
+        around = np.pi * (first[:, 0] + last[:, 0]) if self._model.analysis == "axisymmetric" else self._model.depth
+        half = 0.5 * np.linalg.norm(last - first, axis=1) * around
+        return np.bincount(self.slots.ravel(), np.repeat(half, 2), minlength=len(self.nodes)).astype(np.float64)
 
     def _materials(self, body: int) -> list[int]:
         return [self._model.mesh.blocks[i].material for i in self._model.bodies[body].blocks]
@@ -132,14 +146,15 @@ class Interface:
         return np.concatenate(couplings)
 
     def evaluate(
-        self, state_n: State, trial: State, x_n: FloatArray, x: FloatArray, shear_flow: FloatArray, held: MaskArray
-    ) -> _core.InterfaceResult:
+        self, state_n: State, trial: State, x_n: FloatArray, x: FloatArray, shear_flow: FloatArray, held: MaskArray,
+        believed: FloatArray,
+    ) -> _core.InterfaceResult:  # fmt: skip
         """Return the forces of the interface with its nodes at x (n_points, 2), with their tangent."""
         law = self.contact.contact
         with_shear = law in ("shear", "coulomb_capped")
         limit = self.contact.m * shear_flow[self.nodes] if with_shear else np.full(len(self.nodes), np.inf)
         shear, slip = trial.interface_shear, state_n.interface_slip
-        return self._call(trial, shear, slip, x_n, x, held[self.places], self.stiffness, limit)
+        return self._call(trial, shear, slip, x_n, x, held[self.places], believed[self.places], self.stiffness, limit)
 
     def apply(self, state: State, x: FloatArray) -> _core.InterfaceResult:
         """Return the forces of a converged state's pressure and shear, as they are."""
@@ -152,11 +167,13 @@ class Interface:
     def _apply(self, state: State, x: FloatArray, shear: FloatArray) -> _core.InterfaceResult:
         n = len(self.nodes)
         held, unlimited = np.ones(n, dtype=np.uint8), np.full(n, np.inf)
-        return self._call(state, shear, state.interface_slip, x, x, held, np.zeros(n), unlimited, tangent=False)
+        pressure = state.interface_pressure[self.places]
+        slip = state.interface_slip
+        return self._call(state, shear, slip, x, x, held, pressure, np.zeros(n), unlimited, tangent=False)
 
     def _call(
         self, state: State, shear: FloatArray, slip: FloatArray, x_n: FloatArray, x: FloatArray, held: MaskArray,
-        stiffness: FloatArray, shear_limit: FloatArray, *, tangent: bool = True,
+        believed: FloatArray, stiffness: FloatArray, shear_limit: FloatArray, *, tangent: bool = True,
     ) -> _core.InterfaceResult:  # fmt: skip
         law = self.contact.contact
         return _core.evaluate_interface(
@@ -172,13 +189,14 @@ class Interface:
             pressure=state.interface_pressure[self.places],
             shear=shear[self.places],
             slip=slip[self.places],
+            believed=believed,
+            least_weight=self._least_weight,
             stiffness=stiffness,
             shear_limit=shear_limit,
             mu=STEEPEST.get(law, self.contact.mu) if tangent else np.inf,
             tangential_part=STICKING_PART if law == "sticking" else FRICTION_PART,
             reach=REACH * self.mean_edge,
             touching=TOUCHING * self.mean_edge,
-            largest_pressure=CREDIBLE * self._young,
             thickness=0.0 if self._model.analysis == "axisymmetric" else self._model.depth,
             with_tangent=tangent,
         )
@@ -230,6 +248,8 @@ class BodyContacts:
         self._searched_at: FloatArray | None = None
         self._shear_flow = np.zeros(len(model.mesh.points))
         self._held = np.zeros(self.n_slots, dtype=np.uint8)
+        self._believed = np.zeros(self.n_slots)
+        self._credible = np.concatenate([np.zeros(0), *(np.full(len(i.nodes), i.credible) for i in self.interfaces)])
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
         self.n_unsettled = 0
         """Slots that may change no more in this increment, and pull."""
@@ -238,6 +258,7 @@ class BodyContacts:
         """Take contact and shear flow stress [MPa] as they are at the start of the increment."""
         self.n_unsettled = 0
         self._held = (state_n.interface_pressure > 0).astype(np.uint8)
+        self._believed = state_n.interface_pressure.copy()
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
         if any(i.contact.contact in ("shear", "coulomb_capped") for i in self.interfaces):
             self._shear_flow = self._mechanics.nodal_flow_stress(state_n) / np.sqrt(3.0)
@@ -264,7 +285,7 @@ class BodyContacts:
         x, x_n = points + displacement, points + state_n.displacement
         results = []
         for interface in self.interfaces:
-            found = interface.evaluate(state_n, trial, x_n, x, self._shear_flow, self._held)
+            found = interface.evaluate(state_n, trial, x_n, x, self._shear_flow, self._held, self._believed)
             if found.too_deep:
                 return PassedThrough(interface.contact.name)
             results.append(found)
@@ -280,13 +301,27 @@ class BodyContacts:
             details=tuple(results),
         )
 
+    def predict(self, found: BodyForces, change: FloatArray) -> None:
+        """Take the pressures that a change of the nodes (n_points, 2) [mm] leads to where all goes by the tangent.
+
+        They are what the iteration believes in: the penalty makes of the curvature that a change has passed by, a
+        micrometre or so, pressures beyond all bounds, and a tangent or a friction made of those leads nowhere.
+        """
+        for interface, result in zip(self.interfaces, found.details, strict=True):
+            slot, node = np.asarray(result.slope_places).T
+            rise = np.zeros(len(interface.nodes))
+            np.add.at(rise, slot, (np.asarray(result.pressure_slopes) * change[node]).sum(axis=1))
+            self._believed[interface.places] = np.asarray(result.pressure) + rise
+
     def update(self, found: BodyForces, *, near: bool) -> int:
         """Take hold of slots that penetrate and, near equilibrium, let go of those that pull; return the changes."""
         before = self._held.copy()
+        fresh = (found.pressure > 0) & (before == 0)
+        self._believed[fresh] = np.minimum(found.pressure, self._credible)[fresh]
         self._held[found.pressure > 0] = 1
         self._held[found.pressure == 0] = 0
-        pulls = found.pressure < 0
         if near:
+            pulls = found.pressure < 0
             self._held[pulls & (self._changes < MAX_CHANGES)] = 0
             strongly = found.pressure < -RELEASE * found.pressure.max(initial=0.0)
             self.n_unsettled = int((strongly & (self._changes >= MAX_CHANGES)).sum())

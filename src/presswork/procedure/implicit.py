@@ -68,9 +68,9 @@ class ImplicitProcedure:
 
     def _check_held(self) -> None:
         """Refuse bodies that the first increment would push away."""
+        if self.equilibrium.inertia.is_needed:
+            return
         if self.model.analysis == "shell":
-            if self.equilibrium.inertia.is_needed:
-                return
             sheet = self.equilibrium.sheet
             touched = sheet.held_directions(self.state) if sheet else None
             check_shell_held(self.model, self.equilibrium.fixed(0), touched)

@@ -216,7 +216,7 @@ class Equilibrium:
             reaction -= sheet.force
         inertia = self.inertia.evaluate(state_n, increment, dt) if self.inertia.is_needed else None
         if inertia:
-            reaction[:, :3] += inertia.resistance
+            reaction[:, : inertia.resistance.shape[1]] += inertia.resistance
         return Point(displacement, internal, loads, bodies, sheet, inertia, reaction, self._mechanics.length)
 
     def _touch_sheet(self, state_n: State, trial: State, displacement: FloatArray, step: Step) -> SheetForces | None:
@@ -258,6 +258,7 @@ class Equilibrium:
                 self.pushed_sheet_tools.move(trial, balance.pushed, (part - gone) * travel)
                 gone = part
             taken = increment + part * correction
+            self.bodies.predict(point.bodies, part * correction)
             found = self._evaluate(state_n, trial, step, taken, with_stiffness=full)
             if not isinstance(found, BadGuess) or part < SMALLEST_PART:
                 break
@@ -274,6 +275,7 @@ class Equilibrium:
         if abs(after) <= OVERSHOOT * abs(before):
             return taken, found, part
         part = float(np.clip(before / (before - after), 0.1, 0.9)) if before != after else 0.5
+        self.bodies.predict(point.bodies, part * correction)
         shorter = self._evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
         if isinstance(shorter, BadGuess):
             return shorter
