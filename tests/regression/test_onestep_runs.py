@@ -147,7 +147,7 @@ def test_a_law_without_closed_form_is_refused(part, tmp_path):
 
 
 def test_the_blank_starts_a_stamping(part, tmp_path):
-    """The case waits for its tools; with the # taken away it is drawn, from the outline that one step has found."""
+    """The case is drawn as it stands, from the outline that one step has found, by tools of the part's surface."""
     case = tmp_path / "stamping.toml"
     words = [
         part,
@@ -163,36 +163,18 @@ def test_the_blank_starts_a_stamping(part, tmp_path):
         "--no-plot",
     ]
     assert run(*words, "--write-case", case).exit_code == 0
-    waiting = CliRunner().invoke(app, ["check", str(case)])
-    assert waiting.exit_code == 2
-    assert "tools.punch" in waiting.output
-    text = case.read_text()
-    named = (
-        text[: text.index("# Name")]
-        + """
-[tools.punch]
-kind = "punch"
-shape = "round"
-diameter = 49
-edge_radius = 5
-[tools.die]
-kind = "die"
-shape = "round"
-diameter = 51
-edge_radius = 5
-[tools.holder]
-kind = "holder"
-shape = "round"
-diameter = 51
-edge_radius = 1
-"""
-        + text[text.index("[[stages]]") :]
-    )
-    case.write_text(named)
     checked = CliRunner().invoke(app, ["check", str(case)])
     assert checked.exit_code == 0, checked.output
-    for said in ("0.8 mm of numisheet93_mild_steel", "rolling direction: 30 degrees", "5000 N"):
+    for said in ("0.8 mm of numisheet93_mild_steel", "rolling direction: 30 degrees", "5000 N", "punch moves by 12"):
         assert said in checked.output
+    assert run(*words, "--overwrite", "--write-case", case).exit_code == 0, "the tools are replaced with it"
+    case.unlink()
+    again = run(*words, "--overwrite")
+    assert again.exit_code == 0
+    refused = run(*words[:-2], tmp_path / "two", "--no-plot", "--write-case", case)
+    assert refused.exit_code == 2
+    assert "stamping_punch.stl is there already" in refused.output
+    assert run(*words, "--overwrite", "--write-case", case).exit_code == 0
     short = ["--set", "stages.0.velocity=10000", "--set", "blank.element_size=6", "--set", "output.rows=1", "--set",
              "output.steps=1", "--set", "stages.0.tools.punch.stroke=1"]  # fmt: skip
     done = CliRunner().invoke(

@@ -17,7 +17,6 @@ from presswork.mesh import MeshError
 from presswork.model_onestep import OneStepModel
 from presswork.onestep.part import OneStepError
 from presswork.onestep.record import BLANK_DRAWING, BLANK_POINTS, run_one_step
-from presswork.onestep.stamping_case import check_case_path, write_stamping_case
 from presswork.results import OutputError, Result
 
 _BAD_INPUT, _GAVE_UP = 2, 3
@@ -67,7 +66,9 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None], explain: Call
         ] = None,
         write_case: Annotated[
             Path | None,
-            typer.Option(help="Write a stamping (TOML) that starts from the blank and waits for its tools."),
+            typer.Option(
+                help="Write a stamping (TOML) of the blank, with punch, die and holder made from the part (STL)."
+            ),
         ] = None,
         addendum: Annotated[str, typer.Option(help="Width of a level flange to add to the part's outline [mm].")] = "0",
         output: Annotated[Path | None, typer.Option(help="Output folder; default: the part's name beside it.")] = None,
@@ -92,6 +93,8 @@ def add_commands(app: typer.Typer, draw: Callable[[Result], None], explain: Call
         )  # fmt: skip
         try:
             if write_case is not None:
+                from presswork.onestep.stamping_case import check_case_path
+
                 check_case_path(write_case, overwrite=overwrite)
             result = compute(model, folder, overwrite=overwrite, threads=threads, write_case=write_case)
         except OneStepError as error:
@@ -135,7 +138,10 @@ def compute(
 
         result, outline = run_one_step(model, folder, overwrite=overwrite, threads=threads, on_iteration=show)
     if write_case is not None:
-        write_stamping_case(write_case, model, outline, folder / BLANK_POINTS)
+        from presswork.onestep.stamping_case import write_stamping_case
+
+        for note in write_stamping_case(write_case, model, outline, folder / BLANK_POINTS):
+            _console.print(f"{write_case}: {note}", style="yellow", markup=False)
     read = Result(folder)
     for warning in read.summary["warnings"]:
         _console.print(f"warning: {warning}", style="yellow", markup=False)

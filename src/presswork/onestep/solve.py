@@ -145,13 +145,13 @@ def _first_guess(model: OneStepModel) -> FloatArray:
         return flatten(points, triangles, model.rims[0])
     for axis, wanted in enumerate(model.symmetry):
         if wanted:
-            points, triangles = _mirror(points, triangles, axis)
+            points, triangles = mirror_part(points, triangles, axis)
     rims = sorted(find_rims(points, triangles), key=len)
     flat = flatten(points, triangles, rims[-1])
     return lay_over(flat, points[:, :2], np.ones(len(points)))[: len(model.points)]
 
 
-def _mirror(points: FloatArray, triangles: IntArray, axis: int) -> tuple[FloatArray, IntArray]:
+def mirror_part(points: FloatArray, triangles: IntArray, axis: int) -> tuple[FloatArray, IntArray]:
     """Add the image across the plane through the origin; the given nodes keep their numbers."""
     size = float(np.ptp(points, axis=0).max())
     apart = np.abs(points[:, axis]) >= ON_PLANE * size

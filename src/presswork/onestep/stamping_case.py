@@ -1,94 +1,103 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The blank that one step has found as the start of an incremental case: a stamping that waits for its tools."""
+"""The part that one step has laid flat as an incremental case: a stamping by tools that are its surface."""
 
 from __future__ import annotations
 
-import json
 import os
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import tomli_w
 
 from presswork.model_onestep import OneStepModel
+from presswork.onestep.offset_tools import CLEARANCE, offset_tools, write_stl
 from presswork.onestep.outline import BlankOutline
 from presswork.results import OutputError
 from presswork.results.whole_file import replace_whole
 
-_CELLS_ACROSS = 50
-"""Of the blank; whoever knows the tools' radii takes more or fewer."""
-_TOOLS = """
-# Name the tools: take the # away and set what is theirs (the guide has all shapes). The part is {depth:.4g} mm deep.
-# [tools.punch]
-# kind = "punch"
-# shape = "rectangular"
-# size = [51, 51]
-# corner_radius = 10
-# edge_radius = 4
-# mu = {mu:g}
-#
-# [tools.die]
-# kind = "die"
-# shape = "rectangular"
-# size = [54, 54]
-# corner_radius = 11.5
-# edge_radius = 4
-# mu = {mu:g}
-#
-# [tools.holder]
-# kind = "holder"
-# shape = "rectangular"
-# size = [54, 54]
-# corner_radius = 11.5
-# edge_radius = 1
-# mu = {mu:g}
-
-[[stages]]
-name = "draw"
-tools.punch = {{stroke = {depth:.4g}}}
+_CELLS_ACROSS = (50, 200)
+"""Of the blank: at least, and at most where the part's radii ask for more."""
+_CELLS_A_RADIUS = 2.0
+"""Cells along the smallest radius of the part: three round a corner of 90 degrees."""
+_GAP = 1.1
+"""Of a holder that no force pushes, over the thickness."""
+_HEAD = """\
+# A stamping of the part that one step has laid flat: its blank, and tools that are the part's own surface, offset by
+# half the thickness to either side. The die stands {clearance:.3g} mm farther off, but for the flange.
 """
 
 
 def check_case_path(path: Path, *, overwrite: bool = False) -> None:
-    """Raise OutputError if no case can be written there, before anything is computed."""
+    """Raise OutputError if no case and tools can be written there, before anything is computed."""
     if path.suffix.lower() != ".toml":
         raise OutputError(f"{path}: a case is written as .toml")
     if not path.absolute().parent.is_dir():
         raise OutputError(f"{path}: there is no folder {path.absolute().parent}")
-    if path.exists() and not overwrite:
-        raise OutputError(f"{path} is there already; choose another name, or use --overwrite")
+    for file in (path, *(_tool_path(path, kind) for kind in ("punch", "die", "holder"))):
+        if file.exists() and not overwrite:
+            raise OutputError(f"{file} is there already; choose another name, or use --overwrite")
 
 
-def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, points: Path) -> None:
-    """Write a case of a stamping that starts from a blank: outline, thickness, material, friction, depth, holder force.
+def _tool_path(path: Path, kind: str) -> Path:
+    return path.with_name(f"{path.stem}_{kind}.stl")
 
-    outline: of the whole blank; points: its CSV file, which the case names. `presswork check` asks for the tools, which
-    stand in the file as comments. Raises OutputError.
+
+def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, points: Path) -> tuple[str, ...]:
+    """Write a case of a stamping that draws the part from its blank, and STL files of its tools beside it.
+
+    outline: of the whole blank; points: its CSV file, which the case names. Return what is doubtful of the tools.
+    Raises OutputError.
     """
     data = tomllib.loads(model.case_text)
+    middle = 0.5 * (model.points.min(axis=0) + model.points.max(axis=0))[:2]
+    middle[list(model.symmetry)] = 0.0
+    made = offset_tools(model, float(np.linalg.norm(outline.loops[0] - middle, axis=1).max()))
+    case: dict[str, Any] = {
+        "title": f"{model.title}: drawn from the blank that one step has found",
+        "analysis": "stamping",
+    }
+    case |= {"blank": _describe_blank(path, model, outline, points, data["blank"]["material"], made.smallest_radius)}
+    if data.get("materials"):
+        case["materials"] = data["materials"]
+    case["tools"] = {}
+    for tool in made.tools:
+        write_stl(_tool_path(path, tool.kind), tool)
+        case["tools"][tool.kind] = {
+            "kind": tool.kind, "shape": "file", "path": _tool_path(path, tool.kind).name, "mu": model.mu
+        }  # fmt: skip
+    actions: dict[str, Any] = {"punch": {"stroke": float(f"{made.stroke:.6g}")}}
+    if "holder" in case["tools"] and model.holder_force > 0.0:
+        actions["holder"] = {"force": model.holder_force}
+    elif "holder" in case["tools"]:
+        case["tools"]["holder"]["gap"] = float(f"{_GAP * model.thickness:.6g}")
+    if beads := data.get("process", {}).get("beads"):
+        case["beads"] = beads
+    case["stages"] = [{"name": "draw", "tools": actions}]
+    notes = list(made.notes)
+    if len(outline.loops) > 1:
+        notes.append(f"{len(outline.loops) - 1} holes of the blank are left out, and filled in the tools: trim them")
+    text = _HEAD.format(clearance=CLEARANCE * model.thickness)
+    content = (text + "".join(f"# {note}\n" for note in notes) + "\n" + tomli_w.dumps(case)).encode()
+    with replace_whole(path, needed_bytes=len(content)) as temporary:
+        temporary.write_bytes(content)
+    return tuple(notes)
+
+
+def _describe_blank(
+    path: Path, model: OneStepModel, outline: BlankOutline, points: Path, material: str, smallest_radius: float
+) -> dict[str, Any]:
+    """Return the table of the blank."""
     width = max(outline.extent)
-    blank = {
+    fewest, most = _CELLS_ACROSS
+    size = min(width / fewest, max(width / most, smallest_radius / _CELLS_A_RADIUS))
+    return {
         "shape": "outline",
         "path": os.path.relpath(points.resolve(), path.resolve().parent),
         "thickness": model.thickness,
-        "element_size": float(f"{width / _CELLS_ACROSS:.2g}"),
-        "material": data["blank"]["material"],
+        "element_size": float(f"{size:.2g}"),
+        "material": material,
         "rolling_direction": float(f"{np.degrees(model.rolling_direction):.6g}"),
         "symmetry": [axis for axis, is_cut in zip("xy", model.symmetry, strict=True) if is_cut],
     }
-    head = {"title": f"{model.title}: the blank that one step has found", "analysis": "stamping", "blank": blank}
-    if data.get("materials"):
-        head["materials"] = data["materials"]
-    depth = float(np.ptp(model.points[:, 2]))
-    text = tomli_w.dumps(head) + _TOOLS.format(depth=depth, mu=model.mu)
-    if model.holder_force > 0.0:
-        text += f"tools.holder = {{force = {json.dumps(model.holder_force)}}}\n"
-    for bead in model.beads:
-        corners = ", ".join(f"({x:g}, {y:g})" for x, y in bead.points)
-        text += f"# a drawbead was there: {bead.force:g} N/mm along {corners}\n"
-    if len(outline.loops) > 1:
-        text += f"# {len(outline.loops) - 1} holes of the blank are left out: they are cut after drawing\n"
-    content = text.encode()
-    with replace_whole(path, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)

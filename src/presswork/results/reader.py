@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -23,7 +23,13 @@ from presswork.results.folder import HISTORY, RESULTS, SUMMARY
 from presswork.results.formability import FORMABILITY_FIELDS
 from presswork.results.history import read_history
 from presswork.results.vtkhdf import locate_mesh, open_results
+from presswork.results.vtkhdf_tools import find_body
 from presswork.results.whole_file import OutputError
+
+if TYPE_CHECKING:
+    import pandas
+
+    from presswork.results.dataframe import Rows
 
 ALIASES = {"eqps": "equivalent_plastic_strain", "u": "displacement", "mises": "effective_stress"}
 STRESS_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
@@ -91,7 +97,7 @@ class Result:
     def times(self) -> FloatArray:
         """Times of the saved steps [s], shape (n_steps,)."""
         with self._open() as file:
-            return np.asarray(file["VTKHDF/Steps/Values"][()], dtype=np.float64)
+            return np.asarray(find_body(file)["Steps/Values"][()], dtype=np.float64)
 
     @cached_property
     def info(self) -> dict[str, Any]:
@@ -115,7 +121,7 @@ class Result:
     def mesh_at(self, step: int = -1) -> ResultMesh:
         """Return the undeformed mesh of a saved step: one that a sheet was cut to, say, instead of the first."""
         with self._open() as file:
-            parts = file["VTKHDF/Steps/PartOffsets"]
+            parts = find_body(file)["Steps/PartOffsets"]
             part = int(parts[self._index(step, len(parts))])
         if part not in self._meshes:
             self._meshes[part] = self._read_mesh(part)
@@ -127,7 +133,7 @@ class Result:
 
     def _read_mesh(self, part: int) -> ResultMesh:
         with self._open() as file:
-            root, extras, place = file["VTKHDF"], file[f"presswork/meshes/{part}"], locate_mesh(file, part)
+            root, extras, place = find_body(file), file[f"presswork/meshes/{part}"], locate_mesh(file, part)
             connectivity, types = root["Connectivity"][place.ids], root["Types"][place.cells]
             offsets = root["Offsets"][place.offsets]
             blocks, first = [], 0
@@ -167,7 +173,7 @@ class Result:
         """The saved fields, each with "point" or "cell"."""
         with self._open() as file:
             kinds = (("point", "PointData"), ("cell", "CellData"))
-            return {name: kind for kind, group in kinds for name in file[f"VTKHDF/{group}"]}
+            return {name: kind for kind, group in kinds for name in find_body(file)[group]}
 
     def tool_displacement(self, tool: str, step: int = -1) -> FloatArray:
         """Return a tool's displacement since the start [mm], shape (2,)."""
@@ -195,7 +201,7 @@ class Result:
         stored, component = self._resolve(name)
         group, count = ("PointData", "Points") if self.field_names[stored] == "point" else ("CellData", "Cells")
         with self._open() as file:
-            root = file["VTKHDF"]
+            root = find_body(file)
             offsets = root[f"Steps/{group}Offsets/{stored}"]
             index = self._index(step, len(offsets))
             n, start = int(root[f"NumberOf{count}"][root["Steps/PartOffsets"][index]]), int(offsets[index])
@@ -204,12 +210,23 @@ class Result:
                 raise ValueError(f"{stored} has {len(values)} rows, not {n}")
         return values if component is None else values[:, component]
 
+    def to_dataframe(self, rows: Rows = "history", step: int = -1) -> pandas.DataFrame:
+        """Return a pandas table: history.csv, or the fields of all points or cells at a saved step.
+
+        rows: "history" has a row an increment; "point" and "cell" have a column for every component of every field,
+        and x, y (z) of the deformed point, or of the cell's middle [mm]; `.attrs["units"]` has the units of columns.
+        Raises ResultError, without pandas too.
+        """
+        from presswork.results.dataframe import make_dataframe
+
+        return make_dataframe(self, rows, step)
+
     def unit(self, name: str) -> str:
         """Return a field's unit; "" if it is not known, "1" for a pure number."""
         stored, _ = self._resolve(name)
         with self._open() as file:
             group = "PointData" if self.field_names[stored] == "point" else "CellData"
-            return str(file[f"VTKHDF/{group}/{stored}"].attrs.get("units", ""))
+            return str(find_body(file)[f"{group}/{stored}"].attrs.get("units", ""))
 
     def kind(self, name: str) -> str:
         """Return whether a field lives on the "point"s or the "cell"s."""
@@ -272,5 +289,5 @@ class Result:
 
 
 def _attributes(file: h5py.File) -> list[tuple[str, Any]]:
-    """Return the attributes of the run."""
-    return list(file["presswork"].attrs.items())
+    """Return the attributes of the run; where tools have their blocks is for the writer alone."""
+    return [(name, value) for name, value in file["presswork"].attrs.items() if not name.startswith("block ")]

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""results.vtkhdf: meshes and the fields of every saved step, in one file that ParaView opens.
+"""results.vtkhdf: meshes, fields and tools of every saved step, in one file that ParaView opens.
 
-The file is a temporal VTKHDF unstructured grid, version 2.0: all steps on one mesh point to the same points and cells,
-and each step's fields lie one after the other, found by their offsets. A step on another mesh than the one before, of a
-trimmed sheet for instance, adds its own points and cells: VTK calls these a part. Beside it the group /presswork, which
-VTK passes over, holds what the pictures need: cell blocks and boundary edges of each mesh, tool profiles and positions.
+The file is a temporal VTKHDF collection, version 2.1, of unstructured grids: the block `body`, and one for each tool
+(vtkhdf_tools.py). All steps on one mesh point to the same points and cells, and each step's fields lie one after the
+other, found by their offsets. A step on another mesh than the one before, of a trimmed sheet for instance, adds its own
+points and cells: VTK calls these a part. Beside it the group /presswork, which VTK passes over, holds what the pictures
+need: cell blocks and boundary edges of each mesh, tool profiles and positions.
+
+Fields are compressed. Tensors at the layers of a sheet are kept in single precision, all else in double.
 
 Every append writes a copy and renames it. HDF5 has no journal, so an append in place that is killed can leave a file
 that nothing reads; the copy costs a sequential read and write of the file, and in return the file is whole at any
@@ -25,6 +28,14 @@ from numpy.typing import NDArray
 
 from presswork.formability import Info
 from presswork.model import FloatArray, IntArray, Mesh
+from presswork.results.vtkhdf_tools import (
+    COMPRESSION,
+    append_tool_steps,
+    find_body,
+    make_collection,
+    truncate_tool_blocks,
+    write_tool_blocks,
+)
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
 VTK_TYPES = {
@@ -65,6 +76,9 @@ UNITS = {
     **{f"{name}_{place}": "1" for name in _SHEET_STRAINS for place in _PLACES},
 }
 
+_LAYERED = ("stress", "strain", "lamina_stress", "lamina_strain", "back_stress")
+_SINGLE = {f"{name}_{place}" for name in _LAYERED for place in _PLACES}
+"""Fields of single precision: most of a sheet's, and seven digits are more than they have."""
 _ROWS_PER_CHUNK = 16384
 _OVERHEAD_BYTES = 65536
 _COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
@@ -118,6 +132,7 @@ def append_step(
                 _append_fields(file, kind, fields)
             _append_time(file, time)
             _append_tool_positions(file, tool_displacement or {}, tool_angle or {})
+            append_tool_steps(file)
 
 
 def count_steps(path: Path | str) -> int:
@@ -125,7 +140,7 @@ def count_steps(path: Path | str) -> int:
     if not Path(path).exists():
         return 0
     with open_results(path) as file:
-        return int(file["VTKHDF/Steps"].attrs["NSteps"])
+        return int(find_body(file)["Steps"].attrs["NSteps"])
 
 
 def truncate_steps(path: Path | str, n: int) -> None:
@@ -181,9 +196,7 @@ def _check_fields(fields: Mapping[str, FloatArray], n_rows: int) -> dict[str, Fl
 
 def _write_frame(file: h5py.File, info: Info) -> None:
     """Write what a file without meshes and steps holds."""
-    root = file.create_group("VTKHDF")
-    root.attrs["Version"] = np.array([2, 0])
-    root.attrs["Type"] = np.bytes_("UnstructuredGrid")
+    root = make_collection(file)
     for name in _COUNTS:
         root.create_dataset(name, (0,), np.int64, maxshape=(None,), chunks=(16,))
     steps = root.create_group("Steps")
@@ -202,7 +215,7 @@ def _write_frame(file: h5py.File, info: Info) -> None:
 
 def _append_mesh(file: h5py.File, mesh: Mesh) -> None:
     """Append points and cells, and what VTK has no place for: the blocks and the boundary edges."""
-    root = file["VTKHDF"]
+    root = find_body(file)
     cells = [block.connectivity for block in mesh.blocks]
     nodes_per_cell = np.concatenate([np.full(len(c), c.shape[1]) for c in cells])
     kinds = [np.full(len(b.connectivity), VTK_TYPES[b.element.split("_")[0]]) for b in mesh.blocks]
@@ -231,7 +244,7 @@ def _append_mesh(file: h5py.File, mesh: Mesh) -> None:
 
 def locate_mesh(file: h5py.File, part: int) -> MeshPlace:
     """Return where a mesh lies among the points, cells and connectivity of all."""
-    root = file["VTKHDF"]
+    root = find_body(file)
     begin = [int(root[name][:part].sum()) for name in _COUNTS]
     end = [start + int(root[name][part]) for start, name in zip(begin, _COUNTS, strict=True)]
     points, cells, ids = (slice(*ends) for ends in zip(begin, end, strict=True))
@@ -252,7 +265,7 @@ class MeshPlace:
 
 def _is_last_mesh(file: h5py.File, mesh: Mesh) -> bool:
     """Say whether the mesh is that of the last step."""
-    root = file["VTKHDF"]
+    root = find_body(file)
     place = locate_mesh(file, len(root["NumberOfPoints"]) - 1)
     ids = np.concatenate([block.connectivity.ravel() for block in mesh.blocks])
     n_cells = sum(len(block.connectivity) for block in mesh.blocks)
@@ -271,6 +284,7 @@ def _write_tools(
     surfaces: Mapping[str, tuple[FloatArray, IntArray]],
 ) -> None:
     """Write the tools where they start: profiles, or triangles in space."""
+    write_tool_blocks(file, tools, surfaces)
     for name, segments in tools.items():
         tool = file.create_group(f"presswork/tools/{name}")
         tool["segments"] = np.asarray(segments, dtype=np.float64)
@@ -285,8 +299,9 @@ def _write_tools(
 
 def _append_fields(file: h5py.File, kind: str, fields: Mapping[str, FloatArray]) -> None:
     """Append one step's rows of every field, and note where they begin."""
-    group, offsets = file[f"VTKHDF/{kind}Data"], file[f"VTKHDF/Steps/{kind}DataOffsets"]
-    if len(file["VTKHDF/Steps/Values"]) == 0:
+    body = find_body(file)
+    group, offsets = body[f"{kind}Data"], body[f"Steps/{kind}DataOffsets"]
+    if len(body["Steps/Values"]) == 0:
         for name, values in fields.items():
             _create_field(group, name, values)
             offsets.create_dataset(name, (0,), np.int64, maxshape=(None,), chunks=(256,))
@@ -301,7 +316,8 @@ def _create_rows(group: h5py.Group, name: str, values: NDArray[np.generic]) -> h
     """Create an empty dataset whose rows look like those of `values`."""
     columns = values.shape[1:]
     chunks = (max(1, min(len(values), _ROWS_PER_CHUNK)), *columns)
-    return group.create_dataset(name, (0, *columns), values.dtype, maxshape=(None, *columns), chunks=chunks)
+    dtype = np.float32 if name in _SINGLE else values.dtype
+    return group.create_dataset(name, (0, *columns), dtype, maxshape=(None, *columns), chunks=chunks, **COMPRESSION)
 
 
 def _create_field(group: h5py.Group, name: str, values: FloatArray) -> None:
@@ -314,8 +330,9 @@ def _create_field(group: h5py.Group, name: str, values: FloatArray) -> None:
 
 def _append_time(file: h5py.File, time: float) -> None:
     """Append one step on the last mesh."""
-    steps = file["VTKHDF/Steps"]
-    part = len(file["VTKHDF/NumberOfPoints"]) - 1
+    body = find_body(file)
+    steps = body["Steps"]
+    part = len(body["NumberOfPoints"]) - 1
     place = locate_mesh(file, part)
     _append_rows(steps["Values"], np.array([time]))
     begins = (part, place.points.start, place.cells.start, place.ids.start)
@@ -347,7 +364,7 @@ def _append_rows(dataset: h5py.Dataset, rows: NDArray[np.generic]) -> None:
 
 def _truncate(file: h5py.File, n: int) -> None:
     """Cut every growing dataset after `n` steps, and drop the meshes that only later ones have."""
-    root = file["VTKHDF"]
+    root = find_body(file)
     steps = root["Steps"]
     last = int(steps["PartOffsets"][n - 1])
     place = locate_mesh(file, last)
@@ -371,3 +388,4 @@ def _truncate(file: h5py.File, n: int) -> None:
     for tool in file["presswork"].get("surfaces", {}).values():
         tool["displacement"].resize(n, axis=0)
     steps.attrs["NSteps"] = n
+    truncate_tool_blocks(file, n)

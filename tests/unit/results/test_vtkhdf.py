@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ import h5py
 import numpy as np
 import pytest
 
-from presswork.results import OutputError, Result, append_step, count_steps, truncate_steps, vtkhdf
+from presswork.results import OutputError, Result, ResultError, append_step, count_steps, truncate_steps, vtkhdf
 from results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 ELEMENTS = {"tri3": 5, "tri6_7pt": 22, "tri6_6pt": 22, "quad4_fbar": 9, "quad8_2x2": 23, "quad9": 28}
@@ -33,7 +34,7 @@ for k in range(10**6):
 
 
 def read_with_vtk(path: Path, step: int) -> tuple[Any, Any]:
-    """Return VTK's reader and the wrapped grid of a step."""
+    """Return VTK's reader and the wrapped grid of the body at a step."""
     pyvista = pytest.importorskip("pyvista")
     from vtkmodules.vtkIOHDF import vtkHDFReader
 
@@ -42,7 +43,18 @@ def read_with_vtk(path: Path, step: int) -> tuple[Any, Any]:
     reader.UpdateInformation()
     reader.SetStep(step)
     reader.Update()
-    return reader, pyvista.wrap(reader.GetOutput())
+    return reader, pyvista.wrap(reader.GetOutputDataObject(0))["body"]
+
+
+def show_at(path: Path, time: float) -> Any:
+    """Return the blocks that VTK's pipeline shows at a time, as ParaView asks for it."""
+    pyvista = pytest.importorskip("pyvista")
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    reader = vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateTimeStep(time)
+    return pyvista.wrap(reader.GetOutputDataObject(0))
 
 
 @pytest.mark.parametrize("elements", [*[(e,) for e in ELEMENTS], *MIXED], ids="-".join)
@@ -78,8 +90,8 @@ def test_vtk_finds_the_mesh_area(tmp_path: Path, element: str) -> None:
 
 def test_fields_carry_their_units(tmp_path: Path) -> None:
     with h5py.File(write_upset_output(tmp_path) / "results.vtkhdf") as file:
-        assert file["VTKHDF/PointData/displacement"].attrs["units"] == "mm"
-        assert file["VTKHDF/CellData/stress"].attrs["units"] == "MPa"
+        assert file["VTKHDF/body/PointData/displacement"].attrs["units"] == "mm"
+        assert file["VTKHDF/body/CellData/stress"].attrs["units"] == "MPa"
 
 
 def test_truncated_file_reads_in_vtk_and_grows_again_to_the_same(tmp_path: Path) -> None:
@@ -221,7 +233,107 @@ def test_file_that_is_something_else_is_named(tmp_path: Path) -> None:
         count_steps(tmp_path / "results.vtkhdf")
 
 
-def test_tools_are_stored_where_vtk_does_not_look(tmp_path: Path) -> None:
+def test_tools_keep_their_exact_profiles(tmp_path: Path) -> None:
     result = Result(write_upset_output(tmp_path))
     np.testing.assert_array_equal(result.tools["die"], DIE)
     np.testing.assert_array_equal(result.tool_displacement("die", 1), [0.0, -3.0])
+
+
+ROLL = np.array([[2.0, 0.0, -2.0, 0.0, 0.0, 0.0, 1.0], [-2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0]])
+"""A circle of radius 2 about the origin, in two arcs."""
+BLANK_HOLDER = (np.array([[0.0, 0.0, 5.0], [4.0, 0.0, 5.0], [0.0, 3.0, 5.0]]), np.array([[0, 1, 2]], dtype=np.int32))
+
+
+def write_tools(path: Path, steps: int) -> None:
+    mesh = make_mesh()
+    for k in range(steps):
+        append_step(
+            path, mesh, 0.1 * k, *make_fields(mesh, float(k)),
+            tools={"roll": ROLL, "body": DIE}, tool_centre={"roll": np.array([0.0, 0.0])},
+            surfaces={"Blechhalter 1 ü": BLANK_HOLDER},
+            tool_displacement={"roll": np.array([0.5 * k, 0.0]), "Blechhalter 1 ü": np.array([0.0, 0.0, -1.0 * k])},
+            tool_angle={"roll": 0.25 * np.pi * k},
+        )  # fmt: skip
+
+
+def test_tools_move_beside_the_body_in_vtk(tmp_path: Path) -> None:
+    """At a time as ParaView asks for it; warped by `displacement` like the body; in letters that VTK takes."""
+    path = tmp_path / "results.vtkhdf"
+    write_tools(path, 3)
+    for k in (2, 0, 1):
+        blocks = show_at(path, 0.1 * k)
+        assert blocks.keys() == ["body", "roll", "body_", "Blechhalter_1__"]
+        np.testing.assert_array_equal(
+            blocks["body"].point_data["displacement"], make_fields(make_mesh(), float(k))[0]["displacement"]
+        )
+        roll = blocks["roll"]
+        moved = roll.points + roll.point_data["displacement"]
+        np.testing.assert_allclose(np.linalg.norm(roll.points, axis=1), 2.0, rtol=1e-6)
+        np.testing.assert_allclose(np.linalg.norm(moved - [0.5 * k, 0.0, 0.0], axis=1), 2.0, rtol=1e-6)
+        turned = np.array([2.0 * np.cos(0.25 * np.pi * k) + 0.5 * k, 2.0 * np.sin(0.25 * np.pi * k), 0.0])
+        np.testing.assert_allclose(moved[0], turned, atol=1e-6)
+        assert roll.compute_cell_sizes()["Length"].sum() == pytest.approx(4.0 * np.pi, rel=1e-3)
+        holder = blocks["Blechhalter_1__"]
+        np.testing.assert_array_equal(holder.point_data["displacement"], np.tile([0.0, 0.0, -k], (3, 1)))
+        assert holder.compute_cell_sizes()["Area"].sum() == pytest.approx(6.0)
+
+
+def test_tools_are_cut_off_with_their_steps(tmp_path: Path) -> None:
+    path = tmp_path / "results.vtkhdf"
+    write_tools(path, 3)
+    truncate_steps(path, 1)
+    blocks = show_at(path, 0.0)
+    assert blocks["roll"].n_points == blocks["roll"].point_data["displacement"].shape[0]
+    mesh = make_mesh()
+    append_step(path, mesh, 0.7, *make_fields(mesh, 1.0), tool_displacement={"roll": np.array([7.0, 0.0])})
+    np.testing.assert_allclose(
+        show_at(path, 0.7)["roll"].point_data["displacement"], [[7.0, 0.0, 0.0]] * blocks["roll"].n_points
+    )
+
+
+def test_layers_of_a_sheet_are_kept_in_single_precision_and_all_fields_compressed(tmp_path: Path) -> None:
+    mesh = make_mesh()
+    point_data, cell_data = make_fields(mesh, 1.0)
+    cell_data["stress_top"] = cell_data["stress"] + 1.0 / 3.0
+    append_step(tmp_path / "results.vtkhdf", mesh, 0.0, point_data, cell_data)
+    result = Result(tmp_path)
+    np.testing.assert_array_equal(result.field("stress_top"), cell_data["stress_top"].astype(np.float32))
+    np.testing.assert_array_equal(result.field("stress"), cell_data["stress"])
+    with h5py.File(tmp_path / "results.vtkhdf") as file:
+        fields = [f for kind in ("PointData", "CellData") for f in file[f"VTKHDF/body/{kind}"].values()]
+        assert {field.compression for field in fields} == {"gzip"}
+        assert {field.name.rsplit("/", 1)[1] for field in fields if field.dtype == np.float32} == {"stress_top"}
+
+
+def test_pyvista_reads_the_blocks_and_steps_as_the_guide_says(tmp_path: Path) -> None:
+    path = tmp_path / "results.vtkhdf"
+    write_tools(path, 3)
+    guide = (Path(__file__).parents[3] / "docs/guide.md").read_text("utf-8")
+    shown = re.search(r"```python\n(import pyvista.*?)```", guide, re.DOTALL)
+    assert shown is not None
+    pytest.importorskip("pyvista").OFF_SCREEN = True
+    code = shown[1].replace("out/results.vtkhdf", str(path)).replace("square_cup.png", str(tmp_path / "cup.png"))
+    names: dict[str, Any] = {}
+    exec(code, names)
+    assert list(names["times"]) == pytest.approx([0.0, 0.1, 0.2])
+    assert names["blocks"].keys()[0] == "body"
+    assert np.ptp(names["blocks"]["body"].point_data["displacement"]) > 0
+
+
+def test_dataframes_hold_history_points_and_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    result = Result(write_upset_output(tmp_path))
+    history = result.to_dataframe()
+    assert list(history.columns) == list(result.history)
+    np.testing.assert_array_equal(history["die.force"], result.history["die.force"])
+    cells = result.to_dataframe("cell", step=1)
+    np.testing.assert_array_equal(cells["stress_xy"], result.field("stress_xy", 1))
+    np.testing.assert_array_equal(cells["effective_stress"], result.field("effective_stress", 1))
+    assert cells.attrs["units"]["stress_xy"] == "MPa"
+    points = result.to_dataframe("point", step=1)
+    np.testing.assert_array_equal(points[["x", "y"]].to_numpy(), result.points(1))
+    np.testing.assert_array_equal(points["displacement_y"], result.field("displacement", 1)[:, 1])
+    with pytest.raises(ResultError, match="choices are history, point and cell"):
+        result.to_dataframe("cells")  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ResultError, match=r'pip install "presswork\[dataframe\]"'):
+        result.to_dataframe()

@@ -1,0 +1,369 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Punch, die and holder for a part: its mid-surface offset to either side.
+
+The die lies below the part, half a thickness under the flange and half a thickness and the clearance under all else.
+The punch lies half a thickness above what is inside the die's shoulder, and goes up straight from there. The holder
+lies half a thickness above the flange. Die and holder reach as far as the blank. The shoulder is what gets steeper from
+the flange on, cell by cell; where it ceases to, the wall begins.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from presswork.mesh.triangles import double_areas, find_rims, pair_triangles, split_quads
+from presswork.model import BoolArray, FloatArray, IntArray
+from presswork.model_onestep import OneStepModel
+from presswork.onestep.loads import FLAT
+from presswork.onestep.solve import mirror_part
+from presswork.results.whole_file import replace_whole
+
+CLEARANCE = 0.1
+"""Of the thickness: what is left between punch and die beside the sheet, on each side."""
+STEEPER = np.radians(0.5)
+"""By how much the slope of the die's shoulder changes over a triangle, at least [rad]."""
+_FREE = 5.0
+"""Thicknesses by which tools reach beyond an end of the part that is no flange."""
+_ROLL, _ROLLED = 2.0, 6
+"""Radius of the holder's inner edge over the thickness, and the number of chords of its quarter circle."""
+_LONGEST = 2.5
+"""Offset of a node over that of its facets, at most: at sharp corners it is longer."""
+_SINGULAR = 0.02
+"""Part of the largest singular value of a node's normals below which they fix nothing."""
+
+
+@dataclass(frozen=True)
+class OffsetTool:
+    """A tool's face, wound as seen from the sheet."""
+
+    kind: str
+    points: FloatArray
+    """(n_points, 3) [mm]."""
+    triangles: IntArray
+    """(n, 3)."""
+
+
+@dataclass(frozen=True)
+class OffsetTools:
+    """The tools of a part."""
+
+    tools: tuple[OffsetTool, ...]
+    """Punch and die, and a holder if there is a level flange."""
+    stroke: float
+    """Of the punch from where both touch the flat blank to the finished part [mm]."""
+    smallest_radius: float
+    """Of the mid-surface [mm]."""
+    notes: tuple[str, ...]
+
+
+def offset_tools(model: OneStepModel, blank_reach: float, clearance: float = CLEARANCE) -> OffsetTools:
+    """Return the tools of a part.
+
+    blank_reach: farthest point of the blank from the part's middle, from above [mm]; clearance: over the thickness.
+    """
+    points, triangles = _whole_part(model)
+    thickness, reach = model.thickness, 1.2 * blank_reach
+    up = _unit_normals(points, triangles)[:, 2]
+    neighbours = _list_neighbours(triangles)
+    flange = _find_flange(points, triangles, up, thickness, neighbours)
+    outside = ~_without_pinches(triangles, ~_find_shoulder(points, triangles, flange, neighbours))
+    flange = _without_pinches(triangles, flange)
+    under_flange = np.zeros(len(points), dtype=bool)
+    under_flange[triangles[flange]] = True
+    below = points - _offsets(points, triangles, thickness * (0.5 + np.where(under_flange, 0.0, clearance)))
+    above = points + _offsets(points, triangles, np.full(len(points), 0.5 * thickness))
+    die = _extend(below, triangles, flange, reach, thickness)[:2]
+    points_above, face, beyond = _extend(above, triangles, flange, reach, thickness, keep=~outside)
+    stroke = thickness + _highest(*die) - _lowest(points_above, face)
+    punch = _raise_rim(points_above, face, beyond, stroke)
+    tools = [OffsetTool("punch", *_turned(*punch)), OffsetTool("die", *die)]
+    if flange.any():
+        level = points + np.array([0.0, 0.0, 0.5 * thickness])
+        points_level, face, beyond = _extend(level, triangles, flange, reach, thickness, keep=flange)
+        room = _distance_between(level[triangles[flange]], above[triangles[~outside]])
+        holder = _roll_rim(points_level, face, beyond, min(_ROLL * thickness, 0.4 * room))
+        tools.append(OffsetTool("holder", *_turned(*holder)))
+    notes = _find_faults(points, triangles, below, above, bool(flange.any()))
+    return OffsetTools(tuple(_compact(t) for t in tools), stroke, _smallest_radius(points, triangles), notes)
+
+
+def write_stl(path: Path, tool: OffsetTool) -> None:
+    """Write a binary STL file [mm]. Raises OutputError."""
+    corners = tool.points[tool.triangles]
+    rows = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    rows["normal"] = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    rows["corners"] = corners
+    head = f"presswork {tool.kind}, mm".encode().ljust(80)
+    content = head + np.uint32(len(rows)).tobytes() + rows.tobytes()
+    with replace_whole(path, needed_bytes=len(content)) as temporary:
+        temporary.write_bytes(content)
+
+
+def _whole_part(model: OneStepModel) -> tuple[FloatArray, IntArray]:
+    """Return points and triangles of the whole part, wound counter-clockwise from above, its holes filled."""
+    quads = model.quadrilaterals.reshape(-1, 4)
+    triangles = np.concatenate([model.triangles.reshape(-1, 3), split_quads(model.points, quads)])
+    points = model.points
+    if double_areas(points, triangles)[:, 2].sum() < 0.0:
+        triangles = triangles[:, ::-1]
+    for axis, wanted in enumerate(model.symmetry):
+        if wanted:
+            points, triangles = mirror_part(points, triangles, axis)
+    rims = sorted(find_rims(points, triangles), key=lambda rim: -_width(points, rim))
+    for hole in rims[1:]:
+        middle = len(points)
+        points = np.vstack([points, points[hole].mean(axis=0)])
+        fan = np.stack([np.roll(hole, -1), hole, np.full(len(hole), middle)], axis=1)
+        triangles = np.concatenate([triangles, fan])
+    return points, np.ascontiguousarray(triangles, dtype=np.int32)
+
+
+def _width(points: FloatArray, loop: IntArray) -> float:
+    return float(np.ptp(points[loop, :2], axis=0).sum())
+
+
+def _outline(points: FloatArray, triangles: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the ends of the edges of the part's outline, the part on their left, and the triangle of each."""
+    rim = max(find_rims(points, triangles), key=lambda loop: _width(points, loop))
+    after = np.roll(rim, -1)
+    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
+    key = ends[:, 0] * len(points) + ends[:, 1]
+    order = np.argsort(key)
+    at = np.searchsorted(key[order], rim.astype(np.int64) * len(points) + after)
+    return rim, after, np.asarray(order[at] % len(triangles))
+
+
+def _distance_between(one: FloatArray, other: FloatArray) -> float:
+    """Return the least distance of two sets of points (..., 3), seen from above [mm]."""
+    return float(cKDTree(one.reshape(-1, 3)[:, :2]).query(other.reshape(-1, 3)[:, :2])[0].min())
+
+
+def _highest(points: FloatArray, triangles: IntArray) -> float:
+    return float(points[triangles, 2].max())
+
+
+def _lowest(points: FloatArray, triangles: IntArray) -> float:
+    return float(points[triangles, 2].min())
+
+
+def _turned(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
+    return points, triangles[:, ::-1]
+
+
+def _unit_normals(points: FloatArray, triangles: IntArray) -> FloatArray:
+    normals = double_areas(points, triangles)
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
+
+
+def _list_neighbours(triangles: IntArray) -> list[list[int]]:
+    """Return the triangles across the edges of each."""
+    neighbours: list[list[int]] = [[] for _ in range(len(triangles))]
+    for a, b in pair_triangles(triangles).triangles.tolist():
+        neighbours[a].append(b)
+        neighbours[b].append(a)
+    return neighbours
+
+
+def _find_flange(
+    points: FloatArray, triangles: IntArray, up: FloatArray, thickness: float, neighbours: list[list[int]]
+) -> BoolArray:
+    """Return the level triangles that hang together with the highest level stretch of the outline (n,)."""
+    owner = _outline(points, triangles)[2]
+    ends = triangles[owner[up[owner] > FLAT]]
+    high = float(points[ends, 2].max(initial=-np.inf))
+    level = (up > FLAT) & (np.abs(points[triangles, 2] - high) < 0.5 * thickness).all(axis=1)
+    return _spread(level & np.isin(np.arange(len(up)), owner), neighbours, lambda _, there: bool(level[there]))
+
+
+def _find_shoulder(
+    points: FloatArray, triangles: IntArray, flange: BoolArray, neighbours: list[list[int]]
+) -> BoolArray:
+    """Return the flange, and the triangles that go on from it and get steeper downwards, by nodal normals (n,)."""
+    nodal = np.zeros_like(points)
+    for k in range(3):
+        np.add.at(nodal, triangles[:, k], double_areas(points, triangles))
+    nodal /= np.maximum(np.linalg.norm(nodal, axis=1, keepdims=True), 1e-300)
+    slope = np.arccos(np.clip(nodal[:, 2], -1.0, 1.0))[triangles]
+    height = points[triangles, 2]
+    falls = ((slope - slope.mean(axis=1, keepdims=True)) * (height - height.mean(axis=1, keepdims=True))).sum(axis=1)
+    bends = (np.ptp(slope, axis=1) > STEEPER) & (falls < 0.0)
+    return _spread(flange, neighbours, lambda _, there: bool(bends[there]))
+
+
+def _without_pinches(triangles: IntArray, kept: BoolArray) -> BoolArray:
+    """Return the kept triangles (n,) less those at nodes where their rim would meet itself."""
+    kept = kept.copy()
+    while True:
+        rim = _inner_rim(triangles[kept], triangles[~kept]) if kept.any() else np.zeros((0, 2), dtype=int)
+        pinched = np.bincount(rim.ravel(), minlength=1) > 2
+        if not pinched.any():
+            return kept
+        kept &= ~np.isin(triangles, np.flatnonzero(pinched)).any(axis=1)
+
+
+def _spread(start: BoolArray, neighbours: list[list[int]], goes_on: Callable[[int, int], bool]) -> BoolArray:
+    """Return the triangles that can be reached from some, from neighbour to neighbour (n,)."""
+    reached = start.copy()
+    queue = deque(np.flatnonzero(start).tolist())
+    while queue:
+        here = queue.popleft()
+        for there in neighbours[here]:
+            if not reached[there] and goes_on(here, there):
+                reached[there] = True
+                queue.append(there)
+    return reached
+
+
+def _offsets(points: FloatArray, triangles: IntArray, distance: FloatArray) -> FloatArray:
+    """Return the way of each node (n_points, 3) [mm] by which its triangles move by its distance (n_points,).
+
+    Least squares over the triangles round a node, weighted by their angles there; where they lie almost in a plane,
+    along their mean normal alone.
+    """
+    normals = _unit_normals(points, triangles)
+    corners = points[triangles]
+    matrix, right = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
+    for k in range(3):
+        one, other = (corners[:, (k + i) % 3] - corners[:, k] for i in (1, 2))
+        cosine = (one * other).sum(axis=1) / np.maximum(
+            np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1), 1e-300
+        )
+        angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+        np.add.at(matrix, triangles[:, k], angle[:, None, None] * normals[:, :, None] * normals[:, None, :])
+        np.add.at(right, triangles[:, k], angle[:, None] * normals)
+    way = np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=_SINGULAR, hermitian=True), right)
+    length = np.linalg.norm(way, axis=1)
+    way *= (np.minimum(length, _LONGEST) / np.maximum(length, 1e-300))[:, None]
+    return np.asarray(way * distance[:, None])
+
+
+def _extend(
+    points: FloatArray,
+    triangles: IntArray,
+    flange: BoolArray,
+    reach: float,
+    thickness: float,
+    *,
+    keep: BoolArray | None = None,
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return a tool's face, of the triangles kept, drawn out beyond the part's outline: flanges as far as the blank.
+
+    reach: of what is drawn out from the part's middle [mm]. Points, the face, and the triangles that it lacks.
+    """
+    kept = np.ones(len(triangles), dtype=bool) if keep is None else keep
+    rim, after, owner = _outline(points, triangles)
+    out = np.cross(points[after] - points[rim], _unit_normals(points, triangles[owner]))
+    out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-300)
+    at_node = out + np.roll(out, 1, axis=0)
+    at_node /= np.maximum(np.linalg.norm(at_node, axis=1, keepdims=True), 0.3)
+    middle = 0.5 * (points[:, :2].min(axis=0) + points[:, :2].max(axis=0))
+    on_flange = flange[owner] | np.roll(flange[owner], 1)
+    away = np.maximum(reach - np.linalg.norm(points[rim, :2] - middle, axis=1), 0.0)
+    far = _FREE * thickness + np.where(on_flange, away, 0.0)
+    new = len(points) + np.arange(len(rim))
+    strip = np.stack([after, rim, new, after, new, np.roll(new, -1)], axis=1)
+    drawn = points[rim] + far[:, None] * at_node
+    face, others = (
+        np.concatenate([triangles[those], strip[those[owner]].reshape(-1, 3)]).astype(np.int32)
+        for those in (kept, ~kept)
+    )
+    return np.vstack([points, drawn]), face, others
+
+
+def _inner_rim(face: IntArray, others: IntArray) -> IntArray:
+    """Return the edges (n, 2) of a tool's face, wound as it is, beyond which lie triangles that it lacks."""
+    ends, beyond = (
+        np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]]).astype(np.int64)
+        for cells in (face, others)
+    )
+    n = int(max(ends.max(), beyond.max(initial=0))) + 1
+    return np.asarray(ends[np.isin(ends[:, 0] * n + ends[:, 1], beyond[:, 1] * n + beyond[:, 0])])
+
+
+def _raise_rim(points: FloatArray, face: IntArray, others: IntArray, height: float) -> tuple[FloatArray, IntArray]:
+    """Return the punch with a wall straight up from where the shoulder, which it lacks, begins."""
+    rim = _inner_rim(face, others)
+    lower = np.unique(rim)
+    top = points[lower].copy()
+    top[:, 2] += float(np.ptp(points[:, 2])) + height  # a rim that steps up a wall has walls that step, too
+    return _add_rings(points, face, rim, lower, [top])
+
+
+def _roll_rim(points: FloatArray, face: IntArray, others: IntArray, radius: float) -> tuple[FloatArray, IntArray]:
+    """Return the holder, level, with its inner edge rolled up over a quarter of a circle."""
+    rim = _inner_rim(face, others)
+    lower, index = np.unique(rim, return_inverse=True)
+    along = points[rim[:, 1]] - points[rim[:, 0]]
+    out = np.zeros((len(lower), 3))
+    for end in index.reshape(-1, 2).T:
+        np.add.at(out, end, np.stack([along[:, 1], -along[:, 0], np.zeros(len(along))], axis=1))
+    out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-300)
+    up = np.array([0.0, 0.0, 1.0])
+    rings = [
+        points[lower] + radius * (np.sin(angle) * out + (1.0 - np.cos(angle)) * up)
+        for angle in np.linspace(0.0, 0.5 * np.pi, _ROLLED + 1)[1:]
+    ]
+    return _add_rings(points, face, rim, lower, rings)
+
+
+def _add_rings(
+    points: FloatArray, face: IntArray, rim: IntArray, lower: IntArray, rings: list[FloatArray]
+) -> tuple[FloatArray, IntArray]:
+    """Go on from the edges of a rim (n, 2) over rings of points, one for each of its points `lower`."""
+    everything, cells = [points], [face]
+    before = np.full(len(points), -1)
+    before[lower] = lower
+    count = len(points)
+    for ring in rings:
+        after = np.full(len(points), -1)
+        after[lower] = count + np.arange(len(lower))
+        count += len(lower)
+        a, b = rim.T
+        cells.append(np.stack([before[b], before[a], after[a]], axis=1))
+        cells.append(np.stack([before[b], after[a], after[b]], axis=1))
+        everything.append(ring)
+        before = after
+    return np.concatenate(everything), np.concatenate(cells).astype(np.int32)
+
+
+def _compact(tool: OffsetTool) -> OffsetTool:
+    """Return the tool without points that no triangle uses."""
+    used, index = np.unique(tool.triangles, return_inverse=True)
+    return OffsetTool(tool.kind, tool.points[used], index.reshape(-1, 3).astype(np.int32))
+
+
+def _smallest_radius(points: FloatArray, triangles: IntArray) -> float:
+    """Return the radius of curvature that a hundredth of the bent edges fall below [mm]; infinite for a flat part."""
+    pairs, normals = pair_triangles(triangles).triangles, _unit_normals(points, triangles)
+    turn = np.arccos(np.clip((normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1), -1.0, 1.0))
+    bent = turn > np.radians(1.0)
+    if not bent.any():
+        return float("inf")
+    one, other = triangles[pairs[bent, 0]], triangles[pairs[bent, 1]]
+    ends = one[(one[:, :, None] == other[:, None, :]).any(axis=2)].reshape(-1, 2)
+    edge = np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1)
+    twice = np.linalg.norm(double_areas(points, triangles), axis=1)[pairs[bent]].mean(axis=1)
+    return float(np.quantile(twice / edge / turn[bent], 0.01))
+
+
+def _find_faults(
+    points: FloatArray, triangles: IntArray, below: FloatArray, above: FloatArray, has_flange: bool
+) -> tuple[str, ...]:
+    """Say what is doubtful of the tools."""
+    notes = []
+    before = double_areas(points, triangles)
+    folded = [(before * double_areas(x, triangles)).sum(axis=1) < 0.0 for x in (below, above)]
+    if (count := int(np.any(folded, axis=0).sum())) > 0:
+        at = points[triangles[int(np.argmax(np.any(folded, axis=0)))]].mean(axis=0)
+        where = ", ".join(f"{x:.4g}" for x in at)
+        notes.append(f"{count} facets of the tools fold over, the first at ({where}): radii below half the thickness")
+    if not has_flange:
+        notes.append("the part has no level flange: it is pressed between punch and die without a holder")
+    return tuple(notes)
