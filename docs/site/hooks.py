@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages of the site that are made when it is built: overview, contributing and changes from the root, the gallery."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "src/presswork/examples"
+PAGES = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
+PICTURES = {"strip_rolling": "rolling", "extrusion_curved": "extrusion"}
+"""Of examples whose picture has another name."""
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the pages that stand in no file of docs/."""
+    for page, source in PAGES.items():
+        text = (
+            (ROOT / source)
+            .read_text("utf-8")
+            .replace("](docs/", "](")
+            .replace("](CONTRIBUTING.md", "](contributing.md")
+        )
+        files.append(File.generated(config, page, content=text))
+    files.append(File.generated(config, "gallery.md", content=make_gallery()))
+    return files
+
+
+def on_page_markdown(markdown: str, **_: object) -> str:
+    """Point links to files of the root at the pages made from them."""
+    return markdown.replace("](../CONTRIBUTING.md", "](contributing.md")
+
+
+def make_gallery() -> str:
+    """Return a section for every example: title, picture, how to run it, and its case file."""
+    sections = []
+    for case in sorted(EXAMPLES.glob("*.toml")):
+        text = case.read_text("utf-8")
+        title = re.search(r'^title = "(.*)"', text, re.MULTILINE)
+        assert title is not None, f"{case.name} has no title"
+        picture = PICTURES.get(case.stem, case.stem)
+        image = f"![{title[1]}](img/{picture}.png)\n\n" if (ROOT / f"docs/img/{picture}.png").is_file() else ""
+        run = f"```sh\npresswork examples {case.stem} && presswork run {case.stem}.toml\n```"
+        sections.append(f"## {title[1]}\n\n{image}{run}\n\n```toml\n{text}```\n")
+    head = "# Gallery\n\nThe examples that come with presswork; `presswork examples` lists them.\n\n"
+    return head + "\n".join(sections)
