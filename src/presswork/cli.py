@@ -301,7 +301,8 @@ def examples(
 @app.command()
 def schema(
     kind: Annotated[
-        str | None, typer.Argument(help="solid or shell; none: all kinds of case.", show_default=False)
+        str | None,
+        typer.Argument(help="solid, shell, stamping or onestep; none: all kinds of case.", show_default=False),
     ] = None,
 ) -> None:
     """Print the JSON schema of case files, for editors that complete them."""

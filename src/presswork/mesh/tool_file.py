@@ -32,7 +32,7 @@ from presswork.model import FloatArray, IntArray
 
 _SMALLEST, _LARGEST = 1.0, 1e4
 """Diagonals of tools that are believed [mm]."""
-_USUAL = 200.0
+_USUAL = 80.0
 """That of a tool of usual size [mm]."""
 _UNITS = {"m": 1e3, "inch": 25.4, "cm": 10.0, "mm": 1.0, "um": 1e-3}
 

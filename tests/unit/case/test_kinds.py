@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import pickle
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -84,3 +85,10 @@ def test_case_error_survives_pickling() -> None:
     assert str(copy) == str(error)
     assert copy.problems == error.problems
     assert copy.source == "x.toml"
+
+
+@pytest.mark.parametrize("example", list_examples())
+def test_every_example_names_its_schema_and_its_kind_is_in_it(example: str, tmp_path: Path) -> None:
+    text = copy_example(example, tmp_path).read_text()
+    assert text.startswith("#:schema presswork.schema.json\n")
+    assert tomllib.loads(text)["analysis"] in json_schema()["discriminator"]["mapping"]

@@ -204,3 +204,10 @@ def test_surface_written_and_read_is_the_same(stl: Path) -> None:
     gap = drawn.surface().nearest(WHERE)[0]
     near = np.abs(gap) < 3.0
     assert np.abs(tool.surface().nearest(WHERE)[0] - gap)[near].max() < 0.02
+
+
+@pytest.mark.parametrize("scale", [1e3, 1e-3])
+def test_a_wrong_unit_names_the_right_one_first(stl: Path, scale: float) -> None:
+    """The block is 54 across in the file's own numbers: whatever unit was given, these are millimetres."""
+    with pytest.raises(MeshError, match=r'give its unit: "mm" \(53.85 mm\) or "cm"'):
+        read_tool(write_stl(stl, POINTS, BOX), scale=scale)
