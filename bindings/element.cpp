@@ -25,10 +25,12 @@ void bind_element(nb::module_& m) {
       .def(
           "__init__",
           [](PointSettings* self, StrainMeasure measure, TangentKind tangent, bool green_lagrange_matrix, bool k_e,
-             bool k_u, bool k_v) { new (self) PointSettings{measure, tangent, green_lagrange_matrix, k_e, k_u, k_v}; },
+             bool k_u, bool k_v, bool small_displacements) {
+            new (self) PointSettings{measure, tangent, green_lagrange_matrix, k_e, k_u, k_v, small_displacements};
+          },
           nb::kw_only(), nb::arg("measure") = StrainMeasure::log, nb::arg("tangent") = TangentKind::consistent,
           nb::arg("green_lagrange_matrix") = false, nb::arg("k_e") = true, nb::arg("k_u") = true,
-          nb::arg("k_v") = false);
+          nb::arg("k_v") = false, nb::arg("small_displacements") = false);
 
   m.def(
       "element_sizes",

@@ -164,6 +164,15 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
             set_columns(self.force.data(), self.nodes.n, 6, 6, f, "force must have shape (n_nodes, 6)");
           },
           nb::rv_policy::move, "Nodal forces and moments from outside (n_nodes, 6) [N, N mm].")
+      .def_prop_rw(
+          "reaction_impulse",
+          [](const Loop& self) { return get_columns(self.reaction_impulse.data(), self.nodes.n, 6, 0, 6); },
+          [](Loop& self, Doubles x) {
+            set_columns(self.reaction_impulse.data(), self.nodes.n, 6, 6, x,
+                        "the impulse must have shape (n_nodes, 6)");
+          },
+          nb::rv_policy::move,
+          "Impulse of what holds prescribed freedoms (n_nodes, 6), added up until it is set to zero [N s, N mm s].")
       .def(
           "prescribe",
           [](Loop& self, Bytes fixed, Doubles velocity) {

@@ -260,6 +260,12 @@ void bind_explicit_solids(nb::module_& m) {
   bind_field<&SolidLoop::force, 2>(c, "force", "Nodal forces from outside (n_nodes, 2) [N].");
   bind_field<&SolidLoop::internal_force, 2>(c, "internal_force", "Internal forces (n_nodes, 2) [N].");
   c.def_prop_rw(
+      "reaction_impulse",
+      [](const SolidLoop& self) { return copy(self.reaction_impulse, {std::size_t(self.n_nodes), 2}); },
+      [](SolidLoop& self, Doubles x) { assign(self.reaction_impulse, x, "the impulse must have shape (n_nodes, 2)"); },
+      nb::rv_policy::move,
+      "Impulse of what holds prescribed freedoms (n_nodes, 2), added up until it is set to zero [N s].");
+  c.def_prop_rw(
       "mass_factor",
       [](const SolidLoop& self) {
         std::vector<double> all;

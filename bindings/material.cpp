@@ -10,6 +10,7 @@ void bind_material(nb::module_& m) {
       .value("swift", HardeningLaw::swift)
       .value("ludwik", HardeningLaw::ludwik)
       .value("voce", HardeningLaw::voce)
+      .value("linear_voce", HardeningLaw::linear_voce)
       .value("hockett_sherby", HardeningLaw::hockett_sherby)
       .value("table", HardeningLaw::table)
       .value("swift_voce", HardeningLaw::swift_voce)

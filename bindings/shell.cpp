@@ -27,7 +27,8 @@ auto tabulate(const std::string& name) {
 auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doubles points, Doubles increment,
               Doubles director, Doubles layer_position, Doubles layer_weight, const SheetLaw& law, double dt,
               double penalty, const std::vector<Doubles>& state_n, const std::vector<MutableDoubles>& state,
-              MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric) {
+              MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric,
+              bool small_displacements) {
   const auto shell = shell_named(name);
   const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width, freedoms = 6 * shell.nodes;
   const std::size_t q = n * shell.points, k = layer_position.size(), h = law.history_size();
@@ -75,7 +76,8 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
                        volume.data(),
                        force.data(),
                        stiffness ? stiffness->data() : nullptr,
-                       symmetric};
+                       symmetric,
+                       small_displacements};
   ShellFailure failure;
   {
     nb::gil_scoped_release release;
@@ -108,6 +110,7 @@ void bind_shell(nb::module_& m) {
         nb::arg("points"), nb::arg("increment"), nb::arg("director"), nb::arg("layer_position"),
         nb::arg("layer_weight"), nb::arg("law"), nb::kw_only(), nb::arg("dt"), nb::arg("penalty"), nb::arg("state_n"),
         nb::arg("state"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(), nb::arg("symmetric"),
+        nb::arg("small_displacements") = false,
         "Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness "
         "(n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear "
         "(n_cells, q, 2)]. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and "

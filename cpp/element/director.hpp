@@ -60,6 +60,19 @@ struct DirectorTurn {
     for (int i = 0; i < 3; ++i) change[i] = a * turned[i] + b * (along * theta[i] - s * d0[i]);
   }
 
+  // Small displacements: d - d0 = theta x d0
+  void turn_linearly(const T rotation[3], const T start[3]) {
+    for (int i = 0; i < 3; ++i) theta[i] = rotation[i], d0[i] = start[i];
+    cross3(theta, d0, turned);
+    s = T(0.0);
+    for (int i = 0; i < 3; ++i) change[i] = turned[i];
+  }
+  void differentiate_linearly(T slope[3][3]) const {
+    const T cross[3][3] = {{T(0.0), d0[2], -d0[1]}, {-d0[2], T(0.0), d0[0]}, {d0[1], -d0[0], T(0.0)}};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) slope[i][j] = cross[i][j];
+  }
+
   // slope[i][j] = d d_i/d theta_j
   void differentiate(T slope[3][3]) const {
     const T cross[3][3] = {{T(0.0), d0[2], -d0[1]}, {-d0[2], T(0.0), d0[0]}, {d0[1], -d0[0], T(0.0)}};

@@ -8,6 +8,7 @@
 // `thesis` adds the parts of thesis eq. 14, each switchable; with all four and the consistent D the two agree as dt ->
 // 0:
 //     K_o: D : sym l      K_e: -(sigma d + d sigma)      K_u: l sigma      K_v: sigma tr l
+// With small displacements the strain is sym(F - 1), nothing turns, and a = D.
 #pragma once
 
 #include "kinematics/increment.hpp"
@@ -22,6 +23,7 @@ struct PointSettings {
   TangentKind tangent = TangentKind::consistent;
   bool green_lagrange_matrix = false;  // K_o on B0 + B_L
   bool k_e = true, k_u = true, k_v = false;
+  bool small_displacements = false;  // points are undeformed, strain and equilibrium linear in the displacement
 };
 
 template <class T>
@@ -53,6 +55,19 @@ void add_geometric(const T s[4], T a[5][5]) {
   a[2][0] -= s[3], a[2][1] -= s[1];
   a[3][2] -= s[3], a[3][3] -= s[1];
   a[4][4] -= s[2];
+}
+
+// sym(F - 1): xx, yy, zz, xy (engineering)
+template <class T>
+void small_strain(const T F[5], T strain[4]) {
+  strain[0] = F[0] - T(1.0), strain[1] = F[3] - T(1.0), strain[2] = F[4] - T(1.0), strain[3] = F[1] + F[2];
+}
+
+template <class T>
+void small_modulus(const T D[4][4], T a[5][5]) {
+  constexpr int strain_of[5] = {0, 3, 3, 1, 2};
+  for (int r = 0; r < 5; ++r)
+    for (int k = 0; k < 5; ++k) a[r][k] = D[strain_of[r]][strain_of[k]];
 }
 
 template <class T>
@@ -123,9 +138,17 @@ template <class T>
 void respond(const PointSettings& settings, const VonMises& law, const T F[5], PointState<T>& state,
              PointResponse<T>& response) {
   const bool with_tangent = settings.tangent != TangentKind::none;
+  T D[4][4];
+  if (settings.small_displacements) {
+    T strain[4];
+    point::small_strain(F, strain);
+    update_von_mises(law, strain, state, with_tangent ? D : nullptr);
+    for (int i = 0; i < 4; ++i) response.stress[i] = state.stress[i];
+    if (with_tangent) point::small_modulus(D, response.modulus);
+    return;
+  }
   Increment<T> inc;
   measure_increment(F, settings.measure, with_tangent, inc);
-  T D[4][4];
   update_von_mises(law, inc.strain, state, with_tangent ? D : nullptr);
   const T unturned[4] = {state.stress[0], state.stress[1], state.stress[2], state.stress[3]};
   turn_stress(inc.cosine, inc.sine, unturned, state.stress);

@@ -17,6 +17,9 @@
 // term K_p of Cheng (1995, eq. 29) to the tangent alone: penalty times the elastic shear stiffness; no answer depends
 // on it.
 //
+// With small displacements positions and directors are the undeformed ones, strains and d - d0 = theta x d0 are linear
+// in the increment, forces are those on the undeformed shell, and the thickness stays.
+//
 // Cells are taken pack_width at a time as solid2d.hpp does; row = 6 node + freedom.
 #pragma once
 
@@ -220,9 +223,10 @@ struct Shell {
       }
   }
 
-  // Law and stress on second derivatives of strain, by nodal positions and directors: row = 6 node + (x | d) component
+  // Law and, if asked, stress on second derivatives of strain, by nodal positions and directors: row = 6 node + (x | d)
+  // component
   static void add_stiffness(const Forms& forms, int q, const Gradient& g, const Resultants& r, const T shear[2],
-                            const T D[2][2], T (*K)[freedoms]) {
+                            const T D[2][2], bool with_stress, T (*K)[freedoms]) {
     for (int b = 0; b < nodes; ++b)
       for (int j = 0; j < 3; ++j) {
         T t[4][3], px[2], pd[2];
@@ -251,6 +255,7 @@ struct Shell {
             row_d[3] += dd + g.Y[0][a][i] * pd[0] + g.Y[1][a][i] * pd[1];
           }
       }
+    if (!with_stress) return;
     for (int a = 0; a < nodes; ++a)
       for (int b = 0; b < nodes; ++b) {
         T xx(0.0), xd(0.0), dd(0.0), dx;
@@ -268,17 +273,17 @@ struct Shell {
   }
 
   // From directors to rotation vectors, in place: forces first, as the curvature of the rotation needs them
-  static void take_rotations(const Nodes& n, T force[freedoms], T (*K)[freedoms]) {
+  static void take_rotations(const Nodes& n, T force[freedoms], T (*K)[freedoms], bool small) {
     T slope[mesh_nodes][3][3];
     for (int a = 0; a < mesh_nodes; ++a) {
       T* f = force + 6 * a + 3;
       const T moment[3] = {f[0], f[1], f[2]};
-      n.turn[a].differentiate(slope[a]);
+      small ? n.turn[a].differentiate_linearly(slope[a]) : n.turn[a].differentiate(slope[a]);
       for (int j = 0; j < 3; ++j)
         f[j] = moment[0] * slope[a][0][j] + moment[1] * slope[a][1][j] + moment[2] * slope[a][2][j];
       if (!K) continue;
-      T second[3][3];
-      n.turn[a].curve(moment, second);
+      T second[3][3] = {};
+      if (!small) n.turn[a].curve(moment, second);
       for (int row = 0; row < 6 * mesh_nodes; ++row) {
         T* k = &K[row][6 * a + 3];
         const T old[3] = {k[0], k[1], k[2]};

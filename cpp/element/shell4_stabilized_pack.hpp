@@ -33,8 +33,7 @@ struct StabilizedPack : ShellPack<Cell::quad4, 1, Tying::mitc, T> {
     // 1. directors, configurations half-way and at the end
     T step[4][3], turn[4][3], turned(0.0);
     for (int a = 0; a < 4; ++a) {
-      const T theta[3] = {n.turn[a].theta[0], n.turn[a].theta[1], n.turn[a].theta[2]};
-      n.turn[a].turn(theta, n.d[a]);
+      this->turn(a);
       turned = larger(turned, n.turn[a].s);
       this->place(a);
       for (int i = 0; i < 3; ++i) step[a][i] = n.u[a][i], turn[a][i] = n.turn[a].change[i];
@@ -88,7 +87,7 @@ struct StabilizedPack : ShellPack<Cell::quad4, 1, Tying::mitc, T> {
     T(*K)[freedoms] = view.stiffness ? matrix : nullptr;
     to_nodes(end, r, force);
     if (K) differentiate(r, C, K);
-    Kernel::take_rotations(n, force, K);
+    Kernel::take_rotations(n, force, K, view.small);
     this->write(force, K);
     return {};
   }
@@ -153,6 +152,7 @@ struct StabilizedPack : ShellPack<Cell::quad4, 1, Tying::mitc, T> {
       for (int p = 0; p < freedoms; ++p)
         for (int j = 0; j < freedoms; ++j) K[p][j] += B[i][p] * CB[j];
     }
+    if (view.small) return;
     // 2. stress on second derivatives: forces on unit configurations, the same for each direction in space
     for (int b = 0; b < 4; ++b)
       for (int of_director = 0; of_director < 2; ++of_director) {

@@ -20,19 +20,20 @@ struct Bubble {
   static constexpr int nodes = 3, freedoms = 24, at = 21;  // row of d_4
   T q_n[2], q[2];                                          // at t and t+dt [1/mm]
   T side_n[2][3], side[2][3];                              // a_1, a_2
+  bool small = false;                                      // displacements: d_4 is none at the start, and a_i stay
 
   void span(const T x[][3], const T u[][3]) {
     for (int k = 0; k < 2; ++k)
       for (int i = 0; i < 3; ++i) {
         side_n[k][i] = x[k + 1][i] - x[0][i];
-        side[k][i] = side_n[k][i] + (u[k + 1][i] - u[0][i]);
+        side[k][i] = small ? side_n[k][i] : side_n[k][i] + (u[k + 1][i] - u[0][i]);
       }
   }
 
   // d_4 at t, and its change
   void direct(T d[3], T change[3]) const {
     for (int i = 0; i < 3; ++i) {
-      d[i] = q_n[0] * side_n[0][i] + q_n[1] * side_n[1][i];
+      d[i] = small ? T(0.0) : q_n[0] * side_n[0][i] + q_n[1] * side_n[1][i];
       change[i] = T(0.0);
       for (int k = 0; k < 2; ++k) change[i] += (q[k] - q_n[k]) * side[k][i] + q_n[k] * (side[k][i] - side_n[k][i]);
     }
@@ -42,12 +43,12 @@ struct Bubble {
   void reduce(T force[freedoms], T (*K)[freedoms]) const {
     const T on_bubble[3] = {force[at], force[at + 1], force[at + 2]};
     const T part[nodes] = {-(q[0] + q[1]), q[0], q[1]};  // d_4 by x_a
-    for (int a = 0; a < nodes; ++a)
+    for (int a = 0; a < nodes && !small; ++a)
       for (int i = 0; i < 3; ++i) {
         force[6 * a + i] += part[a] * on_bubble[i];
         for (int j = 0; j < freedoms; ++j) K[6 * a + i][j] += part[a] * K[at + i][j];
       }
-    for (int a = 0; a < nodes; ++a)
+    for (int a = 0; a < nodes && !small; ++a)
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < freedoms; ++j) K[j][6 * a + i] += part[a] * K[j][at + i];
     for (int k = 0; k < 2; ++k) force[at + k] = dot3(side[k], on_bubble);
@@ -60,7 +61,7 @@ struct Bubble {
       for (int k = 0; k < 2; ++k) K[j][at + k] = dot3(side[k], column);
     }
     // a_k moves with x
-    for (int k = 0; k < 2; ++k)
+    for (int k = 0; k < 2 && !small; ++k)
       for (int i = 0; i < 3; ++i) {
         K[6 * (k + 1) + i][at + k] += on_bubble[i], K[at + k][6 * (k + 1) + i] += on_bubble[i];
         K[i][at + k] -= on_bubble[i], K[at + k][i] -= on_bubble[i];

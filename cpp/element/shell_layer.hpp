@@ -4,7 +4,8 @@
 // In: the Green-Lagrange strain E of the increment in the lamina frame at t, which turns with the material. With
 // C = 1 + 2E = U^2 the law sees ln U and gives the Cauchy stress s in the turned frame; the stress that does work on E
 // per volume at t is S = J U^-1 s U^-1, J = det U exp(thickness strain). Order xx, yy, xy, shear strain engineering.
-// The derivative dS/dE is that of this program, by dual numbers, so it is exact.
+// The derivative dS/dE is that of this program, by dual numbers, so it is exact. With small displacements E is the
+// strain itself, S the stress, and nothing turns.
 #pragma once
 
 #include "kinematics/increment.hpp"
@@ -88,6 +89,32 @@ void thickness_slope(T young, double poisson, const T D[3][3], T slope[3]) {
 }
 
 }  // namespace layer
+
+// Advance a layer by the strain of small displacements; otherwise as respond_layer.
+template <class T>
+Mask<T> respond_layer_linearly(const SheetLaw& law, double dt, const T strain[3], bool with_modulus, Layer<T>& state,
+                               LayerResponse<T>& out, StressSquares<T>* squares = nullptr) {
+  using V = Dual<T, 3>;
+  T D[3][3], young = law.young_at(state.history[0]), trial[3];
+  const T plane = young * T(1.0 / (1.0 - law.poisson * law.poisson)), shear = young * T(0.5 / (1.0 + law.poisson));
+  const T elastic[3][3] = {
+      {plane, T(law.poisson) * plane, T(0.0)}, {T(law.poisson) * plane, plane, T(0.0)}, {T(0.0), T(0.0), shear}};
+  for (int i = 0; i < 3; ++i) {
+    trial[i] = state.stress[i];
+    for (int j = 0; j < 3; ++j) trial[i] += elastic[i][j] * strain[j];
+  }
+  const Mask<T> failed = update_sheet(law, strain, dt, T(1.0), state.stress, state.history, out.thickness_strain,
+                                      with_modulus ? D : nullptr);
+  V tried[3], found[3];
+  for (int i = 0; i < 3; ++i) {
+    out.force[i] = state.stress[i];
+    tried[i] = V(trial[i]), found[i] = V(state.stress[i]);
+    for (int j = 0; with_modulus && j < 3; ++j)
+      out.modulus[i][j] = found[i].slope[j] = D[i][j], tried[i].slope[j] = elastic[i][j];
+  }
+  if (squares) squares->trial = layer::mises_square(tried), squares->found = layer::mises_square(found);
+  return failed;
+}
 
 // Advance a layer by E over dt; gives the lanes in which the law failed.
 template <class T>

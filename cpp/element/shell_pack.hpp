@@ -28,16 +28,17 @@ struct ShellView {
   const double* layer_weight;    // (k), sums to 2
   double dt, penalty;
   const double *thickness_n, *stress_n, *history_n, *direction_n, *shear_n, *internal_n;
-  double* thickness;  // (n_cells, q) [mm]
-  double* stress;     // (n_cells, q, k, 3) [MPa]
-  double* history;    // (n_cells, q, k, h)
-  double* direction;  // (n_cells, q, k, 2)
-  double* shear;      // (n_cells, q, 2)
-  double* internal;   // (n_cells, internal_values)
-  double* volume;     // (n_cells, q, k) [mm3] at t+dt
-  double* force;      // (n_packs, 6 nodes, pack_width)
-  double* stiffness;  // (n_packs, 6 nodes, 6 nodes, pack_width), or null
-  bool symmetric;     // keep the symmetric part of the stiffness
+  double* thickness;   // (n_cells, q) [mm]
+  double* stress;      // (n_cells, q, k, 3) [MPa]
+  double* history;     // (n_cells, q, k, h)
+  double* direction;   // (n_cells, q, k, 2)
+  double* shear;       // (n_cells, q, 2)
+  double* internal;    // (n_cells, internal_values)
+  double* volume;      // (n_cells, q, k) [mm3] at t+dt
+  double* force;       // (n_packs, 6 nodes, pack_width)
+  double* stiffness;   // (n_packs, 6 nodes, 6 nodes, pack_width), or null
+  bool symmetric;      // keep the symmetric part of the stiffness
+  bool small = false;  // displacements: points and directors are the undeformed ones
 };
 
 struct ShellFailure {
@@ -162,15 +163,16 @@ struct ShellPack {
       for (int i = 0; i < 3; ++i) E[i] = Q[i][0] * covariant[0] + Q[i][1] * covariant[1] + Q[i][2] * covariant[2];
       // a layer folded onto itself has no stretch
       T c11 = T(1.0) + T(2.0) * E[0], c22 = T(1.0) + T(2.0) * E[1];
-      T least = smaller(c11, c11 * c22 - E[2] * E[2]);
+      T least = view.small ? T(1.0) : smaller(c11, c11 * c22 - E[2] * E[2]);
       if (auto bad = find(!(least > T(1e-6)), ShellFault::inside_out); bad.cell >= 0) return bad;
       StressSquares<T> squares;
-      auto failed = respond_layer(law, view.dt, E, with_modulus, state, response, retained ? &squares : nullptr);
+      const auto respond = view.small ? &respond_layer_linearly<T> : &respond_layer<T>;
+      auto failed = respond(law, view.dt, E, with_modulus, state, response, retained ? &squares : nullptr);
       if (retained) retained->add(squares, Q, 0.5 * view.layer_weight[k], view.layer_position[k], z);
       if (auto bad = find(failed, ShellFault::law); bad.cell >= 0) return bad;
       T weight = T(0.5 * table.shape.weight[q] * view.layer_weight[k]) * area * h;
-      T across = exponential(response.thickness_strain);
-      T volume = weight * across * square_root(c11 * c22 - E[2] * E[2]);
+      T across = view.small ? T(1.0) : exponential(response.thickness_strain);
+      T volume = view.small ? weight : weight * across * square_root(c11 * c22 - E[2] * E[2]);
       stretch += T(0.5 * view.layer_weight[k]) * across;
       Kernel::add_layer(response, Q, weight, z, with_modulus, sum);
       save(state.stress, rows, row, 3, view.stress);
@@ -178,7 +180,7 @@ struct ShellPack {
       save(state.direction, rows, row, 2, view.direction);
       save(&volume, rows, row, 1, view.volume);
     }
-    h *= stretch;
+    if (!view.small) h *= stretch;
     save(&h, n_points, q, 1, view.thickness);
     return {};
   }
@@ -200,10 +202,16 @@ struct ShellPack {
     D[0][1] = D[1][0] = with_penalty * inverse[2];
   }
 
+  void turn(int a) {
+    const T theta[3] = {n.turn[a].theta[0], n.turn[a].theta[1], n.turn[a].theta[2]};
+    view.small ? n.turn[a].turn_linearly(theta, n.d[a]) : n.turn[a].turn(theta, n.d[a]);
+  }
+
   void place(int a) {
+    const T half(view.small ? 0.0 : 0.5), whole(view.small ? 0.0 : 1.0);
     for (int i = 0; i < 3; ++i) {
-      mid_x[a][i] = n.x[a][i] + T(0.5) * n.u[a][i], mid_d[a][i] = n.d[a][i] + T(0.5) * n.turn[a].change[i];
-      end_x[a][i] = n.x[a][i] + n.u[a][i], end_d[a][i] = n.d[a][i] + n.turn[a].change[i];
+      mid_x[a][i] = n.x[a][i] + half * n.u[a][i], mid_d[a][i] = n.d[a][i] + half * n.turn[a].change[i];
+      end_x[a][i] = n.x[a][i] + whole * n.u[a][i], end_d[a][i] = n.d[a][i] + whole * n.turn[a].change[i];
     }
   }
 
@@ -228,7 +236,7 @@ struct ShellPack {
       run_shear(q, surface, strain.shear, penalty, shear, D);
       Kernel::differentiate(forms, q, end_x, end_d, gradient);
       Kernel::add_force(gradient, sum, shear, force);
-      if (K) Kernel::add_stiffness(forms, q, gradient, sum, shear, D, K);
+      if (K) Kernel::add_stiffness(forms, q, gradient, sum, shear, D, !view.small, K);
     }
     return {};
   }
@@ -236,6 +244,7 @@ struct ShellPack {
   // The same with the bubble in balance and condensed, for nodes 1 to 3. The bubble does not feel the penalty.
   ShellFailure run_bubble(T force[freedoms], T K[freedoms][freedoms]) {
     Bubble<T> bubble;
+    bubble.small = view.small;
     load(view.internal_n, 1, 0, internal_values, bubble.q_n);
     for (int k = 0; k < 2; ++k) bubble.q[k] = bubble.q_n[k];
     for (int i = 0; i < 3; ++i) n.x[mesh_nodes][i] = n.u[mesh_nodes][i] = T(0.0);
@@ -269,8 +278,7 @@ struct ShellPack {
     // 1. directors, and the configuration half-way and at the end
     T turned(0.0);
     for (int a = 0; a < mesh_nodes; ++a) {
-      const T theta[3] = {n.turn[a].theta[0], n.turn[a].theta[1], n.turn[a].theta[2]};
-      n.turn[a].turn(theta, n.d[a]);
+      turn(a);
       turned = larger(turned, n.turn[a].s);
       place(a);
     }
@@ -287,7 +295,7 @@ struct ShellPack {
     if (failure.cell >= 0) return failure;
 
     // 3. from directors to rotations, and out
-    Kernel::take_rotations(n, force, K);
+    Kernel::take_rotations(n, force, K, view.small);
     write(force, K);
     return {};
   }

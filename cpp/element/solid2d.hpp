@@ -12,6 +12,9 @@
 // most G), so that the control stays weak beside plastic flow. In axisymmetry gradients and N/r are the element's
 // volume averages.
 //
+// With settings.small_displacements the points are the undeformed ones, gradients and volumes those at the start, and
+// F-bar becomes B-bar (Hughes 1980, with the element's volume average), in the virtual strain too.
+//
 // Elements are taken pack_width at a time; lane l of pack p is element p*pack_width + l. The last pack repeats the last
 // element. Element matrices are written as [pack][row][column][lane], forces as [pack][row][lane]; row = 2 node +
 // component.
@@ -91,12 +94,13 @@ struct Solid2d : SolidGeometry<cell, n_points> {
     // 1. kinematics of every point, before anything is computed from it
     PointGeometry g[n_points];
     Pack::Mask bad{};
+    const bool small = settings.small_displacements;
     for (int q = 0; q < n_points; ++q) {
       bool measured = false;
       if constexpr (treatment == Treatment::one_point)
         if ((measured = b.axisymmetric)) bad |= Geometry::measure_mean(x, g[q]);
       if (!measured) bad |= Geometry::measure_reference(b, x, q, g[q]);
-      bad |= Geometry::deform(du, g[q]);
+      bad |= Geometry::deform(du, g[q], small);
     }
     for (int lane = 0; lane < pack_width; ++lane)
       if (bad[lane]) return cells[lane];
@@ -108,7 +112,7 @@ struct Solid2d : SolidGeometry<cell, n_points> {
     if (with_K)
       for (auto& k : K) k = T(0.0);
     T mean_div[freedoms], mean(1.0);
-    if constexpr (treatment == Treatment::fbar) mean = Geometry::mean_dilatation(g, with_K, mean_div);
+    if constexpr (treatment == Treatment::fbar) mean = Geometry::mean_dilatation(g, with_K, small, mean_div);
 
     // 2. stress, internal force and tangent point by point
     for (int q = 0; q < n_points; ++q) {
@@ -120,7 +124,7 @@ struct Solid2d : SolidGeometry<cell, n_points> {
       }
       T eqps_n = state.eqps;
       T F[5] = {g[q].F[0], g[q].F[1], g[q].F[2], g[q].F[3], g[q].F[4]};
-      if constexpr (treatment == Treatment::fbar) Geometry::use_mean_dilatation(b, mean, g[q], F);
+      if constexpr (treatment == Treatment::fbar) Geometry::use_mean_dilatation(b, mean, g[q], small, F);
       PointResponse<T> response;
       if constexpr (is_umat) {
         const UmatLanes lanes = find_lanes(b, law, cells, std::min(pack_width, b.n_cells - first), x, du, g, q);
@@ -130,13 +134,16 @@ struct Solid2d : SolidGeometry<cell, n_points> {
       }
 
       T now[nodes][3], dv = g[q].volume_t * g[q].jacobian;
-      Geometry::push_forward(g[q], now);
+      Geometry::push_forward(g[q], now, small);
       Forces::add_force(now, response.stress, dv, force);
       if (with_K) {
         Forces::add_stiffness(now, response.modulus, dv, K);
         if constexpr (treatment == Treatment::fbar)
-          Forces::add_fbar(b, now, response.modulus, response.stress, dv, mean_div, K);
+          if (!small) Forces::add_fbar(b, now, response.modulus, response.stress, dv, mean_div, K);
       }
+      if constexpr (treatment == Treatment::fbar)
+        if (small)
+          Forces::add_bbar(b, now, response.modulus, response.stress, dv, mean_div, force, with_K ? K : nullptr);
       if constexpr (treatment == Treatment::one_point) {
         T Q[2];
         for (int lane = 0; lane < pack_width; ++lane)
@@ -144,7 +151,7 @@ struct Solid2d : SolidGeometry<cell, n_points> {
         T flow, slope;
         law.hardening.evaluate(eqps_n, flow, slope);
         Forces::add_hourglass(Forces::hourglass_modulus(law, eqps_n, flow, slope), b.hourglass_fraction, x, du, g[q],
-                              now, Q, force, with_K ? K : nullptr);
+                              now, Q, force, with_K ? K : nullptr, small);
         for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane)
           for (int i = 0; i < 2; ++i) b.hourglass[2 * cells[lane] + i] = Q[i][lane];
       }

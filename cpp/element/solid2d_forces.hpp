@@ -57,6 +57,38 @@ struct SolidForces {
     }
   }
 
+  // B-bar, which is F-bar with small displacements: the mean divergence in the virtual strain too, so that the
+  // stiffness is symmetric. Adds what add_force and add_stiffness lack.
+  static void add_bbar(const BlockView& b, const T now[][3], const T m[5][5], const T s[4], T dv, const T* mean_div,
+                       T* force, T* K) {
+    const int rows = b.axisymmetric ? 3 : 2;
+    constexpr int diagonal[3] = {0, 3, 4};
+    const T part(1.0 / rows);
+    T more[freedoms], pressure(0.0), stiff(0.0), left[5], right[5];
+    for (int r = 0; r < rows; ++r) pressure += part * s[r];
+    for (int a = 0; a < nodes; ++a) {
+      more[2 * a] = mean_div[2 * a] - now[a][0] - now[a][2];
+      more[2 * a + 1] = mean_div[2 * a + 1] - now[a][1];
+    }
+    for (int i = 0; i < freedoms; ++i) force[i] += more[i] * pressure * dv;
+    if (!K) return;
+    for (int r = 0; r < 5; ++r) {
+      left[r] = right[r] = T(0.0);
+      for (int c = 0; c < rows; ++c) left[r] += part * m[r][diagonal[c]], right[r] += part * m[diagonal[c]][r];
+    }
+    for (int r = 0; r < rows; ++r) stiff += part * left[diagonal[r]];
+    T on[freedoms], by[freedoms];
+    for (int a = 0; a < nodes; ++a) {
+      on[2 * a] = now[a][0] * left[0] + now[a][1] * left[1] + now[a][2] * left[4];
+      on[2 * a + 1] = now[a][0] * left[2] + now[a][1] * left[3];
+      by[2 * a] = now[a][0] * right[0] + now[a][1] * right[1] + now[a][2] * right[4];
+      by[2 * a + 1] = now[a][0] * right[2] + now[a][1] * right[3];
+    }
+    for (int i = 0; i < freedoms; ++i)
+      for (int j = 0; j < freedoms; ++j)
+        K[i * freedoms + j] += dv * (on[i] * more[j] + more[i] * by[j] + stiff * more[i] * more[j]);
+  }
+
   // G before first yield, then flow + slope/3 of the hardening at t, at most G.
   static T hourglass_modulus(const VonMises& law, T eqps_n, T flow, T slope) {
     const T elastic(law.shear_modulus());
@@ -65,14 +97,14 @@ struct SolidForces {
 
   // Returns the work of the hourglass forces; modulus as above.
   static T add_hourglass(T modulus, double fraction, const T x[][2], const T du[][2], const SolidPoint<nodes>& g,
-                         const T now[][3], T Q[2], T* force, T* K) {
+                         const T now[][3], T Q[2], T* force, T* K, bool small = false) {
     // 1. hourglass vectors at t and at t+dt: orthogonal to every linear field there
     constexpr double h[4] = {1, -1, 1, -1};
     T at_t[2] = {T(0.0), T(0.0)}, at_end[2] = {T(0.0), T(0.0)}, norm(0.0), gamma[4], gamma_end[4];
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 2; ++i) {
         at_t[i] += T(h[a]) * x[a][i];
-        at_end[i] += T(h[a]) * (x[a][i] + du[a][i]);
+        at_end[i] += T(h[a]) * (small ? x[a][i] : x[a][i] + du[a][i]);
         norm += g.grad[a][i] * g.grad[a][i];
       }
     for (int a = 0; a < 4; ++a) {
@@ -82,7 +114,7 @@ struct SolidForces {
     // 2. forces, turned with the material; gamma at t+dt keeps the balance of moments
     const T k = T(2.0 * fraction) * modulus * g.volume_t * norm;
     T a = g.F[0] + g.F[3], b = g.F[2] - g.F[1], trace = square_root(a * a + b * b);
-    T c = a / trace, s = b / trace;
+    T c = small ? T(1.0) : a / trace, s = small ? T(0.0) : b / trace;
     T turned[2] = {c * Q[0] - s * Q[1], s * Q[0] + c * Q[1]};
     T work(0.0);
     for (int i = 0; i < 2; ++i) {
@@ -100,9 +132,10 @@ struct SolidForces {
       for (int n = 0; n < 4; ++n)
         for (int j = 0; j < 2; ++j) {
           T* column = K + 2 * n * freedoms + 2 * m + j;
+          column[j * freedoms] += k * gamma_end[n] * gamma[m];
+          if (small) continue;
           column[0] += -gamma_end[n] * turned[1] * dtheta[j] - Q[0] * now[n][j] * gamma_end[m];
           column[freedoms] += gamma_end[n] * turned[0] * dtheta[j] - Q[1] * now[n][j] * gamma_end[m];
-          column[j * freedoms] += k * gamma_end[n] * gamma[m];
         }
     }
     return work;

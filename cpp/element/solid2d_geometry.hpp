@@ -84,14 +84,18 @@ struct SolidGeometry {
     }
   }
 
-  // F of the increment; true in lanes where the point is turned inside out.
-  static Pack::Mask deform(const T du[][2], PointGeometry& g) {
+  // F of the increment; true in lanes where the point is turned inside out, which small displacements cannot do.
+  static Pack::Mask deform(const T du[][2], PointGeometry& g, bool small = false) {
     T* F = g.F;
     F[0] = F[3] = F[4] = T(1.0), F[1] = F[2] = T(0.0);
     for (int a = 0; a < nodes; ++a) {
       F[0] += du[a][0] * g.grad[a][0], F[1] += du[a][0] * g.grad[a][1];
       F[2] += du[a][1] * g.grad[a][0], F[3] += du[a][1] * g.grad[a][1];
       F[4] += du[a][0] * g.hoop[a];
+    }
+    if (small) {
+      g.jacobian = T(1.0);
+      return Pack::Mask{};
     }
     T plane = F[0] * F[3] - F[1] * F[2];
     g.jacobian = plane * F[4];
@@ -100,8 +104,12 @@ struct SolidGeometry {
     return !(worst > T(1e-6));
   }
 
-  // Gradients on the configuration at t+dt, and N/r there (zero in plane strain).
-  static void push_forward(const PointGeometry& g, T now[][3]) {
+  // Gradients on the configuration at t+dt, and N/r there (zero in plane strain); small: as at t.
+  static void push_forward(const PointGeometry& g, T now[][3], bool small = false) {
+    if (small) {
+      for (int a = 0; a < nodes; ++a) now[a][0] = g.grad[a][0], now[a][1] = g.grad[a][1], now[a][2] = g.hoop[a];
+      return;
+    }
     T inv = T(1.0) / (g.F[0] * g.F[3] - g.F[1] * g.F[2]), inv_hoop = T(1.0) / g.F[4];
     for (int a = 0; a < nodes; ++a) {
       now[a][0] = (g.grad[a][0] * g.F[3] - g.grad[a][1] * g.F[2]) * inv;
@@ -110,9 +118,24 @@ struct SolidGeometry {
     }
   }
 
-  // Element volume ratio Jbar, and (with stiffness) the mean divergence row of every freedom.
-  static T mean_dilatation(const PointGeometry* g, bool with_row, T* mean_div) {
+  // Element volume ratio Jbar, and (with stiffness) the mean divergence row of every freedom. small: the mean of tr
+  // strain in its place.
+  static T mean_dilatation(const PointGeometry* g, bool with_row, bool small, T* mean_div) {
     T v(0.0), V(0.0);
+    if (small) {
+      for (int q = 0; q < n_points; ++q) {
+        v += g[q].volume_t * (g[q].F[0] + g[q].F[3] + g[q].F[4] - T(3.0));
+        V += g[q].volume_t;
+      }
+      for (int a = 0; a < nodes; ++a) {
+        mean_div[2 * a] = mean_div[2 * a + 1] = T(0.0);
+        for (int q = 0; q < n_points; ++q) {
+          mean_div[2 * a] += g[q].volume_t / V * (g[q].grad[a][0] + g[q].hoop[a]);
+          mean_div[2 * a + 1] += g[q].volume_t / V * g[q].grad[a][1];
+        }
+      }
+      return v / V;
+    }
     for (int q = 0; q < n_points; ++q) v += g[q].volume_t * g[q].jacobian, V += g[q].volume_t;
     if (with_row) {
       for (int i = 0; i < 2 * nodes; ++i) mean_div[i] = T(0.0);
@@ -128,7 +151,13 @@ struct SolidGeometry {
     return v / V;
   }
 
-  static void use_mean_dilatation(const BlockView& b, T mean, const PointGeometry& g, T F[5]) {
+  static void use_mean_dilatation(const BlockView& b, T mean, const PointGeometry& g, bool small, T F[5]) {
+    if (small) {
+      T more = (mean - (F[0] + F[3] + F[4] - T(3.0))) * T(b.axisymmetric ? 1.0 / 3 : 0.5);
+      F[0] += more, F[3] += more;
+      if (b.axisymmetric) F[4] += more;
+      return;
+    }
     T ratio = mean / g.jacobian;
     T factor = b.axisymmetric ? map_lanes(ratio, [](double v) { return std::cbrt(v); }) : square_root(ratio);
     for (int i = 0; i < 4; ++i) F[i] *= factor;

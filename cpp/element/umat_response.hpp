@@ -6,6 +6,7 @@
 // in the turned axes. A law that adds increments and turns its tensors by DROT is objective, so that its stress is R
 // f(strain increment) R^T; then
 //     stress_increment:   D = A DDSDDE A^T turned back by R, and the modulus is that of our own laws
+//     with small displacements the routine sees no rotation and unit deformation gradients, and a = DDSDDE
 //     jaumann_kirchhoff:  d sigma = w sigma - sigma w + DDSDDE : d - sigma tr d with l = d + w, so that
 //                         a : l = DDSDDE : d + w sigma - sigma d
 #pragma once
@@ -138,15 +139,22 @@ inline void respond(const PointSettings& settings, const Umat& law, const UmatLa
                     const Pack F[5], PointState<Pack>& state, PointResponse<Pack>& response, UmatFault& fault) {
   const bool with_tangent = settings.tangent != TangentKind::none;
   const bool by_increment = law.jacobian == UmatJacobian::stress_increment;
+  constexpr double undeformed[5] = {1.0, 0.0, 0.0, 1.0, 1.0};
   Increment<Pack> inc;
-  measure_increment(F, settings.measure, with_tangent && by_increment, inc);
+  if (settings.small_displacements) {
+    point::small_strain(F, inc.strain);
+    inc.cosine = Pack(1.0), inc.sine = Pack(0.0);
+  } else {
+    measure_increment(F, settings.measure, with_tangent && by_increment, inc);
+  }
   Pack D[4][4], unturned[4];
   for (int lane = 0; lane < pack_width; ++lane) {
     double s[4] = {}, back[4] = {}, eqps = 0.0, matrix[4][4] = {};
     const double c = inc.cosine[lane], n = inc.sine[lane];
     UmatPoint point{};
     if (lane < lanes.count) {
-      const double gradient[5] = {F[0][lane], F[1][lane], F[2][lane], F[3][lane], F[4][lane]};
+      double gradient[5] = {F[0][lane], F[1][lane], F[2][lane], F[3][lane], F[4][lane]};
+      if (settings.small_displacements) std::copy_n(undeformed, 5, gradient);
       const double increment[4] = {inc.strain[0][lane], inc.strain[1][lane], inc.strain[2][lane], inc.strain[3][lane]};
       for (int i = 0; i < 4; ++i) s[i] = state.stress[i][lane];
       const UmatStatus status = umat::advance(law, lanes.place[lane], gradient, increment, c, n, lanes.history_n[lane],
@@ -166,6 +174,10 @@ inline void respond(const PointSettings& settings, const Umat& law, const UmatLa
   }
   for (int i = 0; i < 4; ++i) response.stress[i] = state.stress[i];
   if (!with_tangent) return;
+  if (settings.small_displacements) {
+    point::small_modulus(D, response.modulus);
+    return;
+  }
   if (!by_increment) {
     umat::jaumann_modulus(D, state.stress, response.modulus);
     return;

@@ -26,6 +26,7 @@ ShellLoop<Real>::ShellLoop(int n_nodes, const double* points)
       force(row_at(n_nodes) + spare),
       held(n_nodes),
       prescribed(row_at(n_nodes)),
+      reaction_impulse(row_at(n_nodes)),
       internal_force(row_at(n_nodes) + spare) {
   for (int i = 0; i < n_nodes; ++i)
     std::copy_n(points + 3 * std::size_t(i), 3, nodes.position.data() + std::size_t(nodes.position_stride) * i);
@@ -148,6 +149,13 @@ void ShellLoop<Real>::hold(int node, const Step& step, Record& after, Record& ou
 }
 
 template <class Real>
+void ShellLoop<Real>::add_reaction(int node, const Step& step, const Record& outer) {
+  for (int i = 0; i < freedoms; ++i)
+    if (held[node] >> i & 1)
+      reaction_impulse[row_at(node) + i] += step.dt * (outer[i] - step.force_scale * force.data()[row_at(node) + i]);
+}
+
+template <class Real>
 typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, const Step& step) {
   Record external{}, damped{};
   double fastest = 0.0;
@@ -160,6 +168,7 @@ typename ShellLoop<Real>::Sums ShellLoop<Real>::move_nodes(int first, int last, 
     double* x = nodes.position.data() + std::size_t(nodes.position_stride) * node;
     const Record before = load_record(motion);
     external += outer * (before + after);
+    if (held[node]) add_reaction(node, step, outer);
     if (step.damping > 0.0) {
       const Record mean = 0.5 * (before + after), inverse = inverse_masses(before);
       damped += inverse > 0.0 ? mean * mean / inverse : Record{};

@@ -76,6 +76,8 @@ class ShellLoop {
   // Advance the elements alone, and with them the internal force.
   void advance_elements(double dt);
 
+  // (n, 6): impulse of what holds the held freedoms, added up until it is set to zero [N s, N mm s]
+  std::vector<double> reaction_impulse;
   AlignedArray<Real> internal_force;  // (n, 6) and two [N, N mm], less the contact forces of tools
 
   std::unique_ptr<Drawbeads> beads;  // none without beads
@@ -112,6 +114,8 @@ class ShellLoop {
   void next_velocity(int node, const Step& step, Record& after, Record& outer) const;
   // Give held freedoms their velocity, and the outer force that gives it to them.
   [[gnu::noinline]] void hold(int node, const Step& step, Record& after, Record& outer) const;
+
+  [[gnu::noinline]] void add_reaction(int node, const Step& step, const Record& outer);
 
   Tiles<Real> tiles_;
   std::vector<double> own_mass_;  // of nodes, before hanging ones give theirs away

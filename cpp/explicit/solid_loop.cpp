@@ -26,6 +26,7 @@ SolidLoop::SolidLoop(int n_nodes, const double* points, const std::uint8_t* cont
       force(2 * padded()),
       internal_force(2 * padded()),
       mass(n_nodes),
+      reaction_impulse(2 * std::size_t(n_nodes)),
       contact_(contact, contact + n_nodes),
       fixed_(2 * std::size_t(n_nodes)),
       special_(padded() / 4),
@@ -131,6 +132,10 @@ void SolidLoop::move_one(int node, const Step& step, Work& sum, double* wall_for
   double after[2], *x = nodes.data() + 2 * at;
   add_to(sum, step_node(node, step, true, after));
   for (int i = 0; i < 2; ++i) {
+    if (fixed_[at + i])
+      reaction_impulse[at + i] +=
+          step.mean_dt * (internal_force.data()[at + i] - step.force_scale * force.data()[at + i] +
+                          mass[node] * (after[i] - step.kept * velocity.data()[at + i]) / step.push);
     velocity.data()[at + i] = after[i];
     x[2 + i] = step.dt * after[i];
     x[i] += x[2 + i];

@@ -61,6 +61,7 @@ class SolidLoop {
   AlignedArray<double> nodes;                            // (n, 4) as SolidBlock takes them
   AlignedArray<double> velocity, force, internal_force;  // (n, 2), as the others filled up to fours
   std::vector<double> mass;                              // (n) [t]
+  std::vector<double> reaction_impulse;  // (n, 2): of what holds prescribed freedoms, added up until set to zero [N s]
   struct Work {
     double external = 0.0, damping = 0.0, contact = 0.0, friction = 0.0;
   };

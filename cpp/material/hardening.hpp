@@ -5,6 +5,7 @@
 //   swift             K (e0 + p)^n
 //   ludwik            s0 + K p^n
 //   voce              ss - (ss - s0) exp(-b p)
+//   linear_voce       s0 + H p + (ss - s0) (1 - exp(-b p))
 //   hockett_sherby    ss - (ss - s0) exp(-b p^n)
 //   table             straight lines between points; the last slope goes on beyond the last point
 //   swift_voce        (1 - w) K (e0 + p)^n + w [ss - (ss - s0) exp(-b p)]
@@ -26,12 +27,14 @@ enum class HardeningLaw : int {
   hockett_sherby = 4,
   table = 5,
   swift_voce = 6,
-  monotone_table = 7
+  monotone_table = 7,
+  linear_voce = 8
 };
 
 struct Hardening {
   HardeningLaw law = HardeningLaw::linear;
-  std::vector<double> parameters;  // as listed; swift_voce: w, K, e0, n, s0, ss, b; table: p0, s0, p1, s1, ...;
+  std::vector<double> parameters;  // as listed; linear_voce: s0, ss, b, H; swift_voce: w, K, e0, n, s0, ss, b;
+                                   // table: p0, s0, p1, s1, ...;
                                    // monotone_table: p0, s0, slope0, p1, s1, slope1, ...
 
   // Hermite's cubic on the interval that holds p
@@ -106,6 +109,12 @@ struct Hardening {
         T gap = T(c[1] - c[0]) * exponential(T(-c[2]) * p);
         flow = T(c[1]) - gap;
         slope = T(c[2]) * gap;
+        break;
+      }
+      case HardeningLaw::linear_voce: {
+        T gap = T(c[1] - c[0]) * exponential(T(-c[2]) * p);
+        flow = T(c[1]) - gap + T(c[3]) * p;
+        slope = T(c[2]) * gap + T(c[3]);
         break;
       }
       case HardeningLaw::hockett_sherby: {

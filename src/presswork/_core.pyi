@@ -8,7 +8,7 @@ import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 8
+pack_width: int = 4
 
 architecture: str = 'native'
 
@@ -44,6 +44,8 @@ class HardeningLaw(enum.Enum):
     ludwik = 2
 
     voce = 3
+
+    linear_voce = 8
 
     hockett_sherby = 4
 
@@ -265,7 +267,7 @@ class TangentKind(enum.Enum):
 class PointSettings:
     """Kinematics and tangent of an integration point."""
 
-    def __init__(self, *, measure: StrainMeasure = StrainMeasure.log, tangent: TangentKind = TangentKind.consistent, green_lagrange_matrix: bool = False, k_e: bool = True, k_u: bool = True, k_v: bool = False) -> None: ...
+    def __init__(self, *, measure: StrainMeasure = StrainMeasure.log, tangent: TangentKind = TangentKind.consistent, green_lagrange_matrix: bool = False, k_e: bool = True, k_u: bool = True, k_v: bool = False, small_displacements: bool = False) -> None: ...
 
 def element_sizes(element: str) -> tuple[int, int]:
     """Number of nodes and of integration points of an element."""
@@ -298,7 +300,7 @@ def shell_shape(element: str) -> tuple[NDArray[numpy.float64], NDArray[numpy.flo
     Shape functions (q, nodes), their slopes (q, nodes, 2) and weights (q) at a shell's points, and the slopes at its nodes (nodes, nodes, 2).
     """
 
-def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], director_of: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], director: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, *, dt: float, penalty: float, state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], state: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool) -> tuple[int, ShellFault]:
+def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], director_of: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], director: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, *, dt: float, penalty: float, state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], state: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool, small_displacements: bool = False) -> tuple[int, ShellFault]:
     """
     Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness (n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear (n_cells, q, 2)]. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and why.
     """
@@ -720,6 +722,15 @@ class ShellLoop:
     @force.setter
     def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
+    @property
+    def reaction_impulse(self) -> NDArray[numpy.float64]:
+        """
+        Impulse of what holds prescribed freedoms (n_nodes, 6), added up until it is set to zero [N s, N mm s].
+        """
+
+    @reaction_impulse.setter
+    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
 
@@ -904,6 +915,15 @@ class ShellLoopSingle:
     @force.setter
     def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
+    @property
+    def reaction_impulse(self) -> NDArray[numpy.float64]:
+        """
+        Impulse of what holds prescribed freedoms (n_nodes, 6), added up until it is set to zero [N s, N mm s].
+        """
+
+    @reaction_impulse.setter
+    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
 
@@ -1046,6 +1066,15 @@ class SolidLoop:
 
     @internal_force.setter
     def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def reaction_impulse(self) -> NDArray[numpy.float64]:
+        """
+        Impulse of what holds prescribed freedoms (n_nodes, 2), added up until it is set to zero [N s].
+        """
+
+    @reaction_impulse.setter
+    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def mass_factor(self) -> NDArray[numpy.float64]:

@@ -257,6 +257,7 @@ def test_a_law_that_finds_no_stress_stops_the_run_with_its_shell(precision: str,
 
 HARDENINGS = {
     "swift": [565.0, 0.007, 0.26],
+    "linear_voce": [160.0, 400.0, 12.0, 80.0],
     "swift_voce": [0.4, 565.32, 0.007117, 0.2589, 160.0, 400.0, 12.0],
     "monotone_table": [0.0, 160.0, 4000.0, 0.02, 220.0, 2000.0, 0.3, 420.0, 300.0],
     "table": [0.0, 160.0, 0.02, 220.0, 0.3, 420.0],

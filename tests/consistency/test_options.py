@@ -28,6 +28,7 @@ CHANGES = {
     "min_increment": ({"max_iterations": 2}, {"min_increment": 0.001}),
     "max_increment": ({}, {"max_increment": 0.2}),
     "target_iterations": ({}, {"target_iterations": 2}),
+    "displacements": ({}, {"displacements": "small"}),
     "strain_measure": ({}, {"strain_measure": "stretch"}),
     "integrator": ({}, {"integrator": "direct"}),
     "substeps": ({"integrator": "substepping"}, {"substeps": 2}),

@@ -4,7 +4,17 @@
 from presswork.case.contact import Contact
 from presswork.case.describe import describe
 from presswork.case.errors import CaseError, Problem
-from presswork.case.hardening import HockettSherby, Linear, Ludwik, MonotoneTable, Swift, SwiftVoce, Table, Voce
+from presswork.case.hardening import (
+    HockettSherby,
+    Linear,
+    LinearVoce,
+    Ludwik,
+    MonotoneTable,
+    Swift,
+    SwiftVoce,
+    Table,
+    Voce,
+)
 from presswork.case.kinds import build_model, json_schema, read_case
 from presswork.case.onestep import OneStepCase
 from presswork.case.schema import (
@@ -48,6 +58,7 @@ __all__ = [
     "EdgeForce",
     "HockettSherby",
     "Linear",
+    "LinearVoce",
     "Ludwik",
     "Material",
     "MeshFile",

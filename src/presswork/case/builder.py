@@ -8,6 +8,7 @@ of the workpiece normal to that component. In plane strain a tool that reaches o
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from presswork.case.settings import build_output, build_solver
 from presswork.case.stamping import RAMP
 from presswork.case.tools import build_tool, check_motions, find_way
 from presswork.case.umat import UmatMaterial, build_umat
+from presswork.mesh.edges import edge_areas
 
 logger = logging.getLogger(__name__)
 
@@ -48,11 +50,20 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     ]
     problems += [tool for tool in built if isinstance(tool, Problem)]
     tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
-    stages = tuple(_build_stage(stage, explicit=case.procedure == "explicit") for stage in case.stages)
+    explicit = case.procedure == "explicit"
+    ring = case.analysis == "axisymmetric"
+
+    def area_of(edge_set: str) -> float:
+        thickness = None if ring else case.depth
+        return float(edge_areas(mesh.points, mesh.edge_sets[edge_set], thickness).sum())
+
+    stages = tuple(_build_stage(stage, area_of, explicit=explicit) for stage in case.stages)
     problems = problems or check_motions(case, tools)
     if not problems and case.workpiece.velocity is None:
         problems = check_reach(tools, stages, mesh)
-    supports = tuple(model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix)) for entry in case.boundary.values())
+    supports = tuple(
+        model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix), name) for name, entry in case.boundary.items()
+    )
     problems = problems or check_room(tools, stages, supports, mesh)
     _stop_at(problems, case)
     found = model.Model(
@@ -183,8 +194,16 @@ def _check_axis(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
     ]
 
 
-def _build_stage(stage: schema.Stage, *, explicit: bool) -> model.Stage:
-    """Turn a case's stage into the Model's."""
+def _build_edge_force(entry: schema.EdgeForce, area: float) -> model.EdgeForce:
+    """Return a force per area; area: of the set [mm2]."""
+    if entry.value is not None:
+        return model.EdgeForce(entry.set, entry.value)
+    assert entry.total is not None
+    return model.EdgeForce(entry.set, (entry.total[0] / area, entry.total[1] / area))
+
+
+def _build_stage(stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool) -> model.Stage:
+    """Turn a case's stage into the Model's; area_of: gives the area of an edge set [mm2]."""
     ramp = RAMP * stage.duration if stage.ramp is None else stage.ramp
     return model.Stage(
         name=stage.name,
@@ -197,4 +216,5 @@ def _build_stage(stage: schema.Stage, *, explicit: bool) -> model.Stage:
         ),
         forces=tuple(model.PointForce(entry.set, entry.value) for entry in stage.force),
         pressures=tuple(model.Pressure(entry.set, entry.value) for entry in stage.pressure),
+        edge_forces=tuple(_build_edge_force(entry, area_of(entry.set)) for entry in stage.edge_force),
     )

@@ -53,6 +53,7 @@ def describe(problem: AnyModel | OneStepModel) -> str:
         return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
     lines += [f"output: {_describe_settings(problem.output, model.OutputSettings())}"]
+    lines += list(_warn_of_steps(problem))
     lines += [_describe_memory(problem)]
     return "\n".join(lines)
 
@@ -134,6 +135,9 @@ def _describe_stage(stage: model.Stage) -> Iterator[str]:
     for force in stage.forces:
         yield f"{_describe_force(force.force)} on {force.node_set}"
     yield from describe_sheet_loads(stage)
+    for edge in stage.edge_forces:
+        unit = "MPa" if len(edge.force) == 2 else "N/mm"
+        yield f"force ({', '.join(f'{f:g}' for f in edge.force)}) {unit} along {edge.edge_set}"
     for pressure in stage.pressures:
         yield f"pressure {pressure.value:g} MPa on {pressure.edge_set}"
 
@@ -152,6 +156,17 @@ def _describe_settings(settings: object, default: object) -> str:
         if getattr(settings, entry.name) != getattr(default, entry.name)
     ]
     return ", ".join(differing) or "defaults"
+
+
+def _warn_of_steps(problem: model.Model) -> Iterator[str]:
+    """Say that fewer steps may be saved than were asked for."""
+    output, largest = problem.output, problem.solver.max_increment
+    if not output.every and output.is_closer_than(largest):
+        yield (
+            f"note: output.steps = {output.steps} a stage lie closer together than solver.max_increment = {largest:g}: "
+            "each is saved at the end of the increment that passes it, several as one; for all of them set "
+            f"solver.max_increment = {1 / output.steps:g}"
+        )
 
 
 def _describe_memory(problem: AnyModel) -> str:

@@ -65,6 +65,8 @@ def _describe_hardening(hardening: model.Hardening) -> str:
             return f"Ludwik hardening: {p[0]:g} + {p[1]:g} e^{p[2]:g} MPa"
         case "voce":
             return f"Voce hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e) MPa"
+        case "linear_voce":
+            return f"linear and Voce hardening: {p[1]:g} + {p[3]:g} e - {p[1] - p[0]:g} exp(-{p[2]:g} e) MPa"
         case "hockett_sherby":
             return f"Hockett-Sherby hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e^{p[3]:g}) MPa"
         case "swift_voce":

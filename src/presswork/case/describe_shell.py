@@ -54,7 +54,5 @@ def describe_sheet_loads(stage: model.Stage) -> Iterator[str]:
     """Describe the loads that only shells have."""
     for pressure in stage.shell_pressures:
         yield f"pressure {pressure.value:g} MPa on {pressure.node_set}"
-    for edge in stage.edge_forces:
-        yield f"force ({', '.join(f'{f:g}' for f in edge.force)}) N/mm along {edge.edge_set}"
     for body in stage.body_forces:
         yield f"force ({', '.join(f'{f:g}' for f in body.force)}) N/mm3 on the whole sheet"

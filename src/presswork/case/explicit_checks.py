@@ -50,7 +50,10 @@ def _check_explicit(case: schema.Case) -> list[Problem]:
         problems += _check_stage(f"stages.{index}", stage)
     problems += _check_magnitudes(case) + _check_target_step(case)
     fault = "is for the implicit procedure"
-    keys = [f"solver.{key}" for key in sorted(case.solver.model_fields_set)]
+    keys = [f"solver.{key}" for key in sorted(case.solver.model_fields_set - {"displacements"})]
+    if case.solver.displacements == "small":
+        small = "the explicit procedure follows the body as it moves, its displacements are large"
+        problems.append(Problem("solver.displacements", small, 'remove it, or set procedure = "implicit"', "small"))
     keys += [f"output.{key}" for key in ("every", "at") if key in case.output.model_fields_set]
     problems += [Problem(key, fault, "remove it; steps, rows and [explicit] take its place") for key in keys]
     if case.output.steps > case.output.rows:
@@ -121,7 +124,7 @@ def _check_stage(key: str, stage: schema.Stage) -> list[Problem]:
         fault = f"start and end do not fit into {stage.duration:g} s"
         problems.append(Problem(f"{key}.ramp", fault, f"take at most {longest:.3g} s", stage.ramp))
     fault = "the explicit procedure has tools and displacements that move, and a velocity at the start, no loads"
-    for load in ("force", "pressure"):
+    for load in ("force", "edge_force", "pressure"):
         if getattr(stage, load):
             problems.append(Problem(f"{key}.{load}", fault, "leave it out"))
     for name, motion in stage.tools.items():

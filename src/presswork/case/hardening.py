@@ -74,6 +74,25 @@ class Voce(Part):
         return [self.yield_stress, self.saturation_stress, self.rate]
 
 
+class LinearVoce(Part):
+    """Flow stress = yield_stress + modulus e + (saturation_stress - yield_stress) (1 - exp(-rate e))."""
+
+    law: Literal["linear_voce"] = "linear_voce"
+    yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
+    saturation_stress: Stress = Field(gt=0, description="flow stress at large strain less its linear part [MPa]")
+    rate: Number = Field(gt=0, description="rate of saturation per unit of plastic strain")
+    modulus: Stress = Field(ge=0, description="slope of the linear part, which is left at large strain [MPa]")
+
+    @model_validator(mode="after")
+    def _check_saturation(self) -> Self:
+        _check_saturation(self.yield_stress, self.saturation_stress)
+        return self
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of model.Hardening."""
+        return [self.yield_stress, self.saturation_stress, self.rate, self.modulus]
+
+
 class HockettSherby(Part):
     """Flow stress = saturation_stress - (saturation_stress - yield_stress) exp(-rate e^exponent)."""
 
@@ -189,7 +208,7 @@ class MonotoneTable(_Points):
 
 
 Hardening = Annotated[
-    Linear | Swift | Ludwik | Voce | HockettSherby | SwiftVoce | Table | MonotoneTable,
+    Linear | Swift | Ludwik | Voce | LinearVoce | HockettSherby | SwiftVoce | Table | MonotoneTable,
     Field(discriminator="law"),
 ]
 

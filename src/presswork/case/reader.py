@@ -72,12 +72,19 @@ def _depth(data: object) -> int:
 
 
 def apply_overrides(data: dict[str, Any], overrides: Sequence[str], source: Path | None = None) -> None:
-    """Write `key=value` overrides into the data of a case, in place; a value is TOML, or else a string."""
+    """Write `key=value` overrides into the data of a case, in place; a value is TOML, or else a string.
+
+    `key=` without a value removes the key.
+    """
     for override in overrides:
         key, equals, text = override.partition("=")
         key = key.strip()
         if not equals or not key:
-            raise CaseError([Problem("", f"`{override}` is no override", "write --set key=value")], source)
+            remedy = "write --set key=value, or --set key= to remove the key"
+            raise CaseError([Problem("", f"`{override}` is no override", remedy)], source)
+        if not text.strip():
+            _remove(data, key, source)
+            continue
         try:
             value = _parse(f"value = {text}", source)["value"]
         except CaseError:
@@ -86,6 +93,26 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str], source: Path
             _set_by_path(data, key.split("."), value)
         except LookupError as error:
             raise CaseError([Problem(key, str(error.args[0]), "mend the key given to --set", text)], source) from None
+
+
+def _remove(data: dict[str, Any], key: str, source: Path | None) -> None:
+    """Remove a key of a table, or an entry of a list; the entries after it move up."""
+    *keys, last = key.split(".")
+    here: Any = data
+    for depth, name in enumerate([*keys, last]):
+        choices = (
+            here if isinstance(here, dict) else [str(i) for i in range(len(here))] if isinstance(here, list) else []
+        )
+        if name not in choices:
+            remedy = suggest(name, choices, f"keys of `{'.'.join(keys[:depth])}`" if depth else "keys of the case")
+            remedy += f". For an empty text write --set '{key}=\"\"'"
+            raise CaseError([Problem(key, "there is no such key to remove", remedy)], source)
+        if depth < len(keys):
+            here = here[name] if isinstance(here, dict) else here[int(name)]
+    if isinstance(here, dict):
+        del here[last]
+    else:
+        here.pop(int(last))
 
 
 def _set_by_path(data: dict[str, Any], keys: Sequence[str], value: object) -> None:

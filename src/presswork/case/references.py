@@ -8,6 +8,7 @@ from presswork.case import schema
 from presswork.case.bodies import check_bodies, list_bodies
 from presswork.case.errors import Problem, suggest
 from presswork.case.explicit_checks import check_procedure
+from presswork.case.settings import check_small_displacements
 from presswork.case.umat import UmatMaterial
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile, Rectangle, Workpiece
@@ -43,7 +44,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         )
     for name, entry in case.tools.items():
         problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
-    problems += _check_umats(case) + _check_densities(case)
+    problems += _check_umats(case) + _check_densities(case) + check_small_displacements(case.solver)
     if case.solver.control == "arc_length":
         fault = "arc length is for shells under loads alone"
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
@@ -67,7 +68,7 @@ def check_references(case: schema.Case) -> list[Problem]:
                     f"tools: {', '.join(case.tools) or 'none'}",
                 )
             )
-        unloads = unloads or bool(stage.force or stage.pressure)
+        unloads = unloads or _is_loaded(stage)
     return problems
 
 
@@ -121,7 +122,11 @@ def _check_forces(case: schema.Case, stage: schema.Stage, key: str) -> list[Prob
 def _moves(stage: schema.Stage) -> bool:
     """Say whether a stage changes anything; a force or pressure of zero counts, as it may unload."""
     tools = any(motion.build() != model.ToolMotion() for motion in stage.tools.values())
-    return tools or any(entry.value != 0.0 for entry in stage.displacement) or bool(stage.force or stage.pressure)
+    return tools or any(entry.value != 0.0 for entry in stage.displacement) or _is_loaded(stage)
+
+
+def _is_loaded(stage: schema.Stage) -> bool:
+    return bool(stage.force or stage.edge_force or stage.pressure)
 
 
 def _check_unit(key: str, unit: str) -> list[Problem]:
@@ -182,6 +187,7 @@ def check_sets(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
         key = f"stages.{index}"
         uses += [(f"{key}.displacement.{row}.set", entry.set, False) for row, entry in enumerate(stage.displacement)]
         uses += [(f"{key}.force.{row}.set", load.set, False) for row, load in enumerate(stage.force)]
+        uses += [(f"{key}.edge_force.{row}.set", load.set, True) for row, load in enumerate(stage.edge_force)]
         uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
     return check_set_names(uses, mesh)
 

@@ -42,6 +42,7 @@ from presswork.case.units import (
     Point,
     Stiffness,
     Stress,
+    StressVector,
     Time,
     fault,
 )
@@ -323,10 +324,31 @@ class Displacement(Part):
 
 
 class NodeForce(Part):
-    """A total force, shared equally by the nodes of a set, reached linearly at the end of the stage."""
+    """A total force, shared equally by the nodes of a set, reached linearly at the end of the stage.
+
+    Equal shares are even stress on few meshes only: edge_force is spread by area.
+    """
 
     set: str = Field(description="name of a node set")
     value: ForceVector = Field(description="force [x, y] [N], on the whole ring in axisymmetry")
+
+
+class EdgeForce(Part):
+    """A force of fixed direction on an edge set, spread by undeformed area, reached linearly at the stage's end."""
+
+    set: str = Field(description="name of an edge set")
+    value: StressVector | None = Field(default=None, description="force per undeformed area [x, y] [MPa]")
+    total: ForceVector | None = Field(
+        default=None,
+        description="instead of value: force on the whole set [x, y] [N], on the whole ring in axisymmetry",
+    )
+
+    @model_validator(mode="after")
+    def _check_one_value(self) -> Self:
+        if (self.value is None) == (self.total is None):
+            remedy = "for instance value = [0, 100] (MPa), or total = [0, 5000] (N)"
+            raise fault("give either value or total", remedy, key="value")
+        return self
 
 
 class Pressure(Part):
@@ -350,6 +372,7 @@ class Stage(Part):
     tools: dict[str, ToolMotion] = Field(default={}, description="motion of each moving tool; the others stand still")
     displacement: tuple[Displacement, ...] = Field(default=(), description="prescribed displacements")
     force: tuple[NodeForce, ...] = Field(default=(), description="forces")
+    edge_force: tuple[EdgeForce, ...] = Field(default=(), description="forces along edges, spread by area")
     pressure: tuple[Pressure, ...] = Field(default=(), description="pressures")
 
 

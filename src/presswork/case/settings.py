@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from presswork import model
+from presswork.case.errors import Problem
 from presswork.case.part import Part
 from presswork.case.units import Number, Rate, fault
 
@@ -71,6 +72,11 @@ class Solver(Part):
     target_iterations: Whole = Field(
         default=_SOLVER.target_iterations, ge=1, description="increments grow while they take fewer iterations"
     )
+    displacements: model.Displacements = Field(
+        default=_SOLVER.displacements,
+        description="large; or small: geometrically linear, equilibrium on the undeformed body and strain linear in "
+        "the displacement",
+    )
     strain_measure: model.StrainMeasure = Field(default=_SOLVER.strain_measure, description="strain increment")
     integrator: model.Integrator = Field(default=_SOLVER.integrator, description="integration of the stress")
     substeps: Whole = Field(default=_SOLVER.substeps, ge=1, description='sub-increments of "substepping"')
@@ -117,6 +123,22 @@ class Solver(Part):
             if "initial_increment" in self.model_fields_set:
                 raise fault(f"initial_increment is not between {bounds}", "choose it between them", "initial_increment")
         return self
+
+
+def check_small_displacements(solver: Solver) -> list[Problem]:
+    """Return the problems of keys that have no meaning with small displacements."""
+    if solver.displacements == "large":
+        return []
+    fault = "has no meaning with small displacements, in which nothing turns and no load follows"
+    keys = ("strain_measure", "terms", "pressure_stiffness")
+    problems = [Problem(f"solver.{key}", fault, "remove it") for key in keys if key in solver.model_fields_set]
+    if solver.tangent == "thesis":
+        fault = "its terms are those of large displacements"
+        problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
+    if solver.control == "arc_length":
+        fault = "with small displacements no shell snaps through"
+        problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
+    return problems
 
 
 class Output(Part):

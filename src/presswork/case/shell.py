@@ -100,10 +100,10 @@ class ShellBoundary(Part):
             raise fault("give either hold or fix", 'for instance hold = "clamped", or fix = ["z"]', key="hold")
         return self
 
-    def build(self) -> model.Support:
-        """Return the Model's support."""
+    def build(self, name: str) -> model.Support:
+        """Return the Model's support; name: of the entry."""
         held = self.fix if self.hold is None else HOLDS[self.hold]
-        return model.Support(self.set, tuple(freedom in held for freedom in FREEDOMS))
+        return model.Support(self.set, tuple(freedom in held for freedom in FREEDOMS), name)
 
 
 class ShellDisplacement(Part):

@@ -15,7 +15,7 @@ from presswork.case.forming_limit.build import build_sheets
 from presswork.case.grid import grid_lines
 from presswork.case.library import list_keys
 from presswork.case.references import check_cells, check_set_names
-from presswork.case.settings import build_output, build_solver
+from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.shell import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile
@@ -43,7 +43,7 @@ def build_shell_model(case: ShellCase) -> model.Model:
         mesh=mesh,
         materials=build_sheets(case.materials, case.workpiece.material, case.source),
         tools=(),
-        supports=tuple(entry.build() for entry in case.boundary.values()),
+        supports=tuple(entry.build(name) for name, entry in case.boundary.items()),
         stages=tuple(_build_stage(stage) for stage in case.stages),
         solver=solver,
         output=build_output(case.output),
@@ -75,6 +75,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
     if "rows" in case.output.model_fields_set:
         fault = "shells are implicit: a row an increment"
         problems.append(Problem("output.rows", fault, "remove it", case.output.rows))
+    problems += check_small_displacements(case.solver)
     if case.solver.control == "arc_length":
         for index, stage in enumerate(case.stages):
             if stage.displacement or stage.rotation:

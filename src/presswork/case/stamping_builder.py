@@ -81,7 +81,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
     angle = radians(blank.rolling_direction)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
     supports = [
-        model.Support(name, tuple(freedom in HOLDS[name] for freedom in FREEDOMS))
+        model.Support(name, tuple(freedom in HOLDS[name] for freedom in FREEDOMS), name)
         for name, is_cut in zip(SYMMETRY_SETS, symmetry, strict=True)
         if is_cut
     ]
@@ -96,7 +96,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         ),
         tools=tools,
         symmetry=symmetry,
-        supports=(*supports, *(entry.build() for entry in case.boundary.values())),
+        supports=(*supports, *(entry.build(name) for name, entry in case.boundary.items())),
         stages=stages,
         explicit=ExplicitSettings(**case.explicit.model_dump()),
         implicit=case.implicit.build(),

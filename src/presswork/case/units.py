@@ -195,6 +195,7 @@ Sides = Annotated[
     WithJsonSchema({"anyOf": [_json_schema(LENGTH), {"type": "array", "items": _json_schema(LENGTH)}]}),
 ]
 ForceVector = Annotated[tuple[float, float], *_pair(FORCE)]
+StressVector = Annotated[tuple[float, float], *_pair(STRESS)]
 VelocityVector = Annotated[tuple[float, float], *_pair(VELOCITY)]
 Direction = Annotated[tuple[float, float], *_pair(PURE_NUMBER)]
 Point3 = Annotated[tuple[float, float, float], *_triple(LENGTH)]

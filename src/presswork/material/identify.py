@@ -48,6 +48,12 @@ _LAWS = {  # s, t: yield stress and highest stress measured
         lambda s, t: [0.1 * s, 0.9 * t, 0.1],
         lambda s, t: [1.2 * s, 5 * t, 200.0],
     ),
+    "linear_voce": _Law(
+        ("yield_stress", "saturation_stress", "rate", "modulus"),
+        lambda s, t: [s, 0.9 * t, 10.0, 0.2 * t],
+        lambda s, t: [0.1 * s, 0.5 * s, 0.1, 0.0],
+        lambda s, t: [1.2 * s, 5 * t, 200.0, 20 * t],
+    ),
     "hockett_sherby": _Law(
         ("yield_stress", "saturation_stress", "rate", "exponent"),
         lambda s, t: [s, 1.2 * t, 5.0, 0.7],
@@ -110,7 +116,7 @@ def fit_hardening(test: TensileTest, law: str, young: float) -> HardeningFit:
     )  # fmt: skip
     residual = fit.fun * top
     parameters = dict(zip(kind.keys, (float(value) for value in fit.x), strict=True))
-    if law in ("voce", "hockett_sherby", "swift_voce"):
+    if "saturation_stress" in parameters:
         parameters["saturation_stress"] = max(parameters["saturation_stress"], parameters["yield_stress"])
     return HardeningFit(
         law,

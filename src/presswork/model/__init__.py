@@ -32,6 +32,7 @@ from presswork.model.mesh import (
 )
 from presswork.model.model import Analysis, Model
 from presswork.model.settings import (
+    Displacements,
     ExplicitSolid,
     FrictionTangent,
     Integrator,
@@ -61,6 +62,7 @@ __all__ = [
     "BoolArray",
     "CellBlock",
     "ContactLaw",
+    "Displacements",
     "EdgeForce",
     "ElementName",
     "ExplicitElement",

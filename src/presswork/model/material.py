@@ -9,7 +9,9 @@ from typing import Literal
 from presswork.formability import Formability
 from presswork.model.arrays import FloatArray
 
-HardeningLaw = Literal["linear", "swift", "ludwik", "voce", "hockett_sherby", "table", "swift_voce", "monotone_table"]
+HardeningLaw = Literal[
+    "linear", "swift", "ludwik", "voce", "linear_voce", "hockett_sherby", "table", "swift_voce", "monotone_table"
+]
 UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
 
 
@@ -20,7 +22,8 @@ class Hardening:
     law: HardeningLaw
     parameters: FloatArray
     """linear: [yield_stress, modulus]; swift: [K, e0, n]; ludwik: [yield_stress, K, n];
-    voce: [yield_stress, saturation_stress, rate]; hockett_sherby: [yield_stress, saturation_stress, rate, exponent];
+    voce: [yield_stress, saturation_stress, rate]; linear_voce: [yield_stress, saturation_stress, rate, modulus];
+    hockett_sherby: [yield_stress, saturation_stress, rate, exponent];
     table: [e0, s0, e1, s1, ...]; monotone_table: [e0, s0, slope0, e1, s1, slope1, ...];
     swift_voce: [voce_share, K, e0, n, yield_stress, saturation_stress, rate]. Stresses in MPa."""
 

@@ -8,6 +8,7 @@ from typing import Literal
 
 Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
+Displacements = Literal["large", "small"]
 FrictionTangent = Literal["return_mapping", "bond", "residual"]
 
 
@@ -27,6 +28,11 @@ class TangentTerms:
 @dataclass(frozen=True)
 class SolverSettings:
     """How the implicit procedure integrates and iterates."""
+
+    @property
+    def is_small(self) -> bool:
+        """Whether displacements are small."""
+        return self.displacements == "small"
 
     newton: Literal["full", "modified"] = "full"
     tangent: Literal["consistent", "thesis"] = "consistent"
@@ -49,6 +55,8 @@ class SolverSettings:
     max_increment: float = 0.02
     target_iterations: int = 6
     """Increments grow while they take fewer iterations than this."""
+    displacements: Displacements = "large"
+    """small: equilibrium on the undeformed body, strain linear in the displacement."""
     strain_measure: StrainMeasure = "log"
     integrator: Integrator = "backward_euler"
     substeps: int = 10
@@ -80,6 +88,10 @@ class OutputSettings:
     """Increments between checkpoints; of an explicit run rows."""
     rows: int = 200
     """Explicit: rows of the history of each stage."""
+
+    def is_closer_than(self, increment: float) -> bool:
+        """Say whether the equal steps lie closer together than increments of this fraction of a stage."""
+        return self.steps * increment > 1 + 1e-9
 
 
 @dataclass(frozen=True)

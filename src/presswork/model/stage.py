@@ -20,6 +20,8 @@ class Support:
     node_set: str
     fix: tuple[bool, ...]
     """Of x, y; of a shell x, y, z and the rotations about x, y, z."""
+    name: str = ""
+    """By which its reaction is recorded; empty: it is not."""
 
 
 @dataclass(frozen=True)
@@ -63,13 +65,14 @@ class ShellPressure:
 
 @dataclass(frozen=True)
 class EdgeForce:
-    """A force per length [N/mm] on an edge set of a shell, and a moment per length [N], of fixed directions and per
-    undeformed length, reached linearly at the end of the stage.
+    """A force of fixed direction on an edge set, by its undeformed size, reached linearly at the end of the stage.
+
+    On a shell a force per length [N/mm], and a moment per length [N]; on a solid a force per area [MPa].
     """
 
     edge_set: str
     force: tuple[float, ...]
-    """x, y, z; or x, y, z and the moments about them."""
+    """x, y; of a shell x, y, z; or x, y, z and the moments about them."""
 
 
 @dataclass(frozen=True)

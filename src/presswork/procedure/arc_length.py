@@ -100,7 +100,7 @@ class ArcLengthProcedure(ImplicitProcedure):
             time=float(now[TIME]),
             log=log,
             cutbacks=cutbacks,
-            is_save_point=self._is_save_point(over),
+            is_save_point=self._is_save_point(fraction_n, fraction, over),
         )
 
     def _shells(self) -> ShellMechanics:

@@ -166,6 +166,15 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
         """Internal forces and moments (n_nodes, 6) [N, N mm], less the forces of tools."""
         return self._by_node(self._loop.internal_force)
 
+    @property
+    def reaction_impulse(self) -> Array:
+        """Impulse of what holds prescribed freedoms since reset_reaction (n_nodes, 6) [N s, N mm s]."""
+        return self._by_node(self._loop.reaction_impulse)
+
+    def reset_reaction(self) -> None:
+        """Begin a new sum of reaction_impulse."""
+        self._loop.reaction_impulse = np.zeros((len(self.position), 6))
+
     def trial_force(self, increment: npt.ArrayLike) -> Array:
         """Give the internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed."""
         return self._by_node(self._loop.trial_force(self._shaped(increment, "increment")[self._nodes]))

@@ -151,6 +151,15 @@ class ExplicitSolids:
         return self._loop.internal_force
 
     @property
+    def reaction_impulse(self) -> Array:
+        """Impulse of what holds prescribed freedoms since reset_reaction (n_nodes, 2) [N s]."""
+        return self._loop.reaction_impulse
+
+    def reset_reaction(self) -> None:
+        """Begin a new sum of reaction_impulse."""
+        self._loop.reaction_impulse = np.zeros(self._fixed.shape)
+
+    @property
     def mass(self) -> Array:
         """Mass of each node (n_nodes) [t], with what was added; of its ring in axisymmetry."""
         return self._loop.mass

@@ -21,6 +21,7 @@ from presswork.procedure.explicit_solids import FREEDOMS, ExplicitSolids, Wall
 from presswork.procedure.limits import Watched, measure_hydrostatic_stress
 from presswork.procedure.motion import SmoothStroke
 from presswork.procedure.penetration import Penetration
+from presswork.procedure.reactions import Reactions
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
 from presswork.procedure.solid_material import SolidMaterial
@@ -59,6 +60,8 @@ class ExplicitImpact(RowRecording):
         self.solids.set_velocity("all", self.settings.velocity)
         self.walls = [self.solids.add_wall(t.name, t.segments, mu=float(t.mu.max(initial=0.0))) for t in model.tools]
         self._force = np.zeros((len(self.walls), 2))
+        self.reactions = Reactions(model, 2, [t.name for t in model.tools])
+        self._reaction = np.zeros((len(model.mesh.points), 2))
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
@@ -71,12 +74,14 @@ class ExplicitImpact(RowRecording):
         begin = sum(s.duration for s in self.model.stages[:number])
         cycle, time = self.solids.cycle, self.solids.time
         impulse = [wall.impulse for wall in self.walls]
+        self.solids.reset_reaction()
         to = begin + stage.duration * (row + 1) / rows
         self.solids.run_to(
             to, damping=self.settings.damping, target_step=self.settings.target_step, motion=_motion_of(stage, begin)
         )
         for i, wall in enumerate(self.walls):
             self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
+        self._reaction = self.solids.reaction_impulse / (self.solids.time - time)
         energies = self.solids.energies()
         self._progress[ADDED_MASS] = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle
@@ -105,7 +110,8 @@ class ExplicitImpact(RowRecording):
         """Of history.csv."""
         forces = ("stroke", "force", "force_x", "force_y", "force_z")
         tools = [f"{tool.name}.{quantity}" for tool in self.model.tools for quantity in forces]
-        return ["time", "stage", "increment", "cycles", *tools, *EXTENTS, *LAST_COLUMNS]
+        first = ["time", "stage", "increment", "cycles", *tools]
+        return [*first, *self.reactions.columns, *EXTENTS, *LAST_COLUMNS]
 
     @property
     def time(self) -> float:
@@ -133,6 +139,8 @@ class ExplicitImpact(RowRecording):
         row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
         for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
             row |= self._measure(tool, wall, mean)
+        displacement = self.solids.position - self.model.mesh.points
+        row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
         return {
             **row,
@@ -189,13 +197,14 @@ class ExplicitImpact(RowRecording):
                 "displacement": np.column_stack([solids.position - model.mesh.points, np.zeros(n)]),
                 "velocity": np.column_stack([solids.velocity, np.zeros(n)]),
                 "contact_force": np.column_stack([contact, np.zeros(n)]),
+                "reaction_force": np.column_stack([self._reaction, np.zeros(n)]),
             },
             cell_data=self._cell_fields(),
             tools={t.name: t.segments for t in model.tools},
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={wall.name: wall.displacement for wall in self.walls},
             tool_angle={t.name: 0.0 for t in model.tools},
-            info=describe_plane(model),
+            info={**describe_plane(model), **self.reactions.gauges(model)},
         )
 
     def _cell_fields(self) -> dict[str, FloatArray]:

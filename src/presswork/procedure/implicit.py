@@ -151,9 +151,13 @@ class ImplicitProcedure:
         return np.array([(*m.move, m.turn) for m in motions]).reshape(-1, 3)
 
     def save_points(self, stage: int) -> FloatArray:
-        """Stage fractions at which an increment must end and fields are saved; the last is 1."""
+        """Stage fractions at which an increment must end and fields are saved; the last is 1.
+
+        Saved steps that lie closer together than the largest increment end none: they would make it smaller.
+        """
         output = self.model.output
-        points = [] if output.every else list(np.linspace(0, 1, output.steps + 1)[1:])
+        end_increments = output.every == 0 and not output.is_closer_than(self.model.solver.max_increment)
+        points = list(np.linspace(0, 1, output.steps + 1)[1:]) if end_increments else []
         if stage == len(self.model.stages) - 1:
             points += output.at
         return np.unique(np.round([*points, 1.0], 12))
@@ -209,12 +213,16 @@ class ImplicitProcedure:
             time=float(self.state.progress[TIME]),
             log=outcome.log,
             cutbacks=cutbacks,
-            is_save_point=self._is_save_point(fraction == target),
+            is_save_point=self._is_save_point(fraction_n, fraction, fraction == target),
         )
 
-    def _is_save_point(self, at_target: bool) -> bool:
-        every = self.model.output.every
-        return at_target or bool(every and int(self.state.progress[INCREMENTS]) % every == 0)
+    def _is_save_point(self, fraction_n: float, fraction: float, at_target: bool) -> bool:
+        """Say whether an increment of a stage is saved: every so many, or what passes one of the equal steps."""
+        output = self.model.output
+        if output.every:
+            return at_target or int(self.state.progress[INCREMENTS]) % output.every == 0
+        before, now = (np.floor(f * output.steps * (1 + 1e-12)) for f in (fraction_n, fraction))
+        return at_target or bool(now != before)
 
     def _attempt(
         self, stage: int, fraction_n: float, fraction: float, *, gently: bool

@@ -18,6 +18,7 @@ from presswork.procedure.increments import IncrementRecording
 from presswork.procedure.limits import Measure, Watched, measure_hydrostatic_stress, watch_sheet
 from presswork.procedure.mechanics import Mechanics
 from presswork.procedure.penetration import Penetration
+from presswork.procedure.reactions import Reactions
 from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.tool_quantities import ToolQuantities, describe_plane, measure_tools
 from presswork.results import history_columns
@@ -39,12 +40,15 @@ class ImplicitRecording(IncrementRecording):
             t.name for t in model.tools if any(s.tool_motion.get(t.name, ToolMotion()).turn for s in model.stages)
         ]
         self.penetration = Penetration()
+        taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
+        self.reactions = Reactions(model, self.procedure.mechanics.freedoms, taken)
         self._tools: dict[str, ToolQuantities] = {}
 
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        return history_columns([t.name for t in self.model.tools], self.turning, [c.name for c in self.model.contacts])
+        tools, contacts = [t.name for t in self.model.tools], [c.name for c in self.model.contacts]
+        return [*history_columns(tools, self.turning, contacts), *self.reactions.columns]
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -76,7 +80,8 @@ class ImplicitRecording(IncrementRecording):
                 row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
         for name, (force_x, force_y) in self.procedure.contact_forces().items():
             row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
-        return row
+        state = self.procedure.state
+        return row | self.reactions.measure(self.mesh, self._stage(), state.reaction, state.displacement)
 
     def watch(self) -> Watched:
         """Return how far the converged state is towards its limits."""
@@ -122,15 +127,23 @@ class ImplicitRecording(IncrementRecording):
         state = procedure.state
         forces = procedure.contact.forces(state, procedure.equilibrium.fixed(self._stage()))
         cells = procedure.mechanics.cell_fields(state)
+        points = procedure.mechanics.point_fields(state, forces, procedure.interface_stress())
+        if model.analysis != "shell":
+            held = state.reaction * self.reactions.mask(self.mesh, self._stage())
+            points["reaction_force"] = np.column_stack([held, np.zeros(len(held))])
         return Snapshot(
             time=float(state.progress[TIME]),
-            point_data=procedure.mechanics.point_fields(state, forces, procedure.interface_stress()),
+            point_data=points,
             cell_data=cells | formability_fields(cells, self._judged()),
             tools={t.name: t.segments for t in model.tools},
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
             tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.tools)},
-            info={**describe_plane(model), **(self._judged().to_info() if model.analysis == "shell" else {})},
+            info={
+                **describe_plane(model),
+                **self.reactions.gauges(model),
+                **(self._judged().to_info() if model.analysis == "shell" else {}),
+            },
         )
 
     def _judged(self) -> Formability:

@@ -18,9 +18,10 @@ from presswork.mesh.swept_tool import SweptTool
 from presswork.model import FloatArray, Model, OutputSettings, Push, SheetTool, Stage
 from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 from presswork.procedure.held_flange import warn_of_holders
-from presswork.procedure.implicit import TIME, ImplicitProcedure, IncrementReport
+from presswork.procedure.implicit import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
 from presswork.procedure.increments import IncrementRecording
 from presswork.procedure.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.procedure.reactions import Reactions
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.stamping_tools import (
     bead_columns,
@@ -118,12 +119,13 @@ class ImplicitStamping(IncrementRecording):
     def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
         super().__init__(model, ImplicitProcedure(make_shell_model(model), threads=threads))
         self._judged = model.sheet[1].formability
+        self.reactions = Reactions(model, 6, [t.name for t in model.tools])
 
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
-        return [*first, *ENERGIES, "energy_error_percent"]
+        return [*first, *self.reactions.columns, *ENERGIES, "energy_error_percent"]
 
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
@@ -151,14 +153,20 @@ class ImplicitStamping(IncrementRecording):
 
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
-        balance = self.procedure.energy_balance()
+        balance, state = self.procedure.energy_balance(), self.procedure.state
         return {
             **self._begin_row(report),
             **self._tool_columns(),
             **self._bead_columns(),
+            **self.reactions.measure(self.mesh, self._stage(), state.reaction, state.displacement),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
         }
+
+    def _stage(self) -> int:
+        """Return the stage that the converged state belongs to."""
+        progress = self.procedure.state.progress
+        return max(int(progress[STAGE]) - int(progress[FRACTION] == 0.0), 0)
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the converged state."""
@@ -216,6 +224,7 @@ class ImplicitStamping(IncrementRecording):
             "iterations": 0,
             **tools,
             **bead_columns(self.model, [0.0] * len(self.model.beads)),
+            **self.reactions.nothing(),
             **energies,
             "energy_error_percent": balance["error_percent"],
         }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Applied loads: point forces and follower pressures, and the pressures' stiffness (K_t of the thesis)."""
+"""Applied loads: forces at nodes and on edges, follower pressures and their stiffness (K_t of the thesis)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.mesh.edges import GAUSS_3, edge_shape_functions
+from presswork.mesh.edges import GAUSS_3, edge_areas, edge_shape_functions
 from presswork.model import FloatArray, IntArray, Model
 
 
@@ -23,14 +23,20 @@ class AppliedLoads:
 
 
 def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float) -> AppliedLoads:
-    """Return the loads at a fraction of a stage on the deformed points; loads grow linearly and end with their
-    stage.
+    """Return the loads at a fraction of a stage; loads grow linearly and end with their stage.
+
+    points: on which pressures act (n_points, 2): the deformed ones, with small displacements the undeformed ones.
     """
     force = np.zeros_like(points)
     pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 2, 2))]
     for load in model.stages[stage].forces:
         nodes = model.mesh.node_sets[load.node_set]
         force[nodes] += fraction * np.asarray(load.force) / len(nodes)
+    thickness = None if model.analysis == "axisymmetric" else model.depth
+    for edge_load in model.stages[stage].edge_forces:
+        edges = model.mesh.edge_sets[edge_load.edge_set]
+        share = edge_areas(model.mesh.points, edges, thickness)[..., None] * np.asarray(edge_load.force)
+        np.add.at(force, edges, fraction * share)
     for pressure in model.stages[stage].pressures:
         edges = model.mesh.edge_sets[pressure.edge_set]
         edge_pairs, edge_blocks = _add_pressure(model, points, edges, fraction * pressure.value, force)

@@ -110,6 +110,7 @@ def make_point_settings(solver: SolverSettings) -> _core.PointSettings:
         k_e=solver.terms.k_e,
         k_u=solver.terms.k_u,
         k_v=solver.terms.k_v,
+        small_displacements=solver.is_small,
     )
 
 
@@ -177,8 +178,11 @@ class Mechanics:
 
     def apply_loads(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> AppliedLoads:
         """Return the loads at a fraction of a stage, `increment` (n_points, 2) after state_n."""
-        points = self._model.mesh.points + (state_n.displacement + increment)
-        return evaluate_loads(self._model, points, stage, fraction)
+        points = self._model.mesh.points
+        if self._model.solver.is_small:
+            dead = evaluate_loads(self._model, points, stage, fraction)
+            return AppliedLoads(dead.force, dead.pairs[:0], dead.blocks[:0])
+        return evaluate_loads(self._model, points + (state_n.displacement + increment), stage, fraction)
 
     def force_of_round_off(self) -> float:
         """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
@@ -200,7 +204,9 @@ class Mechanics:
         """
         started = perf_counter()
         model = self._model
-        points = model.mesh.points + state_n.displacement
+        points = model.mesh.points
+        if not model.solver.is_small:
+            points = points + state_n.displacement
         for i, block in enumerate(model.mesh.blocks):
             fault = _core.UmatFault()
             failed = _core.evaluate_block(

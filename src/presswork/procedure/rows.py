@@ -115,6 +115,11 @@ class RowRecording(ModelRecording, ABC):
             is_save_point=(row + 1) * steps // rows > row * steps // rows,
         )
 
+    def _stage_of_row(self) -> int:
+        """Return the stage that the last row belongs to."""
+        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        return max(stage - (row == 0), 0)
+
     def _take_up(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take up the progress in these arrays. Raises ValueError if they belong to another model."""
         own = self.to_arrays()

@@ -67,20 +67,26 @@ class ShellLoads:
         rotation's tangent. What of it lies along the director of a smooth node does nothing.
         """
         force = fraction * self._dead[stage] + (1.0 - fraction) * state_n.shells.fading
+        is_small = self._model.solver.is_small
+        if is_small:
+            increment = np.zeros_like(increment)
         moment = force[:, 3:]
         loaded = np.flatnonzero(moment.any(axis=1))
         if len(loaded):
             force[loaded, 3:] = self._on_rotation_vector(loaded, moment[loaded], state_n, increment[loaded, 3:])
         pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 6, 6))]
-        points = self._model.mesh.points + state_n.displacement[:, :3] + increment[:, :3]
+        points = self._model.mesh.points
+        if not is_small:
+            points = points + state_n.displacement[:, :3] + increment[:, :3]
         for pressure in self._model.stages[stage].shell_pressures:
             inside = np.zeros(len(points), dtype=bool)
             inside[self._model.mesh.node_sets[pressure.node_set]] = True
             for block, shape in zip(self._model.mesh.blocks, self._shapes, strict=True):
                 cells = block.connectivity[inside[block.connectivity].all(axis=1)]
                 more, stiffness = _press(points, cells, shape, fraction * pressure.value, force)
-                pairs.append(more)
-                blocks.append(stiffness)
+                if not is_small:
+                    pairs.append(more)
+                    blocks.append(stiffness)
         return AppliedLoads(force, np.concatenate(pairs), np.concatenate(blocks))
 
     def _on_rotation_vector(

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
@@ -160,7 +160,8 @@ class ShellMechanics:
         """
         started = perf_counter()
         model = self._model
-        points = model.mesh.points + state_n.displacement[:, :3]
+        is_small = model.solver.is_small
+        points = model.mesh.points if is_small else model.mesh.points + state_n.displacement[:, :3]
         for i, block in enumerate(model.mesh.blocks):
             cell, fault = _core.evaluate_shells(
                 block.element,
@@ -179,6 +180,7 @@ class ShellMechanics:
                 force=self._force[i],
                 stiffness=self._stiffness[i] if with_stiffness else None,
                 symmetric=model.solver.symmetric,
+                small_displacements=is_small,
             )
             if cell >= 0:
                 self._timing.add("assembly", started)
@@ -192,7 +194,9 @@ class ShellMechanics:
         """Take note of an increment: the laws of shells do not ask when."""
 
     def settle(self, state_n: State, trial: State) -> None:
-        """Turn the directors of a converged trial state by its increment."""
+        """Turn the directors of a converged trial state by its increment; with small displacements they stay."""
+        if self._model.solver.is_small:
+            return
         theta = trial.increment[self.directors.node, 3:]
         turned = turn_vectors(theta, state_n.shells.director)
         trial.shells.director = turned / np.linalg.norm(turned, axis=1, keepdims=True)
@@ -240,6 +244,10 @@ class ShellMechanics:
     def cell_fields(self, state: State) -> dict[str, FloatArray]:
         """Return the fields that are saved of the cells."""
         mesh = self._model.mesh
+        if self._model.solver.is_small:  # for the strains, directors as far as rotations turn them to first order
+            theta = state.displacement[self.directors.node, 3:]
+            director = state.shells.director + np.cross(theta, state.shells.director)
+            state = replace(state, shells=replace(state.shells, director=director))
         geometry = [
             ShellGeometry(
                 connectivity=block.connectivity,

@@ -24,6 +24,7 @@ from presswork.procedure.explicit_input import check_damping
 from presswork.procedure.explicit_options import ShellOptions
 from presswork.procedure.held_flange import warn_of_holders
 from presswork.procedure.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.procedure.reactions import Reactions
 from presswork.procedure.recording import Row, Snapshot, find_never_touched
 from presswork.procedure.refinement import SplitBlank, choose_shells
 from presswork.procedure.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
@@ -53,6 +54,8 @@ class ExplicitStamping(RowRecording):
         self._judged = model.sheet[1].formability
         self.shells = self._make_shells()
         self._mass = float(self.shells.mass[:, 0].sum())
+        self.reactions = Reactions(model, 6, [t.name for t in model.tools])
+        self._reaction = np.zeros((len(model.mesh.points), 6))
         material = model.sheet[1]
         yield_stress = float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
         self._formed = YIELD_OFFSET * yield_stress * self._mass / material.density
@@ -94,12 +97,14 @@ class ExplicitStamping(RowRecording):
         self.shells.dt = (end - begin) / n
         every, most = max(1, n // SAMPLES), max(1, ELEMENT_CYCLES_A_CALL // n_shells)
         self.tools.begin_row()
+        self.shells.reset_reaction()
         self._seconds_n = self.shells.seconds
         for part in np.split(mean_speeds(stage, begin, end, n), range(every, n, every)):
             for speeds in np.split(part, range(most, len(part), most)):
                 self.shells.advance(len(speeds), velocity_scale=speeds, damping=self.model.explicit.damping)
             self.tools.sample()
             stop.look()
+        self._reaction = self.shells.reaction_impulse / (end - begin)
         energies = self._energies(stage, end)
         self._progress[[CYCLES, SHELL_CYCLES]] += (n, n * n_shells)
         return n, self.shells.dt, energies
@@ -139,6 +144,7 @@ class ExplicitStamping(RowRecording):
         """Make shells and tools anew for another mesh; pushed tools keep their masses."""
         self.model = replace(self.model, mesh=mesh)
         self.shells = self._make_shells()
+        self._reaction = np.zeros((len(mesh.points), 6))
         self.tools = StampingTools(self.model, self.shells, self.tools)
 
     def _longest_step(self) -> float:
@@ -181,6 +187,7 @@ class ExplicitStamping(RowRecording):
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
+        first += self.reactions.columns
         first += ["shells"] if self.model.refinement else []
         return [*first, *LAST_COLUMNS]
 
@@ -207,22 +214,29 @@ class ExplicitStamping(RowRecording):
             "increment": report.number,
             "cycles": int(self._progress[CYCLES]),
             **self.tools.row(),
+            **self._measure_reactions(),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
             **self._end_row(report),
         }
+
+    def _measure_reactions(self) -> Row:
+        """Return the means over the last row."""
+        mesh = self.model.mesh
+        moved = np.zeros((len(mesh.points), 6))
+        moved[:, :3] = self.shells.position - mesh.points
+        return self.reactions.measure(mesh, self._stage_of_row(), self._reaction, moved)
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""
         shells, mesh = self.shells, self.model.mesh
         points = shells.position
-        reaction = shells.internal_force * self._held()
         cells = self._cell_fields()
         return Snapshot(
             time=shells.time,
             point_data={
                 "displacement": points - mesh.points,
-                "reaction_force": reaction[:, :3],
-                "reaction_moment": reaction[:, 3:],
+                "reaction_force": self._reaction[:, :3],
+                "reaction_moment": self._reaction[:, 3:],
                 "contact_force": shells.contact_force,
             },
             cell_data=cells | formability_fields(cells, self._judged),
@@ -251,17 +265,6 @@ class ExplicitStamping(RowRecording):
         strained = watch_sheet(self._judge(self._cell_fields()))
         return Watched((*strained.measures, *depths), strained.margin)
 
-    def _held(self) -> NDArray[np.bool_]:
-        """Mark the freedoms that supports and the present stage prescribe (n_points, 6)."""
-        held = np.zeros((len(self.model.mesh.points), 6), dtype=bool)
-        sets = self.model.mesh.node_sets
-        for support in self.model.supports:
-            held[sets[support.node_set]] |= np.asarray(support.fix)
-        last = min(int(self._progress[STAGE]), len(self.model.stages) - 1)
-        for p in self.model.stages[last].prescribed:
-            held[sets[p.node_set], p.component] = True
-        return held
-
     def sheet(self) -> SheetState:
         """Return the present state of the sheet."""
         return sheet_of_explicit(self.shells)
@@ -283,7 +286,7 @@ class ExplicitStamping(RowRecording):
         gone = {
             f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
         }
-        return self.row(report) | gone | {"kinetic_energy": 0.0}
+        return self.row(report) | gone | self.reactions.nothing() | {"kinetic_energy": 0.0}
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array that the next row depends on."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from .all_plots import FIELDS, SHELL_FIELDS, plot_all
 from .forming_limit_plot import plot_forming_limit
-from .history_plot import plot_history
+from .history_plot import plot_history, plot_stress_strain
 from .interface_plot import plot_interface
 from .mesh_plot import plot_contours, plot_mesh, plot_mesh_and_contours
 from .outline_plot import plot_outline
@@ -17,4 +17,5 @@ __all__ = [
     "plot_mesh",
     "plot_mesh_and_contours",
     "plot_outline",
+    "plot_stress_strain",
 ]

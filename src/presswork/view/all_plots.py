@@ -18,10 +18,13 @@ from presswork.view.blank_plot import plot_blank
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
     find_energies,
+    find_moved_sets,
     find_moving_tools,
     find_turning_tools,
     plot_energies,
     plot_history,
+    plot_stress_strain,
+    stress_strain,
 )
 from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
@@ -58,7 +61,8 @@ def plot_all(
     """Write the pictures of a run as PNG and return their paths.
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
-    space. For each moving tool: force against stroke. For each tool in contact: contact stress along the contact
+    space. For each moving tool: force against stroke; without one, for each set that is moved: reaction against
+    displacement, and nominal stress against nominal strain. For each tool in contact: contact stress along the contact
     surface. Of dynamics and of stampings: energies against time; of a stamping the section along x, the outline from
     above with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its
     symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
@@ -155,10 +159,12 @@ def _draw_section(result: Result, section: tuple[float, float, float], step: int
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:
-    """Write force against stroke, if a tool has moved; force and torque against angle, if one has turned."""
+    """Write force against stroke, if a tool has moved; force and torque against angle, if one has turned; else reaction
+    against displacement of the sets that are moved, and nominal stress against nominal strain.
+    """
     turning = find_turning_tools(result.history)
     if not (turning or find_moving_tools(result.history)):
-        return []
+        return _plot_reactions(result, folder)
     figure = bare_figure()
     plot_history(result, ax=figure.subplots())
     paths = [save_picture(figure, folder / ("force_angle.png" if turning else "force_stroke.png"))]
@@ -166,6 +172,20 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
         figure = bare_figure()
         plot_history(result, y=f"{tool}.torque", ax=figure.subplots())
         paths.append(save_picture(figure, folder / f"torque_{tool}.png"))
+    return paths
+
+
+def _plot_reactions(result: Result, folder: Path) -> list[Path]:
+    """Write what moved sets take, and the curve of a tension test."""
+    if not find_moved_sets(result.history):
+        return []
+    figure = bare_figure()
+    plot_history(result, ax=figure.subplots())
+    paths = [save_picture(figure, folder / "force_displacement.png")]
+    for name in stress_strain(result):
+        figure = bare_figure()
+        plot_stress_strain(result, name, ax=figure.subplots())
+        paths.append(save_picture(figure, folder / f"stress_strain_{name}.png"))
     return paths
 
 

@@ -28,9 +28,9 @@ def plot_history(
     """Draw columns of the history against each other; several runs go into one diagram.
 
     Without x and y: force [kN] against stroke [mm] of every tool that moves, and of a stamping's beads, or against the
-    angle of those that turn.
-    With `y` alone, x is the angle or stroke of the same tool, or the time. `labels` name the runs, by default after
-    their folders. Raises ResultError for an unknown column, or if no tool moves.
+    angle of those that turn; without such tools reaction against displacement of every set that is moved.
+    With `y` alone, x is the angle or stroke of the same tool, the displacement of the same set, or the time. `labels`
+    name the runs, by default after their folders. Raises ResultError for an unknown column, or if nothing moves.
     """
     runs = [results] if isinstance(results, Result) else list(results)
     names = list(labels) if labels is not None else name_runs(runs)
@@ -92,6 +92,57 @@ def find_turning_tools(history: dict[str, NDArray[Any]]) -> list[str]:
     return [tool for tool in tools if np.any(history[f"{tool}.angle"] != 0)]
 
 
+def find_moved_sets(history: dict[str, NDArray[Any]]) -> list[tuple[str, str]]:
+    """Return the columns of displacement or rotation, and of reaction, of every set that is moved."""
+    pairs = []
+    for name in history:
+        base, _, quantity = name.rpartition(".")
+        for moved, force in (("displacement_", "force_"), ("rotation_", "moment_")):
+            reaction = f"{base}.{force}{quantity.removeprefix(moved)}"
+            if quantity.startswith(moved) and reaction in history and np.any(history[name] != 0):
+                pairs.append((name, reaction))
+    return pairs
+
+
+def plot_stress_strain(result: Result, name: str = "", ax: Axes | None = None) -> Axes:
+    """Draw nominal stress [MPa] over nominal strain [%] of a set that is moved along one axis, as a tension test does.
+
+    Nominal stress is the reaction over the undeformed area of the set, nominal strain its displacement over the
+    undeformed length of the body. The highest stress is marked. name: of the set, by default the first. Raises
+    ResultError if no set moves so.
+    """
+    curves = stress_strain(result)
+    if not curves or (name and name not in curves):
+        raise ResultError(f"{result.folder}: no set {name or 'at all'} is moved along one axis")
+    require_matplotlib()
+    ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
+    strain, stress = curves[name or next(iter(curves))]
+    ax.plot(100 * strain, stress, linewidth=1.8)
+    top = int(np.argmax(np.abs(stress)))
+    if 0 < top < len(stress) - 1:
+        ax.plot(100 * strain[top], stress[top], "o", markersize=4, color="black")
+        text = f"{stress[top]:.4g} MPa at {100 * strain[top]:.3g} %"
+        ax.annotate(text, (100 * strain[top], stress[top]), (0, -24), textcoords="offset points", ha="center")
+    ax.set_xlabel("nominal strain [%]")
+    ax.set_ylabel("nominal stress [MPa]")
+    ax.set_title(str(result.info.get("title", "")))
+    clean_axes(ax)
+    return ax
+
+
+def stress_strain(result: Result) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return nominal strain and stress [MPa] of every set that is moved along one axis, from nothing on (n + 1,)."""
+    history, found = result.history, {}
+    for moved, force in find_moved_sets(history):
+        name = moved.rpartition(".")[0]
+        gauge = result.info.get(f"gauge_{name}")
+        if gauge is not None and ".force_" in force:
+            area, length, side = gauge
+            strain, stress = side * history[moved] / length, side * history[force] / area
+            found[name] = (np.append(0.0, strain), np.append(0.0, stress))
+    return found
+
+
 def _choose_columns(
     result: Result, history: dict[str, NDArray[Any]], x: str | None, y: str | None
 ) -> list[tuple[str, str]]:
@@ -99,6 +150,7 @@ def _choose_columns(
     if y is not None:
         tool = y.partition(".")[0]
         ways = [f"{tool}.{way}" for way in ("angle", "stroke") if f"{tool}.{way}" in history]
+        ways += [moved for moved, force in find_moved_sets(history) if force == y]
         pairs = [(x or [*ways, "time"][0], y)]
     else:
         moving = find_moving_tools(history)
@@ -108,8 +160,9 @@ def _choose_columns(
             return [(x or f"{main}.stroke", name) for name in (*(f"{tool}.force" for tool in moving), *beads)]
         turning = [(x or f"{tool}.angle", f"{tool}.force") for tool in find_turning_tools(history)]
         pairs = turning or [(x or f"{tool}.stroke", f"{tool}.force") for tool in moving]
+        pairs = pairs or [(x or moved, force) for moved, force in find_moved_sets(history)]
     if not pairs:
-        raise ResultError(f"{result.folder}: no tool has moved, there is no force-stroke curve; choose x and y")
+        raise ResultError(f"{result.folder}: nothing has moved, there is no curve of force; choose x and y")
     for name in {name for pair in pairs for name in pair}:
         if name not in history or name == "stage":
             known = ", ".join(column for column in history if column != "stage")
@@ -131,12 +184,14 @@ def _values(history: dict[str, NDArray[Any]], column: str) -> FloatArray:
 
 def _is_large(column: str) -> bool:
     quantity = column.rpartition(".")[2]
-    return "force" in quantity or quantity == "torque"
+    return "force" in quantity or "moment" in quantity or quantity == "torque"
 
 
 def _label(columns: Sequence[str]) -> str:
     """Return a label with unit; a tool is named if there is only one."""
     tool, _, quantity = columns[0].rpartition(".")
-    units = {"stroke": " [mm]", "time": " [s]", "angle": " [degree]", "torque": " [N m]"}
+    units = {f"displacement_{axis}": " [mm]" for axis in "xyz"}
+    units |= {f"rotation_{axis}": " [degree]" for axis in "xyz"} | {f"moment_{axis}": " [N m]" for axis in "xyz"}
+    units |= {"stroke": " [mm]", "time": " [s]", "angle": " [degree]", "torque": " [N m]"}
     unit = " [kN]" if "force" in quantity else units.get(quantity, "")
     return f"{tool + ' ' if tool and len(columns) == 1 else ''}{quantity.replace('_', ' ')}{unit}"

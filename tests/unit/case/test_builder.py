@@ -30,7 +30,10 @@ def test_model_holds_what_the_case_says(write_case: WriteCase) -> None:
     assert built.materials[0].young == pytest.approx(200e3)
     assert built.materials[0].hardening.law == "linear"
     np.testing.assert_allclose(built.materials[0].hardening.parameters, [700.0, 300.0])
-    assert built.supports == (model.Support("left", (True, False)), model.Support("bottom", (False, True)))
+    assert built.supports == (
+        model.Support("left", (True, False), "axis"),
+        model.Support("bottom", (False, True), "middle_plane"),
+    )
     assert built.stages[0].tool_motion["punch"].move[1] <= -9.0, "60 % of 15 mm at least"
     assert built.solver == model.SolverSettings()
     assert built.output == model.OutputSettings()

@@ -88,6 +88,15 @@ def test_override_values_are_toml_or_strings(write_case: WriteCase) -> None:
     assert case.solver.line_search is False
 
 
+def test_an_override_without_a_value_removes_a_key(write_case: WriteCase) -> None:
+    whole = Case.from_toml(write_case())
+    assert {"axis", "middle_plane"} <= set(whole.boundary)
+    cut = Case.from_toml(write_case(), ["boundary.middle_plane=", "solver.line_search=false", "solver.line_search="])
+    assert set(cut.boundary) == set(whole.boundary) - {"middle_plane"}
+    assert cut.solver == whole.solver
+    assert Case.from_toml(write_case(), ['title=""']).title == ""
+
+
 @pytest.mark.parametrize(
     ("override", "fragments"),
     [
@@ -95,6 +104,9 @@ def test_override_values_are_toml_or_strings(write_case: WriteCase) -> None:
         ("stages.3.name=x", ["stages.3.name", "a list of 1", "`3` is not an index"]),
         ("title.x=1", ["title.x", "`title` is a value, not a table"]),
         ("title", ["`title` is no override", "--set key=value"]),
+        ("solver.line_search=", ["solver.line_search", "no such key to remove"]),
+        ("boundary.middle_plan=", ["boundary.middle_plan", "did you mean `middle_plane`?"]),
+        ("stages.1=", ["stages.1", "no such key to remove"]),
     ],
 )
 def test_bad_override_is_named(write_case: WriteCase, override: str, fragments: list[str]) -> None:

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pressure and point forces: totals, and the follower stiffness as the derivative of the force."""
+"""Pressure, edge and point forces: totals, and the follower stiffness as the derivative of the force."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from presswork import Case, build_model
-from presswork.model import Model
+from presswork import Case, CaseError, build_model
+from presswork.model import Model, OutputSettings, Support
 from presswork.procedure.implicit import ImplicitProcedure
 from presswork.procedure.loads import evaluate_loads
 
@@ -65,6 +65,42 @@ def test_point_force_is_shared_by_the_set() -> None:
     model = model_with("quad4", "plane_strain", force=[{"set": "top", "value": [30.0, -60.0]}])
     force = evaluate_loads(model, model.mesh.points, 0, 0.5).force
     np.testing.assert_allclose(force.sum(axis=0), [15.0, -30.0])
+
+
+@pytest.mark.parametrize("element", ["tri3", "tri6_6pt", "quad4", "quad8", "quad9"])
+@pytest.mark.parametrize("analysis", ["axisymmetric", "plane_strain"])
+def test_edge_force_is_a_uniform_stress_and_force_on_the_nodes_is_not(element, analysis) -> None:
+    """Of a ring and of a slab on rollers: the stress along the force is the load on the edge, everywhere."""
+    area = np.pi * (9**2 - 5**2) if analysis == "axisymmetric" else 4.0
+    loads = {
+        "value": {"edge_force": [{"set": "top", "value": [0, 100]}]},
+        "total": {"edge_force": [{"set": "top", "total": [0, 100 * area]}]},
+        "nodes": {"force": [{"set": "top", "value": [0, 100 * area]}]},
+    }
+    scatter = {}
+    for name, load in loads.items():
+        model = model_with(element, analysis, **load)
+        rollers = (
+            Support("bottom", (False, True)),
+            *([Support("left", (True, False))] if analysis != "axisymmetric" else []),
+        )
+        solver = replace(
+            model.solver, displacements="small", initial_increment=1.0, max_increment=1.0, force_tolerance=1e-9
+        )
+        model = replace(model, supports=rollers, solver=solver, output=OutputSettings(every=1))
+        procedure = ImplicitProcedure(model, threads=1)
+        assert len(list(procedure.advance())) == 1
+        stress = np.concatenate([s[..., 1].ravel() for s in procedure.state.stress])
+        scatter[name] = np.abs(stress - 100.0).max()
+    assert scatter["value"] < 1e-6
+    assert scatter["total"] < 1e-6
+    assert scatter["nodes"] > 5.0
+
+
+def test_edge_force_needs_one_of_value_and_total() -> None:
+    for load in ({}, {"value": [0, 1], "total": [0, 1]}):
+        with pytest.raises(CaseError, match="give either value or total"):
+            model_with("quad4", "plane_strain", edge_force=[{"set": "top", **load}])
 
 
 def test_pressure_stiffness_saves_iterations() -> None:
