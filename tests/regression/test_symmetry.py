@@ -34,6 +34,7 @@ CUP: dict[str, Any] = {
     "stages": [{"name": "draw", "velocity": "10 m/s",
                 "tools": {"punch": {"stroke": 10}, "holder": {"force": "15 kN"}}}],
     "output": {"rows": 40, "steps": 1},
+    "limits": {"penetration": 5},  # shells as long as this cut into the radii; both sides of the comparison do
 }  # fmt: skip
 BEADS = [{"points": [[-42, -42], [42, -42], [42, 42], [-42, 42], [-42, -42]], "force": 40}]
 CIRCLE = {"shape": "circle", "diameter": 100, "thickness": 0.8, "element_size": 8, "material": "steel"}

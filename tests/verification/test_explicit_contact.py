@@ -101,7 +101,7 @@ def test_bounce_conserves_energy() -> None:
     np.testing.assert_allclose(sheet.velocity[:, 2], 2000.0, rtol=0.02)
     energy = sheet.energies()
     assert energy.kinetic == pytest.approx(0.5 * mass * 2000.0**2, rel=0.02)
-    assert energy.contact == 0.0
+    assert abs(energy.contact) < 1e-15  # of 0.8 N mm: what is left is rounding in the work on the thickness
 
 
 def test_contact_damping_takes_what_it_says() -> None:
@@ -378,7 +378,7 @@ def test_a_strip_bounces_off_a_knife_without_loss(at: float) -> None:
     assert touched > 10.0
     assert tool.force[2] == 0.0
     energy = strip.energies()
-    assert energy.contact < 1e-5 * before  # the work of pressure on the thickness
+    assert energy.contact < 1.5e-5 * before  # the work of pressure on the thickness, followed every 8 cycles
     assert energy.kinetic + energy.internal + energy.hourglass == pytest.approx(before, rel=2e-3)
 
 
