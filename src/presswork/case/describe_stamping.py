@@ -12,9 +12,14 @@ from presswork.case.describe_material import describe_forming_limit, describe_ma
 from presswork.case.stamping_clashes import find_closing_stroke
 from presswork.mesh.flange import find_held_area
 from presswork.mesh.swept_tool import SweptTool
+from presswork.mesh.tool_radius import find_least_radius
 from presswork.model import FloatArray
 from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 
+EDGE = 5.0
+"""Elements along an edge of a tool from which on its radius counts."""
+SHARPEST = 0.1
+"""Of an element: a radius below is none."""
 SECONDS = 0.25e-6
 """Of one core for an element and a cycle with contact, about."""
 ELEMENTS_ROUND_AN_EDGE = 3
@@ -111,15 +116,28 @@ def _hint_at_coarse_mesh(problem: StampingModel) -> Iterator[str]:
     """Say where a sheet is bent round a radius by too few elements."""
     size = _finest(problem) * float(np.median(_measure_sides(problem)))
     for tool in problem.tools:
-        if isinstance(tool.shape, SweptTool) and tool.kind != "holder":
-            radius = _edge_radius(tool.shape)
+        if tool.kind != "holder":
+            radius = _least_radius(problem, tool, size)
             count = 0.5 * np.pi * radius / size
             if count < ELEMENTS_ROUND_AN_EDGE:
                 wanted = 0.5 * np.pi * radius / ELEMENTS_ROUND_AN_EDGE
-                yield (
-                    f"hint: {count:.2g} elements round the edge of {tool.name}; elements of {wanted:.2g} mm would be "
-                    f"{ELEMENTS_ROUND_AN_EDGE}"
-                )
+                advice = f"elements of {wanted:.2g} mm would be {ELEMENTS_ROUND_AN_EDGE}"
+                if radius < SHARPEST * size:
+                    advice = "the tool has sharp edges there: round them, or leave away what does not touch the sheet"
+                least = "" if isinstance(tool.shape, SweptTool) else f", whose least radius is about {radius:.2g} mm"
+                yield f"hint: {count:.2g} elements round the edge of {tool.name}{least}; {advice}"
+
+
+def _least_radius(problem: StampingModel, tool: StampingTool, size: float) -> float:
+    """Return the edge radius of a drawn tool, or the least one of a tool from a file beside the blank [mm]."""
+    if isinstance(tool.shape, SweptTool):
+        return _edge_radius(tool.shape)
+    blank = problem.mesh.points[:, :2]
+    reach = np.abs(blank).max(axis=0) if any(problem.symmetry) else np.zeros(2)
+    low, high = np.minimum(blank.min(axis=0), -reach), np.maximum(blank.max(axis=0), reach)
+    corners = tool.shape.points[tool.shape.triangles] + np.asarray(tool.position)
+    beside = ((corners[..., :2] >= low) & (corners[..., :2] <= high)).all(axis=(1, 2))
+    return find_least_radius(tool.shape.points, tool.shape.triangles[beside], EDGE * size)
 
 
 def _edge_radius(shape: SweptTool) -> float:

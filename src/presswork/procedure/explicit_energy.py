@@ -103,6 +103,8 @@ ADVICE = {
     "kinetic": "inertia counts: make the tools slower, or add less mass",
     "hourglass": "refine the mesh where it is bent sharply",
     "damping": "set explicit.damping lower, or make the tools slower",
+    "contact": "the sheet sinks into its tools, or is split where it is pressed: refine the blank from the start "
+    "round the tools' radii, export tools from files with finer facets, or push less hard",
     "error": "set explicit.safety lower",
 }
 """Of a stamping, on what is out of hand."""
@@ -115,8 +117,8 @@ def warn_of_energies(history: Mapping[str, NDArray[Any]], advice: Mapping[str, s
         return []
     formed = internal >= FORMED * internal.max()
     warnings = []
-    for name in (name for name in ("kinetic", "hourglass", "damping") if name in advice):
-        share = 100.0 * history[f"{name}_energy"][formed] / internal[formed]
+    for name in (name for name in ("kinetic", "hourglass", "damping", "contact") if name in advice):
+        share = 100.0 * np.abs(history[f"{name}_energy"][formed]) / internal[formed]
         worst = int(np.argmax(share))
         if share[worst] > WORTH_A_WARNING:
             at = history["time"][formed][worst]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
+from presswork.view.history_marks import mark_history
 from presswork.view.style import begin_at_zero, clean_axes, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def plot_history(
     ax.set_ylabel(_label(sorted({ordinate for _, ordinate in drawn})))
     if len(runs) == 1:
         ax.set_title(str(runs[0].info.get("title", "")))
+        mark_history(ax, runs[0], drawn)
     if len(drawn) > 1:
         ax.legend(frameon=False)
     begin_at_zero(ax)

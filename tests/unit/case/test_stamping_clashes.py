@@ -168,3 +168,15 @@ def test_a_blank_larger_than_a_holder_from_a_file_is_refused(tmp_path) -> None:
         ["tools.holder.path", "the blank is larger than the holder: it reaches 2 mm beyond"], ("tools.holder", holder)
     )
     build(("tools.holder", holder), ("blank.diameter", 95))
+
+
+def test_a_mesh_too_coarse_for_the_radius_of_a_tool_from_a_file_is_told_as_for_a_drawn_one(tmp_path) -> None:
+    """Elements of 6 mm round a radius of 5 mm, 7.85 mm of arc: 1.3 of them."""
+    points, triangles = draw_punch((25, 25), 25, 5, 30).triangulate(0.02)
+    from_file = ("tools.punch", {"kind": "punch", **write_stl(tmp_path / "punch.stl", points, triangles)})
+    for changes in ([], [from_file]):
+        said = describe(build_model(StampingCase.model_validate(changed(CUP, *changes))))
+        (hint,) = [line for line in said.splitlines() if line.startswith("hint:") and "edge of punch" in line]
+        assert float(hint.split()[1]) == pytest.approx(1.3, abs=0.2)
+    fine = describe(build_model(StampingCase.model_validate(changed(CUP, from_file, ("blank.element_size", 2)))))
+    assert "edge of punch" not in fine

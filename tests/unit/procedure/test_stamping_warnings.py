@@ -22,6 +22,16 @@ def history(**changed: list[float]) -> dict[str, np.ndarray]:
         ("kinetic_energy", SHARE, "kinetic energy reached 6 % of the internal (t = 5 s): inertia counts"),
         ("hourglass_energy", SHARE, "hourglass energy reached 6 % of the internal (t = 5 s): refine the mesh"),
         ("damping_energy", SHARE, "damping energy reached 6 % of the internal (t = 5 s): set explicit.damping lower"),
+        (
+            "contact_energy",
+            SHARE,
+            "contact energy reached 6 % of the internal (t = 5 s): the sheet sinks into its tools",
+        ),
+        (
+            "contact_energy",
+            -SHARE,
+            "contact energy reached 6 % of the internal (t = 5 s): the sheet sinks into its tools",
+        ),
         ("energy_error_percent", -BALANCE, "the energy balance is off by -30 %: set explicit.safety lower"),
     ],
 )

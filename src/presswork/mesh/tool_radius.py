@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How sharply a tool made of triangles is bent, for comparison with the elements that are to be bent round it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.model import FloatArray, IntArray
+
+SHARP = float(np.radians(35.0))
+"""Turn from facet to facet above which an edge has no radius: a quarter turn has three facets at least."""
+FLAT = float(np.radians(1.0))
+"""Turn below which two facets are one."""
+
+
+def find_least_radius(points: FloatArray, triangles: IntArray, length: float) -> float:
+    """Return the radius below which a tool is bent along `length` [mm] of its edges; infinite where it is flat.
+
+    points: (n_points, 3) [mm]; triangles: (n, 3). Between facets that turn by theta the radius is the width of the
+    narrower one over theta: exact within a fillet of facets of one width, twice too large where one ends.
+    """
+    corners = points[triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    doubled = np.linalg.norm(normal, axis=1)
+    normal = normal / np.maximum(doubled, 1e-300)[:, None]
+    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    owner = np.tile(np.arange(len(triangles)), 3)
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    ends, owner = ends[order], owner[order]
+    same = np.flatnonzero((ends[1:] == ends[:-1]).all(axis=1))
+    one, other = owner[same], owner[same + 1]
+    edge = np.linalg.norm(points[ends[same, 1]] - points[ends[same, 0]], axis=1)
+    turn = np.arccos(np.clip((normal[one] * normal[other]).sum(axis=1), -1.0, 1.0))
+    width = np.minimum(doubled[one], doubled[other]) / np.maximum(edge, 1e-300)
+    bent = turn > FLAT
+    radius = np.where(turn > SHARP, 0.0, width / np.maximum(turn, FLAT))[bent]
+    sharpest = np.argsort(radius)
+    reached = np.flatnonzero(np.cumsum(edge[bent][sharpest]) >= length)
+    return float(radius[sharpest[reached[0]]]) if len(reached) else float("inf")
