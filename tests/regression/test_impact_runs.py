@@ -204,13 +204,15 @@ def test_mass_scaling_from_a_case_is_reported(tmp_path: Path) -> None:
 
 
 def test_a_run_that_breaks_down_keeps_its_last_row(tmp_path: Path) -> None:
-    """The top driven through the bottom crushes cells: told, with the state of the last row."""
+    """The top driven through the bottom: a limit stops it; without limits cells are crushed. Both keep the last row."""
     crush = {"name": "crush", "duration": 2e-5, "displacement": [{"set": "top", "component": "y", "value": -7.0}]}
-    outcome = run_model(build(BLOCK, stages=[crush], tools={}, boundary={
-        "foot": {"set": "bottom", "fix": ["x", "y"]}}), tmp_path / "out", threads=1)  # fmt: skip
-    assert outcome.status == "gave_up"
-    assert "is crushed at" in outcome.reason
-    assert len(outcome.result.history["time"]) > 3
+    foot = {"foot": {"set": "bottom", "fix": ["x", "y"]}}
+    for stop, reason in ((True, "times the flow stress"), (False, "is crushed at")):
+        model = build(BLOCK, stages=[crush], tools={}, boundary=foot, limits={"stop": stop})
+        outcome = run_model(model, tmp_path / str(stop), threads=1)
+        assert outcome.status == "gave_up"
+        assert reason in outcome.reason
+        assert len(outcome.result.history["time"]) > 3
 
 
 def test_a_velocity_in_a_wrong_unit_is_refused_before_anything_is_written(taylor_bar: dict[str, Any]) -> None:
