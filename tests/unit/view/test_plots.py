@@ -101,9 +101,11 @@ def test_contours_beside_the_mesh_carry_title_and_stroke(result: Result) -> None
 
 def test_force_is_drawn_in_kilonewton_against_stroke(result: Result) -> None:
     ax = plot_history(result)
-    (line,) = ax.lines
+    line, largest = ax.lines
     np.testing.assert_allclose(line.get_xdata(), [0, 3, 6, 9])
-    np.testing.assert_allclose(line.get_ydata(), result.history["die.force"] / 1000)
+    force = result.history["die.force"] / 1000
+    np.testing.assert_allclose(line.get_ydata(), force)
+    assert largest.get_ydata() == [pytest.approx(np.abs(force).max())]
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("die stroke [mm]", "die force [kN]")
 
 
