@@ -58,6 +58,8 @@ class Formability:
     """Part of the limit's height held in reserve."""
     r: float = 1.0
     """Normal anisotropy (r00 + 2 r45 + r90)/4, by which uniaxial tension narrows the sheet."""
+    note: str = ""
+    """What to know of the curve; empty if nothing."""
 
     def to_info(self) -> dict[str, str | float | FloatArray]:
         """Return it as a results file keeps it, under names of their own."""

@@ -42,7 +42,8 @@ def describe_forming_limit(material: model.Material) -> str:
         return "none: the material has no forming_limit, so nothing will be said of cracks"
     minor, major = judged.curve.lowest()
     reserve = 100 * judged.safety_margin
-    return f"{judged.curve.method}, lowest at minor {minor:.3g}, major {major:.3g}; safety margin {reserve:g} %"
+    text = f"{judged.curve.method}, lowest at minor {minor:.3g}, major {major:.3g}; safety margin {reserve:g} %"
+    return f"{text}; {judged.note}" if judged.note else text
 
 
 def _describe_kinematic(kinematic: model.Kinematic) -> str:

@@ -115,7 +115,7 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
         text = f"expected a sheet: the part is only {span:.4g} mm across"
         raise CaseError([Problem("blank.thickness", text, "check the units", case.blank.thickness)], case.source)
     sheet = case.materials[case.blank.material]
-    judged = build_formability(sheet, f"materials.{case.blank.material}")
+    judged = build_formability(sheet, f"materials.{case.blank.material}", case.blank.thickness)
     return OneStepModel(
         title=case.title,
         points=part.points,

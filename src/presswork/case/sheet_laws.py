@@ -114,7 +114,9 @@ class KeelerLimit(_Limit):
     """Keeler and Brazier's curve for mild and conventional high-strength steel."""
 
     law: Literal["keeler"] = "keeler"
-    thickness: Length = Field(gt=0, description="thickness of the sheet t [mm]")
+    thickness: Length | None = Field(
+        default=None, gt=0, description="thickness of the sheet t [mm]; without it that of the blank"
+    )
     n: Number = Field(gt=0, description="hardening exponent n")
 
 
@@ -123,6 +125,18 @@ class PointsLimit(_Limit):
 
     law: Literal["points"] = "points"
     points: tuple[tuple[Number, Number], ...] = Field(description="[minor, major] true strains")
+    thickness: Length | None = Field(default=None, gt=0, description="thickness of the sheet that was tested [mm]")
+    scaling: Literal["none", "keeler"] = Field(
+        default="none",
+        description='how the curve of another thickness is applied: "none", as it was measured, or "keeler", raised as '
+        "Keeler's formula rises with thickness",
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.scaling != "none" and self.thickness is None:
+            raise fault("missing key", "say at what thickness the points were measured", key="thickness")
+        return self
 
 
 class SwiftHillLimit(_Limit):

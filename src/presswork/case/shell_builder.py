@@ -41,7 +41,7 @@ def build_shell_model(case: ShellCase) -> model.Model:
         analysis="shell",
         depth=1.0,
         mesh=mesh,
-        materials=build_sheets(case.materials, case.workpiece.material, case.source),
+        materials=build_sheets(case.materials, case.workpiece.material, case.workpiece.section.thickness, case.source),
         tools=(),
         supports=tuple(entry.build(name) for name, entry in case.boundary.items()),
         stages=tuple(_build_stage(stage) for stage in case.stages),

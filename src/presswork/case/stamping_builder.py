@@ -92,7 +92,7 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         rolling_direction=(cos(angle), sin(angle), 0.0),
         materials=tuple(
             replace(sheet, density=case.materials[sheet.name].find_density())
-            for sheet in build_sheets(case.materials, case.blank.material, case.source)
+            for sheet in build_sheets(case.materials, case.blank.material, case.blank.thickness, case.source)
         ),
         tools=tools,
         symmetry=symmetry,

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import tomli_w
 import typer
 from rich.console import Console
@@ -22,11 +24,12 @@ from presswork.material.fit_plot import draw_curves, draw_fit
 from presswork.material.identify import (
     LAWS,
     HardeningFit,
+    compare_flow,
     find_yield_stress,
     fit_hardening,
     fit_r_value,
-    identify_yld2000,
 )
+from presswork.material.identify_yld2000 import BIAXIAL, R_WEIGHT, YieldData, fit_yld2000, read_yield_data
 from presswork.material.sheet_plot import draw_sheet
 from presswork.material.tensile import TensileTest, read_tensile
 from presswork.umat import CompileError, compile_law
@@ -38,6 +41,8 @@ material_app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=T
 
 Name = Annotated[str, typer.Argument(help="A material of the library, or a material file.", show_default=False)]
 Datum = Annotated[float, typer.Option(show_default=False)]
+Exponent = Annotated[Literal["6", "8"], typer.Option(help="Of Yld2000-2d: 6 for steel, 8 for aluminium.")]
+Weight = Annotated[float, typer.Option(help="Of r-values beside stresses in the fit of Yld2000-2d.")]
 
 
 def add_commands(app: typer.Typer) -> None:
@@ -93,11 +98,14 @@ def plot(
 def flc(
     name: Name,
     output: Annotated[Path | None, typer.Option(help="The picture; a CSV of the points lies beside it.")] = None,
+    thickness: Annotated[
+        float | None, typer.Option(help="Of the sheet that it is for [mm]; default: that of the sheet tested.")
+    ] = None,
 ) -> None:
     """Find a material's forming limit curve; write its points and draw it."""
     with _errors_told():
         sheet = find_sheet(name)
-        curve = build_curve(sheet.material)
+        curve = build_curve(sheet.material, sheet.thickness if thickness is None else thickness)
         path = output or Path(f"{sheet.key}_flc.png")
         with path.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
@@ -114,43 +122,86 @@ def fit(
     young: Annotated[str, typer.Option(help='Young\'s modulus, e.g. "206 GPa".', show_default=False)],
     poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
     law: Annotated[str, typer.Option(help=f"Hardening law: {', '.join(LAWS)}; all compares them.")] = "all",
+    yield_function: Annotated[
+        Literal["hill1948", "yld2000"], typer.Option(help="Fitted to the tests at angles; yld2000 to all of them.")
+    ] = "hill1948",
+    exponent: Exponent = "8",
+    biaxial_stress: Annotated[float, typer.Option(help="Balanced biaxial yield stress over that at 0.")] = math.nan,
+    biaxial_r: Annotated[float, typer.Option(help="Strain across over along in that test.")] = math.nan,
+    r_weight: Weight = R_WEIGHT,
     output: Annotated[Path | None, typer.Option(help="Material file; default: the CSV's name, .toml.")] = None,
 ) -> None:
-    """Fit a hardening law and r-values to tensile tests; write a material file and a picture."""
+    """Fit a hardening law and a yield function to tensile tests; write a material file and a picture."""
     with _errors_told():
         tests = read_tensile(tensile)
         modulus = _read_stress("--young", young)
         along = _pick_rolling_direction(tests, tensile)
         fits = _fit_laws(along, law, modulus)
-        best = fits[0]
+        _tell_laws(along, fits, modulus)
         r_values = {test.angle: fit_r_value(test, modulus, poisson) for test in tests}
-        typer.echo(f"Rp0.2 = {find_yield_stress(along, modulus):.1f} MPa; fitted to a plastic strain of "
-                   f"{best.largest_strain:.3f}")  # fmt: skip
-        for one in fits:
-            parameters = ", ".join(f"{key} = {value:.5g}" for key, value in one.parameters.items())
-            typer.echo(f"{one.law}: {one.scatter:.2f} MPa ({100 * one.relative:.2f} %): {parameters}")
-        if len(fits) > 1:
-            far = [float(one.stress(_at(0.6))[0]) for one in fits]
-            typer.echo(f"{best.law} is taken: the least scatter for its number of parameters (Schwarz's criterion)")
-            typer.echo(f"extrapolated to 0.6 they give {min(far):.0f} to {max(far):.0f} MPa")
         for angle, r in r_values.items():
             if r is not None:
                 typer.echo(f"r at {angle:g} degrees = {r:.3f}")
+        found = {angle: r for angle, r in r_values.items() if r is not None}
+        surface: dict[str, Any] | None = None
+        if yield_function == "yld2000":
+            stress = [compare_flow(test, along, modulus) for test in tests]
+            r_column = [math.nan if r is None else r for r in r_values.values()]
+            data = YieldData(np.array(list(r_values)), np.array(stress), np.array(r_column), biaxial_stress, biaxial_r)
+            surface = _fit_surface(data, int(exponent), r_weight)
+        elif {0.0, 45.0, 90.0} <= set(found):
+            surface = {"law": "hill1948", "r00": found[0.0], "r45": found[45.0], "r90": found[90.0]}
         path = output or tensile.with_suffix(".toml")
-        _write_material(path, tensile, best, modulus, poisson, r_values)
+        _write_material(path, tensile, fits[0], {"young": modulus, "poisson": poisson}, surface)
         picture = draw_fit(tests, fits, modulus, path.with_suffix(".png"))
     typer.echo(f"{path}\n{picture}")
 
 
 @material_app.command()
 def yld2000(
-    s00: Datum, s45: Datum, s90: Datum, sb: Datum, r00: Datum, r45: Datum, r90: Datum, rb: Datum,
-    exponent: Annotated[Literal["6", "8"], typer.Option(help="6 for steel, 8 for aluminium.")] = "8",
+    data: Annotated[
+        Path | None, typer.Argument(help="CSV of angle, stress, r; its line `biaxial` has that test's.")
+    ] = None,
+    s00: Datum = math.nan, s45: Datum = math.nan, s90: Datum = math.nan, sb: Datum = math.nan,
+    r00: Datum = math.nan, r45: Datum = math.nan, r90: Datum = math.nan, rb: Datum = math.nan,
+    exponent: Exponent = "8",
+    r_weight: Weight = R_WEIGHT,
 ) -> None:  # fmt: skip
-    """Find Yld2000-2d's parameters from yield stresses over one reference, r-values and the balanced biaxial test."""
+    """Fit Yld2000-2d to yield stresses over one reference and r-values, by all angles of a file or the usual eight."""
     with _errors_told():
-        alpha = identify_yld2000((s00, s45, s90), sb, (r00, r45, r90), rb, int(exponent))
-    typer.echo(f"alpha = [{', '.join(f'{value:.5f}' for value in alpha)}]")
+        usual = YieldData(np.array([0.0, 45.0, 90.0]), np.array([s00, s45, s90]), np.array([r00, r45, r90]), sb, rb)
+        if data is not None and usual.count():
+            raise CaseError([Problem("", "data in a file and by options", "give one of them")], "Yld2000-2d")
+        _fit_surface(usual if data is None else read_yield_data(data), int(exponent), r_weight)
+
+
+def _fit_surface(data: YieldData, exponent: int, r_weight: float) -> dict[str, Any]:
+    """Fit Yld2000-2d, tell it beside the data, and return the keys of a material."""
+    fitted = fit_yld2000(data, exponent, r_weight=r_weight)
+    typer.echo(f"alpha = [{', '.join(f'{value:.5f}' for value in fitted.alpha)}]")
+    typer.echo("angle     stress measured, fitted        r measured, fitted")
+    rows = list(zip(data.angle, data.stress, fitted.found.stress, data.r, fitted.found.r, strict=True))
+    for angle, *values in [*rows, (BIAXIAL, data.biaxial, fitted.found.biaxial, data.r_biaxial,
+                                   fitted.found.r_biaxial)]:  # fmt: skip
+        texts = ["      -" if math.isnan(value) else f"{value:7.4f}" for value in values]
+        name = angle if isinstance(angle, str) else f"{angle:g}"
+        typer.echo(f"{name:8s} {texts[0]:>16s}  {texts[1]} {texts[2]:>17s}  {texts[3]}")
+    stress, r = fitted.worst()
+    typer.echo(f"largest errors: {100 * stress:.2f} % in a stress, {r:.3f} in an r-value")
+    return {"law": "yld2000", "alpha": list(fitted.alpha), "exponent": exponent}
+
+
+def _tell_laws(along: TensileTest, fits: list[HardeningFit], young: float) -> None:
+    best = fits[0]
+    typer.echo(f"Rp0.2 = {find_yield_stress(along, young):.1f} MPa; fitted to a plastic strain of "
+               f"{best.largest_strain:.3f}")  # fmt: skip
+    for one in fits:
+        parameters = ", ".join(f"{key} = {value:.5g}" for key, value in one.parameters.items())
+        typer.echo(f"{one.law}: {one.scatter:.2f} MPa ({100 * one.relative:.2f} %): {parameters}")
+    if len(fits) > 1:
+        far = [float(one.stress(np.array([0.6]))[0]) for one in fits]
+        typer.echo(f"{best.law} is taken: the least scatter for its number of parameters (Schwarz's criterion)")
+        typer.echo(f"extrapolated to 0.6 they give {min(far):.0f} to {max(far):.0f} MPa")
 
 
 def _fit_laws(test: TensileTest, law: str, young: float) -> list[HardeningFit]:
@@ -188,13 +239,12 @@ def _read_stress(key: str, text: str) -> float:
 
 
 def _write_material(
-    path: Path, source: Path, best: HardeningFit, young: float, poisson: float, r_values: dict[float, float | None]
+    path: Path, source: Path, best: HardeningFit, elastic: dict[str, Any], surface: dict[str, Any] | None
 ) -> None:
-    """Write a material file of the best law, and Hill 1948 if r-values at 0, 45 and 90 degrees were measured."""
-    table: dict[str, Any] = {"young": young, "poisson": poisson}
-    found = {angle: r for angle, r in r_values.items() if r is not None}
-    if {0.0, 45.0, 90.0} <= set(found):
-        table["yield_function"] = {"law": "hill1948", "r00": found[0.0], "r45": found[45.0], "r90": found[90.0]}
+    """Write a material file of the best law, and of the yield function if the tests gave one."""
+    table: dict[str, Any] = dict(elastic)
+    if surface is not None:
+        table["yield_function"] = surface
     table["hardening"] = {"law": best.law, **best.parameters}
     check_sheet_material(table, str(source))
     data = {
@@ -205,12 +255,6 @@ def _write_material(
         "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
     }
     path.write_text(tomli_w.dumps(data), encoding="utf-8")
-
-
-def _at(strain: float) -> Any:
-    import numpy as np
-
-    return np.array([strain])
 
 
 @contextmanager

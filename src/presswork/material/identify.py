@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Identification: hardening laws and r-values from tensile tests, Yld2000-2d from eight data."""
+"""Identification from tensile tests: hardening laws, r-values, yield stress by direction."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from presswork import _core
 from presswork.case.errors import CaseError, Problem
-from presswork.case.yield_function import r_value, tension
 from presswork.material.tensile import TensileTest
 from presswork.model import FloatArray
 
@@ -159,40 +158,23 @@ def fit_r_value(test: TensileTest, young: float, poisson: float) -> float | None
     return r
 
 
-def identify_yld2000(
-    stress: tuple[float, float, float], biaxial: float, r: tuple[float, float, float], r_biaxial: float, exponent: int
-) -> tuple[float, ...]:
-    """Find Yld2000-2d's alpha 1 to 8 from the usual eight data.
+def compare_flow(test: TensileTest, reference: TensileTest, young: float) -> float:
+    """Return a test's stress over that of a reference, each at the same plastic work per volume.
 
-    stress: yield stress at 0, 45 and 90 degrees, biaxial: balanced biaxial yield stress, all over one reference (that
-    at 0 degrees as a rule); r: r-values at 0, 45 and 90 degrees; r_biaxial: strain across over along in balanced
-    stretching.
-    Raises CaseError if no set of parameters gives them.
+    The mean over the plastic work from a plastic strain of 0.002 of the reference to where the first of them ends.
+    Raises CaseError if they have no plastic work in common.
     """
-    from scipy.optimize import least_squares  # slow to import
-
-    problems = [
-        Problem(name, "expected a value > 0", "check the datum", value)
-        for name, value in (*zip(("s00", "s45", "s90"), stress, strict=True), ("sb", biaxial),
-                            *zip(("r00", "r45", "r90"), r, strict=True), ("rb", r_biaxial))
-        if value <= 0
-    ]  # fmt: skip
-    if problems:
-        raise CaseError(problems, "Yld2000-2d")
-    angles = np.radians([0.0, 45.0, 90.0])
-    directions = np.concatenate([tension(angles), [[1.0, 1.0, 0.0]]])
-    wanted = np.array([*stress, biaxial])
-
-    def miss(alpha: FloatArray) -> FloatArray:
-        function = _core.YieldFunction.yld2000(list(alpha), exponent)
-        value, gradient, _ = function.evaluate(directions)
-        ratio = gradient[3, 1] / gradient[3, 0]
-        # r/(1 + r) is bounded and nearly linear in the gradient
-        found, given = r_value(function, angles), np.array(r)
-        return np.concatenate([value * wanted - 1, found / (1 + found) - given / (1 + given), [ratio - r_biaxial]])
-
-    fit = least_squares(miss, np.ones(8), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=2000)
-    if np.abs(fit.fun).max() > 1e-6:
-        text = f"no parameters give the eight data; the best misses one by {np.abs(fit.fun).max():.2g}"
-        raise CaseError([Problem("", text, "check the data, or the exponent")], "Yld2000-2d")
-    return tuple(float(value) for value in fit.x)
+    (p, stress), (q, other) = (
+        (t.plastic_strain(young)[t.plastic_strain(young) > 0], t.stress[t.plastic_strain(young) > 0])
+        for t in (test, reference)
+    )
+    work, known = (
+        np.concatenate([[0.0], np.cumsum(0.5 * np.diff(e) * (s[1:] + s[:-1]))]) + 0.5 * e[:1] * s[:1]
+        for e, s in ((p, stress), (q, other))
+    )
+    first, last = float(np.interp(FIRST_PLASTIC_STRAIN, q, known)), min(float(work[-1]), float(known[-1]))
+    if not last > first:
+        problem = Problem("", "has no plastic work in common with that at 0 degrees", "measure to larger strains")
+        raise CaseError([problem], f"the test at {test.angle:g} degrees")
+    at = np.linspace(first, last, 50)
+    return float((np.interp(at, work, stress) / np.interp(at, known, other)).mean())

@@ -65,6 +65,8 @@ class FormingVerdict:
     """The cell with the least margin; None without a curve."""
     thinning: Extreme
     """The thinnest cell, in per cent."""
+    note: str = ""
+    """What to know of the curve."""
 
     @property
     def failing(self) -> int:
@@ -101,8 +103,8 @@ class FormingVerdict:
         }
 
     def warnings(self) -> list[str]:
-        """Return the verdict if the part splits."""
-        return [self.text()] if self.failing else []
+        """Return the verdict if the part splits, and what to know of the curve."""
+        return [text for text in (self.text() if self.failing else "", self.note) if text]
 
 
 def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: Formability) -> FormingVerdict | None:
@@ -124,4 +126,4 @@ def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: 
     counts = np.bincount(found["formability_zone"].astype(int), minlength=len(ZONES))
     margin = found["forming_limit_margin"]
     zones = {name: int(count) for name, count in zip(ZONES, counts, strict=True)}
-    return FormingVerdict(judged.curve.method, zones, extreme(margin, np.argmin(margin)), thinnest)
+    return FormingVerdict(judged.curve.method, zones, extreme(margin, np.argmin(margin)), thinnest, judged.note)

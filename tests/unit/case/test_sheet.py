@@ -140,7 +140,10 @@ REFUSED: dict[str, tuple[dict[str, Any], list[str]]] = {
         ["hardening.points", "at least two rows"],
     ),
     "keeler_without_n": ({"forming_limit": {"law": "keeler", "thickness": 1}}, ["forming_limit.n", "missing key"]),
-    "keeler_without_t": ({"forming_limit": {"law": "keeler", "n": 0.2}}, ["forming_limit.thickness", "missing key"]),
+    "scaling_without_t": (
+        {"forming_limit": {"law": "points", "points": [[0, 0.3], [0.1, 0.4]], "scaling": "keeler"}},
+        ["forming_limit.thickness", "missing key"],
+    ),
     "no_groove": (
         {"forming_limit": {"law": "marciniak_kuczynski", "imperfection": 1.0}},
         ["forming_limit.imperfection = 1.0", "< 1"],

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from presswork.cli import app
 from presswork.material import find_sheet
+from presswork.material.predict import predict_biaxial, predict_tension
 
 YOUNG = 206e3
 
@@ -98,6 +99,42 @@ def test_yld2000_prints_the_published_parameters() -> None:
     assert alpha == pytest.approx(published, abs=1e-3)
     other = invoke("material", "yld2000", "--exponent", "6", *(w for k, v in data.items() for w in (f"--{k}", v)))
     assert other != output
+
+
+def test_yld2000_takes_all_angles_of_a_file_and_says_what_it_misses(tmp_path: Path) -> None:
+    path = tmp_path / "data.csv"
+    rows = ["0,1,0.526", "15,0.944,0.344", "30,0.913,0.301", "45,0.908,0.253", "60,0.898,0.294", "75,0.928,0.393"]
+    path.write_text("\n".join(["angle,stress,r", *rows, "90,0.983,0.601", "biaxial,1,1"]), encoding="utf-8")
+    output = invoke("material", "yld2000", path)
+    alpha = [float(text) for text in output.split("[")[1].split("]")[0].split(",")]
+    assert alpha == pytest.approx(find_sheet("aa6016_t4").material.yield_function.alpha, abs=2e-4)
+    assert "largest errors: " in output
+    assert invoke("material", "yld2000", path, "--r-weight", "5") != output
+    result = CliRunner().invoke(app, ["material", "yld2000", str(path), "--s00", "1"])
+    assert result.exit_code == 2
+
+
+def test_fit_finds_yld2000_from_tests_at_all_angles(tmp_path: Path) -> None:
+    """From curves made with one function, of the exponent that is asked for, at seven angles."""
+    function = find_sheet("aa6022").material.yield_function.build()
+    angles = np.arange(0.0, 91.0, 15.0)
+    made = predict_tension(function, angles)
+    p = np.linspace(0.0, 0.25, 60)
+    rows = ["angle,strain,stress,width_strain"]
+    for angle, ratio, r in zip(angles, made.stress, made.r, strict=True):
+        stress = ratio * 500.0 * (0.01 + ratio * p) ** 0.25
+        width = -r / (1 + r) * p - 0.33 * stress / 70e3
+        rows += [f"{angle},{e},{s},{w}" for e, s, w in zip(p + stress / 70e3, stress, width, strict=True)]
+    path = tmp_path / "aluminium.csv"
+    path.write_text("\n".join(rows), encoding="utf-8")
+    options = ["--young", "70 GPa", "--poisson", "0.33", "--law", "swift", "--yield-function", "yld2000"]
+    biaxial, r_biaxial = predict_biaxial(function)
+    invoke("material", "fit", path, *options, "--biaxial-stress", biaxial, "--biaxial-r", r_biaxial)
+    found = find_sheet(str(path.with_suffix(".toml"))).material.yield_function
+    assert found.law == "yld2000"
+    again = predict_tension(found.build(), angles)
+    np.testing.assert_allclose(again.stress, made.stress / made.stress[0], rtol=2e-3)
+    np.testing.assert_allclose(again.r, made.r, rtol=2e-3)
 
 
 @pytest.mark.parametrize(

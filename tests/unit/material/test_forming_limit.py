@@ -3,14 +3,24 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from presswork import _core
 from presswork.case.errors import CaseError
-from presswork.case.forming_limit.curves import curve_from_points, keeler_curve, swift_hill_curve
+from presswork.case.forming_limit.build import build_formability
+from presswork.case.forming_limit.curves import (
+    curve_from_points,
+    keeler_curve,
+    scale_with_thickness,
+    swift_hill_curve,
+)
 from presswork.case.forming_limit.marciniak import marciniak_kuczynski_curve
+from presswork.case.sheet import check_sheet_material
 from presswork.formability import ZONES, find_zones
+from presswork.material import find_sheet
 
 POINTS = [(0.3, 0.4), (-0.2, 0.5), (0.0, 0.3)]
 VON_MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
@@ -90,3 +100,46 @@ def test_marciniak_kuczynski_says_when_no_groove_stops_the_sheet() -> None:
         marciniak_kuczynski_curve(
             VON_MISES, law("swift", [500.0, 0.01, 0.2]), ratios=np.array([-0.3]), groove_angles=np.array([40.0])
         )
+
+
+def test_keelers_own_curve_scales_into_that_of_another_thickness() -> None:
+    """At plane strain and left of it exactly; right of it, where engineering strains rise by 0.6, within 1 %."""
+    one, other = keeler_curve(0.8, 0.22), keeler_curve(1.5, 0.22)
+    scaled = scale_with_thickness(one, 0.8, 1.5)
+    left, right = np.linspace(-0.3, 0.0, 7), np.linspace(0.0, 0.3, 7)
+    np.testing.assert_allclose(scaled.limit(left), other.limit(left), rtol=1e-12)
+    np.testing.assert_allclose(scaled.limit(right), other.limit(right), rtol=0.03)
+    assert "by Keeler from 0.8 to 1.5 mm" in scaled.method
+    with pytest.raises(CaseError, match=r"0\.1 to 4 mm"):
+        scale_with_thickness(one, 0.8, 8.0)
+
+
+STEEL = {"young": 206e3, "poisson": 0.3, "hardening": {"law": "swift", "K": 565.0, "e0": 0.007, "n": 0.26}}
+MEASURED = {"law": "points", "points": [list(point) for point in POINTS], "thickness": 0.8}
+
+
+@pytest.mark.parametrize(
+    ("limit", "lowest", "note"),
+    [
+        ({"law": "keeler", "n": 0.26}, keeler_curve(1.0, 0.26).lowest()[1], ""),
+        ({"law": "keeler", "n": 0.26, "thickness": 0.8}, keeler_curve(0.8, 0.26).lowest()[1], "leave .*thickness out"),
+        (MEASURED, 0.3, "that of a sheet of 0.8 mm, and the blank is 1 mm thick"),
+        (MEASURED | {"scaling": "keeler"}, np.log1p(np.expm1(0.3) * (23.3 + 14.13) / (23.3 + 14.13 * 0.8)), ""),
+        (MEASURED | {"thickness": 1.0}, 0.3, ""),
+    ],
+)
+def test_a_limit_of_another_thickness_is_scaled_or_said(limit: dict, lowest: float, note: str) -> None:
+    judged = build_formability(check_sheet_material(STEEL | {"forming_limit": limit}), "materials.steel", 1.0)
+    assert judged.curve is not None
+    assert judged.curve.lowest()[1] == pytest.approx(lowest, rel=1e-12)
+    assert re.search(note, judged.note)
+    assert bool(judged.note) == bool(note)
+
+
+def test_the_librarys_keeler_curve_is_that_of_the_blank() -> None:
+    steel = find_sheet("numisheet93_mild_steel").material
+    thin, thick = (build_formability(steel, "materials.steel", t).curve for t in (0.78, 1.0))
+    assert thin is not None
+    assert thick is not None
+    assert thick.lowest()[1] == pytest.approx(keeler_curve(1.0, 0.2589).lowest()[1])
+    assert thick.lowest()[1] > thin.lowest()[1]

@@ -11,7 +11,9 @@ import pytest
 
 from presswork import _core
 from presswork.case.errors import CaseError
-from presswork.material.identify import LAWS, find_yield_stress, fit_hardening, fit_r_value, identify_yld2000
+from presswork.material.identify import LAWS, compare_flow, find_yield_stress, fit_hardening, fit_r_value
+from presswork.material.identify_yld2000 import YieldData, fit_yld2000, read_yield_data
+from presswork.material.predict import predict_tension
 from presswork.material.tensile import read_tensile
 
 SETS = json.loads((Path(__file__).parents[2] / "data" / "yld2000.json").read_text())
@@ -128,16 +130,81 @@ def test_too_few_points_for_a_law_say_so(tmp_path: Path) -> None:
         fit_hardening(read_tensile(path)[0], "swift_voce", YOUNG)
 
 
+ALL = np.arange(0.0, 91.0, 15.0)
+USUAL = [0, 3, 6]
+
+
+@pytest.mark.parametrize("chosen", [USUAL, range(7)])
 @pytest.mark.parametrize("name", [name for name in SETS if "alpha" in SETS[name]])
-def test_yld2000_is_identified_from_the_eight_data_of_published_sets(name: str) -> None:
+def test_yld2000_is_identified_from_the_data_of_published_sets(name: str, chosen: list[int]) -> None:
+    """From the usual eight and from all sixteen: where the data are a function's own, both find it."""
     data = SETS[name]
-    s, r = data["sigma"], data["r"]
-    alpha = identify_yld2000((s[0], s[3], s[6]), data["sb"], (r[0], r[3], r[6]), data["rb"], data["a"])
-    np.testing.assert_allclose(alpha, data["alpha"], atol=1e-6)
+    s, r = (np.array(data[key])[list(chosen)] for key in ("sigma", "r"))
+    fitted = fit_yld2000(YieldData(ALL[list(chosen)], s, r, data["sb"], data["rb"]), data["a"])
+    np.testing.assert_allclose(fitted.alpha, data["alpha"], atol=1e-6)
+    assert max(fitted.worst()) < 1e-6
 
 
 def test_yld2000_refuses_data_that_are_no_metals() -> None:
-    with pytest.raises(CaseError, match="r45 = -1"):
-        identify_yld2000((1, 1, 1), 1, (1, -1, 1), 1, 8)
+    usual = ALL[USUAL]
+    with pytest.raises(CaseError, match="r at 45 degrees = -1"):
+        fit_yld2000(YieldData(usual, np.ones(3), np.array([1.0, -1.0, 1.0]), 1, 1), 8)
     with pytest.raises(CaseError, match="no parameters give"):
-        identify_yld2000((1, 1, 1), 4, (1, 1, 1), 1, 8)
+        fit_yld2000(YieldData(usual, np.ones(3), np.ones(3), 4, 1), 8)
+    with pytest.raises(CaseError, match="7 data for its eight parameters"):
+        fit_yld2000(YieldData(usual, np.ones(3), np.ones(3), 1), 8)
+    with pytest.raises(CaseError, match="r_weight"):
+        fit_yld2000(YieldData(usual, np.ones(3), np.ones(3), 1, 1), 8, r_weight=0.0)
+
+
+AA6016 = YieldData(
+    ALL,
+    np.array([1.0, 0.944, 0.913, 0.908, 0.898, 0.928, 0.983]),
+    np.array([0.526, 0.344, 0.301, 0.253, 0.294, 0.393, 0.601]),
+    1.0,
+    1.0,
+)
+"""ESAFORM 2021: sixteen data for eight parameters."""
+
+
+def test_all_angles_are_met_better_than_by_the_usual_eight() -> None:
+    fitted = fit_yld2000(AA6016, 8)
+    eight = fit_yld2000(YieldData(ALL[USUAL], AA6016.stress[USUAL], AA6016.r[USUAL], 1.0, 1.0), 8)
+
+    def miss(alpha: tuple[float, ...]) -> float:
+        function = _core.YieldFunction.yld2000(list(alpha), 8)
+        found = predict_tension(function, ALL)
+        slope = found.r / (1 + found.r) - AA6016.r / (1 + AA6016.r)
+        return float(((AA6016.stress / found.stress - 1) ** 2 + slope**2).sum())
+
+    assert miss(fitted.alpha) < 0.5 * miss(eight.alpha)
+    heavy = fit_yld2000(AA6016, 8, r_weight=5.0)
+    assert heavy.worst()[1] < fitted.worst()[1]
+    assert heavy.worst()[0] > fitted.worst()[0]
+
+
+def test_yield_data_are_read_with_gaps_and_the_biaxial_line(tmp_path: Path) -> None:
+    path = tmp_path / "data.csv"
+    path.write_text("angle,stress,r\n0,1,0.526\n15,,0.344\n45,0.908,\nbiaxial,1.01,0.98\n", encoding="utf-8")
+    data = read_yield_data(path)
+    np.testing.assert_array_equal(data.angle, [0, 15, 45])
+    np.testing.assert_array_equal(data.r, [0.526, 0.344, np.nan])
+    assert (data.biaxial, data.r_biaxial, data.count()) == (1.01, 0.98, 6)
+    path.write_text("angle,stress\n0,one\nfifteen,1\n,1\n", encoding="utf-8")
+    with pytest.raises(CaseError, match=r"(?s)line 2, stress.*line 3, angle.*line 4, angle"):
+        read_yield_data(path)
+    path.write_text("direction,stress\n0,1\n", encoding="utf-8")
+    with pytest.raises(CaseError, match="no columns of yield data"):
+        read_yield_data(path)
+
+
+def test_stress_by_direction_is_compared_at_the_same_plastic_work(tmp_path: Path) -> None:
+    """A test that is 0.9 of another in stress, and so strained more at the same work, is 0.9 of a power law there."""
+    p = np.linspace(0.0, 0.2, 200)
+    rows = ["angle,strain,stress"]
+    for angle, ratio in ((0, 1.0), (45, 0.9)):
+        stress = ratio * flow("swift", ratio * p)  # of the strain that does the same work
+        rows += [f"{angle},{e + s / YOUNG},{s}" for e, s in zip(p, stress, strict=True)]
+    (tmp_path / "t.csv").write_text("\n".join(rows), encoding="utf-8")
+    along, across = read_tensile(tmp_path / "t.csv")
+    assert compare_flow(across, along, YOUNG) == pytest.approx(0.9, rel=1e-3)

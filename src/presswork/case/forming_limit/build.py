@@ -10,7 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from presswork.case.errors import CaseError, Problem
-from presswork.case.forming_limit.curves import curve_from_points, keeler_curve, swift_hill_curve
+from presswork.case.forming_limit.curves import (
+    curve_from_points,
+    keeler_curve,
+    scale_with_thickness,
+    swift_hill_curve,
+)
 from presswork.case.forming_limit.marciniak import marciniak_kuczynski_curve
 from presswork.case.sheet import SheetLaws
 from presswork.case.sheet_laws import KeelerLimit, PointsLimit, SwiftHillLimit
@@ -18,20 +23,33 @@ from presswork.case.yield_function import r_value
 from presswork.formability import Formability, FormingLimitCurve
 from presswork.model import Material
 
+SAME_THICKNESS = 0.02
+"""Relative difference of thickness up to which a forming limit is that of the blank."""
 _ALUMINIUM = 120e3
 """Young's modulus below which a sheet is no steel [MPa]."""
 
 
-def build_curve(material: SheetLaws) -> FormingLimitCurve:
-    """Find the forming limit curve that a material asks for. Raises CaseError; also if it asks for none."""
+def build_curve(material: SheetLaws, thickness: float | None = None) -> FormingLimitCurve:
+    """Find the forming limit curve that a material asks for.
+
+    thickness: of the sheet that it is for [mm]; without it that of the sheet that was tested. Raises CaseError; also if
+    the material asks for no curve.
+    """
     limit = material.forming_limit
     if limit is None:
         remedy = "add [material.forming_limit] with law = keeler, points, swift_hill or marciniak_kuczynski"
         raise CaseError([Problem("forming_limit", "missing table", remedy)], "material")
     if isinstance(limit, KeelerLimit):
-        return keeler_curve(limit.thickness, limit.n)
+        own = thickness if limit.thickness is None else limit.thickness
+        if own is None:
+            remedy = "give forming_limit.thickness, or --thickness"
+            raise CaseError([Problem("thickness", "Keeler's curve needs the sheet's thickness", remedy)], "material")
+        return keeler_curve(own, limit.n)
     if isinstance(limit, PointsLimit):
-        return curve_from_points(limit.points)
+        measured = curve_from_points(limit.points)
+        if limit.scaling == "none" or limit.thickness is None or thickness is None:
+            return measured
+        return scale_with_thickness(measured, limit.thickness, thickness)
     if material.kinematic is not None:
         text = f"{limit.law} knows isotropic hardening alone, and this material has back stresses"
         raise CaseError([Problem("forming_limit.law", text, "give keeler or points")], "material")
@@ -41,13 +59,15 @@ def build_curve(material: SheetLaws) -> FormingLimitCurve:
     return marciniak_kuczynski_curve(function, law, imperfection=limit.imperfection)
 
 
-def build_sheets(materials: Mapping[str, SheetLaws], used: str, source: Path | None) -> tuple[Material, ...]:
+def build_sheets(
+    materials: Mapping[str, SheetLaws], used: str, thickness: float, source: Path | None
+) -> tuple[Material, ...]:
     """Return a case's materials for the Model; that which the sheet is of with what its strains are judged by.
 
     Raises CaseError.
     """
     try:
-        judged = build_formability(materials[used], f"materials.{used}")
+        judged = build_formability(materials[used], f"materials.{used}", thickness)
     except CaseError as error:
         raise CaseError(error.problems, source) from None
     return tuple(
@@ -56,21 +76,35 @@ def build_sheets(materials: Mapping[str, SheetLaws], used: str, source: Path | N
     )
 
 
-def build_formability(material: SheetLaws, key: str) -> Formability:
+def build_formability(material: SheetLaws, key: str, thickness: float) -> Formability:
     """Return what strains of a material are judged by; without a forming limit it has no curve.
 
-    key: of the material in the case, for errors. Raises CaseError.
+    key: of the material in the case, for errors. thickness: of the blank [mm]. Raises CaseError.
     """
     r = mean_r_value(material)
     limit = material.forming_limit
     if limit is None:
         return Formability(r=r)
     try:
-        curve = build_curve(material)
+        curve = build_curve(material, thickness)
     except CaseError as error:
         raise CaseError([dataclasses.replace(p, key=_place(key, p.key, limit)) for p in error.problems]) from None
     usual = 0.08 if material.young < _ALUMINIUM else 0.1
-    return Formability(curve, usual if limit.safety_margin is None else limit.safety_margin, r)
+    margin = usual if limit.safety_margin is None else limit.safety_margin
+    return Formability(curve, margin, r, _note_of_thickness(limit, key, thickness))
+
+
+def _note_of_thickness(limit: object, key: str, thickness: float) -> str:
+    """Say it where the limit is that of a sheet of another thickness."""
+    remedy = ""
+    if isinstance(limit, KeelerLimit):
+        remedy = f"leave {key}.forming_limit.thickness out for the blank's own"
+    elif isinstance(limit, PointsLimit) and limit.scaling == "none":
+        remedy = f'set {key}.forming_limit.scaling = "keeler", or give a curve of this thickness'
+    own = getattr(limit, "thickness", None)
+    if not remedy or own is None or abs(own - thickness) <= SAME_THICKNESS * thickness:
+        return ""
+    return f"the forming limit is that of a sheet of {own:g} mm, and the blank is {thickness:g} mm thick: {remedy}"
 
 
 def mean_r_value(material: SheetLaws) -> float:

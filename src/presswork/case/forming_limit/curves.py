@@ -7,7 +7,7 @@ Strains are true (logarithmic). Marciniak-Kuczynski is in marciniak.py, limits i
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from presswork.model import FloatArray
 
 MINOR_RANGE = (-0.5, 0.5)
 """Minor strains over which Keeler's curve is drawn."""
+_KEELER = (23.3, 14.13)
+"""Per cent, and per cent per mm, of FLD0 at n = 0.21."""
 
 
 def keeler_curve(thickness: float, n: float) -> FormingLimitCurve:
@@ -27,19 +29,36 @@ def keeler_curve(thickness: float, n: float) -> FormingLimitCurve:
     thickness [mm], n: exponent of hardening. FLD0 = (23.3 + 14.13 t) n / 0.21 percent of engineering strain; left of it
     major + minor is constant, right of it the engineering strains rise by 0.6 (Stoughton & Zhu 2004). Raises CaseError.
     """
-    problems = []
-    if not 0.1 <= thickness <= 4.0:
-        expected = "expected a thickness from 0.1 to 4 mm: the formula was measured on sheets to 3 mm"
-        problems.append(Problem("thickness", expected, "give it in mm", thickness))
+    problems = _thickness_problems({"thickness": thickness})
     if not 0.01 <= n <= 0.5:
         problems.append(Problem("n", "expected a hardening exponent from 0.01 to 0.5", "about 0.2 for steel", n))
     if problems:
         raise CaseError(problems, "Keeler's curve")
-    lowest = math.log1p((23.3 + 14.13 * thickness) * n / 0.21 / 100)
+    lowest = math.log1p((_KEELER[0] + _KEELER[1] * thickness) * n / 0.21 / 100)
     left = np.array([MINOR_RANGE[0], 0.0])
     right = np.linspace(0.0, MINOR_RANGE[1], 51)[1:]
     major = np.concatenate([lowest - left, np.log(0.6 * np.expm1(right) + math.exp(lowest))])
     return FormingLimitCurve(np.concatenate([left, right]), major, f"Keeler, t = {thickness:g} mm, n = {n:g}")
+
+
+def _thickness_problems(given: Mapping[str, float]) -> list[Problem]:
+    expected = "expected a thickness from 0.1 to 4 mm: the formula was measured on sheets to 3 mm"
+    return [Problem(key, expected, "give it in mm", t) for key, t in given.items() if not 0.1 <= t <= 4.0]
+
+
+def scale_with_thickness(curve: FormingLimitCurve, measured: float, thickness: float) -> FormingLimitCurve:
+    """Return the curve of a sheet of another thickness [mm], raised as Keeler's formula rises.
+
+    The engineering strain of the lowest point grows as 23.3 + 14.13 t; all major true strains grow by as much as that
+    of the lowest point does. Raises CaseError outside the thicknesses of the formula.
+    """
+    if problems := _thickness_problems({"thickness": measured, "the blank's thickness": thickness}):
+        raise CaseError(problems, "Keeler's rule")
+    _, lowest = curve.lowest()
+    ratio = (_KEELER[0] + _KEELER[1] * thickness) / (_KEELER[0] + _KEELER[1] * measured)
+    rise = math.log1p(math.expm1(lowest) * ratio) - lowest
+    method = f"{curve.method}, by Keeler from {measured:g} to {thickness:g} mm"
+    return FormingLimitCurve(curve.minor, curve.major + rise, method)
 
 
 def curve_from_points(points: Sequence[tuple[float, float]]) -> FormingLimitCurve:
