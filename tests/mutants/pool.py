@@ -34,6 +34,7 @@ class Reader:
         except BrokenPipeError:
             self.close()
             return "crash", "the process had ended before it was asked"
+        process.stdout.readline()  # the worker may have to compute a run whose results are changed
         ready, _, _ = select.select([process.stdout], [], [], LONGEST)
         if not ready:
             self.close()
@@ -58,7 +59,13 @@ class Reader:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OMP_NUM_THREADS": "1"}
         command = [sys.executable, "-m", "tests.mutants.worker"]
         self._process = subprocess.Popen(
-            command, cwd=ROOT, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+            command,
+            bufsize=0,  # select must see a line that has come
+            cwd=ROOT,
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
         )
         return self._process
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process that reads mutants one after the other, so that one that kills it or never ends is seen from outside.
 
-Run as a module. Each request is a pickled (kind, content); each answer a line of JSON, of "taken", "refused" or
-"traceback" and what was said.
+Run as a module. Each request is a pickled (kind, content). An empty line says that the files which go with the mutant
+are there; a line of JSON answers "taken", "refused" or "traceback" and what was said.
 """
 
 from __future__ import annotations
@@ -21,14 +21,19 @@ MEMORY = 6_000_000_000
 """Bytes that a worker may take: what asks for more is a fault, not a wait."""
 
 
-def answer(kind: str, content: bytes, folders: dict[str, Path]) -> tuple[str, str]:
+def make(kind: str) -> Path:
+    """Write a valid file of a kind and what goes with it; return its path."""
+    from tests.mutants.kinds import KINDS
+
+    folder = Path(tempfile.mkdtemp(prefix="mutants_"))
+    KINDS[kind].make(folder)
+    return folder / KINDS[kind].name
+
+
+def answer(kind: str, content: bytes, path: Path) -> tuple[str, str]:
     """Read one mutant; return the verdict and what was said."""
     from tests.mutants.kinds import KINDS, REFUSALS
 
-    if kind not in folders:
-        folders[kind] = Path(tempfile.mkdtemp(prefix="mutants_"))
-        KINDS[kind].make(folders[kind])
-    path = folders[kind] / KINDS[kind].name
     path.write_bytes(content)
     try:
         KINDS[kind].read(path)
@@ -46,13 +51,16 @@ def main() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     warnings.simplefilter("ignore")
-    folders: dict[str, Path] = {}
+    paths: dict[str, Path] = {}
     while True:
         try:
             kind, content = pickle.load(sys.stdin.buffer)
         except EOFError:
             return
-        print(json.dumps(answer(kind, content, folders)), file=replies, flush=True)
+        if kind not in paths:
+            paths[kind] = make(kind)
+        print(file=replies, flush=True)
+        print(json.dumps(answer(kind, content, paths[kind])), file=replies, flush=True)
 
 
 if __name__ == "__main__":

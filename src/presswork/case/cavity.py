@@ -39,6 +39,8 @@ def check_cavity(model: Model) -> list[Problem]:
     if not any(move.any() for stage in moves for move in stage.values()):
         return []
     cavity = _Cavity(model, tools)
+    if not cavity.volume:
+        return []  # the workpiece is too thin for the grid
     at = {tool.name: np.zeros(2) for tool in tools}
     if cavity.part_of_volume(at) < 1.0 - SLACK:
         return []  # the workpiece starts in a tool, which contact sees
@@ -102,7 +104,8 @@ class _Cavity:
         self._open = ~self._find_walls(model, axisymmetric=axisymmetric)
         flat = self._places.reshape(-1, 2)
         self._workpiece = contains(points[model.mesh.boundary_edges[:, :2]], flat).reshape(self._weight.shape)
-        self._volume = float(self._weight[self._workpiece].sum())
+        self.volume = float(self._weight[self._workpiece].sum())
+        """That of the workpiece in cells, weighted by the radius in axisymmetry; zero where no cell lies inside."""
 
     def _find_walls(self, model: Model, *, axisymmetric: bool) -> BoolArray:
         """Mark what lies behind the axis, and behind straight sides that supports hold."""
@@ -141,4 +144,4 @@ class _Cavity:
         edges = (flooded[0], flooded[-1], flooded[:, 0], flooded[:, -1])
         if any(edge.any() for edge in edges):
             return float("inf")
-        return float((self._weight * filled)[flooded].sum()) / self._volume
+        return float((self._weight * filled)[flooded].sum()) / self.volume

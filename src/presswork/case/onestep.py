@@ -159,7 +159,8 @@ def _read(case: OneStepCase) -> tuple[PartMesh, tuple[str, ...]]:
         if case.part.element_size is None and len(part.triangles) and not len(part.quadrilaterals):
             part, notes = read(_default_size(part))
     except MeshError as error:
-        key = "unit" if "unit" in error.remedy else "addendum" if "addendum" in error.fault else "path"
+        remedied = (key for key in ("unit", "element_size") if key in error.remedy)
+        key = next(remedied, "addendum" if "addendum" in error.fault else "path")
         problem = Problem(f"part.{key}", error.fault, error.remedy, getattr(case.part, key))
         raise CaseError([problem], case.source) from error
     return part, notes

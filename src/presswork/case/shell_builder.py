@@ -20,7 +20,7 @@ from presswork.case.shell import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.case.workpiece import MeshFile
 from presswork.mesh import MeshError
-from presswork.mesh.directors import find_directors
+from presswork.mesh.directors import WARPED, Directors, find_directors
 from presswork.mesh.shells import mesh_shell_rectangle, read_shell_mesh
 
 logger = logging.getLogger(__name__)
@@ -72,6 +72,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
             problems.append(Problem("workpiece.mesh.unit", fault, "e.g. mm, m, inch", piece.mesh.unit))
     else:
         problems += check_cells("workpiece.mesh", piece.mesh, piece.element, piece.section.points, explicit=False)
+        problems += _check_roll(piece.mesh)
     if "rows" in case.output.model_fields_set:
         fault = "shells are implicit: a row an increment"
         problems.append(Problem("output.rows", fault, "remove it", case.output.rows))
@@ -130,8 +131,7 @@ def _check_freedoms(case: ShellCase, mesh: model.Mesh) -> list[Problem]:
     turns += [(f"rotation.{row}.axis", e.set, axes[e.axis]) for row, e in enumerate(first.rotation) if e.angle]
     if not turns:
         return problems
-    slopes = [_core.shell_shape(block.element)[3] for block in mesh.blocks]
-    directors = find_directors(mesh.points, mesh.blocks, slopes, mesh.normals)
+    directors = _find_directors(mesh)
     for key, name, turn in turns:
         own = np.isin(directors.node, mesh.node_sets[name]) & directors.smooth[directors.node]
         across = np.linalg.norm(np.cross(directors.vectors[own], turn), axis=1)
@@ -153,7 +153,7 @@ def _build_mesh(case: ShellCase) -> model.Mesh:
     material = list(case.materials).index(piece.material)
     section = model.Section(piece.section.thickness, piece.section.points, piece.section.rule)
     if isinstance(piece.mesh, ShellRectangle):
-        return mesh_shell_rectangle(
+        rectangle = mesh_shell_rectangle(
             *grid_lines(piece.mesh),
             element=piece.element,
             section=section,
@@ -161,6 +161,8 @@ def _build_mesh(case: ShellCase) -> model.Mesh:
             roll_radius=piece.mesh.roll_radius,
             material=material,
         )
+        _check_normals(rectangle, case)
+        return rectangle
     folder = case.source.parent if case.source is not None else Path()
     scale = unit_factor(piece.mesh.unit, LENGTH)
     try:
@@ -173,6 +175,37 @@ def _build_mesh(case: ShellCase) -> model.Mesh:
     for note in notes:
         logger.warning("workpiece.mesh.path = %s: %s", piece.mesh.path, note)
     return mesh
+
+
+def _check_roll(rectangle: ShellRectangle) -> list[Problem]:
+    """Return a problem where a rectangle goes round its cylinder more than once, or its cells are too long for it."""
+    if (radius := rectangle.roll_radius) is None:
+        return []
+    y = grid_lines(rectangle)[1]
+    least = float(np.ptp(y)) / 2.0 / np.pi
+    fault = f"{np.ptp(y):g} mm along y go round a cylinder of this radius more than once"
+    if radius * (1.0 + 1e-9) > least:
+        least = float(np.diff(y).max()) / 2.0 / WARPED
+        fault = f"a cell spans more than {2.0 * np.degrees(WARPED):.0f} degrees of the cylinder"
+    if radius * (1.0 + 1e-9) > least:
+        return []
+    return [
+        Problem("workpiece.mesh.roll_radius", fault, f"give at least {least:.4g} mm, or more cells along y", radius)
+    ]
+
+
+def _check_normals(mesh: model.Mesh, case: ShellCase) -> None:
+    """Raise CaseError for a rectangle with cells without a normal."""
+    try:
+        _find_directors(mesh)
+    except MeshError as error:
+        remedy = "change size, cells, zones or roll_radius so that cells are less long and thin, and nearly flat"
+        _stop_at([Problem("workpiece.mesh", error.fault, remedy)], case)
+
+
+def _find_directors(mesh: model.Mesh) -> Directors:
+    slopes = [_core.shell_shape(block.element)[3] for block in mesh.blocks]
+    return find_directors(mesh.points, mesh.blocks, slopes, mesh.normals)
 
 
 def _build_stage(stage: ShellStage) -> model.Stage:

@@ -27,13 +27,13 @@ BEYOND = 1.5
 
 def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[StampingTool, ...], list[Problem]]:
     """Draw, read and place the tools."""
-    reach = BEYOND * float(np.linalg.norm(mesh.points[:, :2], axis=1).max())
+    radius = float(np.linalg.norm(mesh.points[:, :2], axis=1).max())
     strokes = [abs(a.stroke) for stage in case.stages for a in stage.tools.values() if a.stroke]
     depth = sum(strokes) + 10.0 * case.blank.thickness
     folder = case.source.parent if case.source is not None else Path()
     tools, problems = [], []
     for name, tool in case.tools.items():
-        shape = _make_shape(name, tool, depth, reach, folder)
+        shape = _make_shape(name, tool, depth, radius, folder)
         if isinstance(shape, Problem):
             problems.append(shape)
             continue
@@ -47,15 +47,16 @@ def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[StampingTool, ...
 
 
 def _make_shape(
-    name: str, tool: Tool, depth: float, reach: float, folder: Path
+    name: str, tool: Tool, depth: float, radius: float, folder: Path
 ) -> SweptTool | TriangulatedTool | Problem:
-    """Draw or read a tool."""
+    """Draw or read a tool. depth: of its walls [mm]. radius: of the blank [mm]."""
     if not isinstance(tool, ToolFile):
         width = getattr(tool, "face_width", None)
-        return draw_shape(tool, depth, reach if width is None else width)
+        return draw_shape(tool, depth, BEYOND * radius if width is None else width)
     facing = (0.0, 0.0, 1.0 if tool.kind == "die" else -1.0)
     try:
-        read, notes = read_tool(folder / tool.path, scale=unit_factor(tool.unit, LENGTH), facing=facing)
+        scale = unit_factor(tool.unit, LENGTH)
+        read, notes = read_tool(folder / tool.path, scale=scale, facing=facing, usual_size=2.0 * radius)
     except MeshError as error:
         return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
     for note in notes:

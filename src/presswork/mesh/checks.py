@@ -3,11 +3,19 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import scipy
 
 from presswork.mesh.topology import count_cells_of_edges, count_corners, find_parts
 from presswork.model import FloatArray, IntArray
+
+SMALLEST, LARGEST = 1.0, 1e4
+"""Diagonals of tools and parts that are believed [mm]."""
+_USUAL = 80.0
+"""Diagonal of a tool or part of usual size [mm]."""
+_UNITS = {"m": 1e3, "inch": 25.4, "cm": 10.0, "mm": 1.0, "um": 1e-3}
 
 
 class MeshError(Exception):
@@ -17,6 +25,23 @@ class MeshError(Exception):
         self.fault = fault
         self.remedy = remedy
         super().__init__(f"{fault}; {remedy}")
+
+
+def check_size(what: str, size: float, scale: float, usual: float | None = None) -> None:
+    """Refuse a size that no tool or part has, and name the units of the file's numbers that fit, the likeliest first.
+
+    what: the tool or the part. size: its diagonal [mm]. scale: factor of the file's coordinates to mm. usual: the
+    diagonal that is expected, such as that of the blank [mm].
+    """
+    if SMALLEST <= size <= LARGEST:
+        return
+    own, expected = size / scale, usual or _USUAL
+    likely = sorted(_UNITS.items(), key=lambda unit: abs(math.log(max(own, 1e-300) * unit[1] / expected)))
+    fitting = [f'"{unit}" ({own * factor:.4g} mm)' for unit, factor in likely if 10.0 <= own * factor <= 5e3]
+    raise MeshError(
+        f"the {what} is {size:.4g} mm across: its file is in another unit",
+        f"give its unit: {' or '.join(fitting)}" if fitting else "give its unit",
+    )
 
 
 def corner_jacobians(points: FloatArray, connectivity: IntArray) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.mesh.addendum import widen
-from presswork.mesh.checks import MeshError
+from presswork.mesh.checks import MeshError, check_size
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
 from presswork.mesh.remesh import POOR, RIM, SURFACE, mend_slivers
@@ -29,13 +29,12 @@ from presswork.mesh.triangles import (
 )
 from presswork.model import BoolArray, FloatArray, IntArray
 
-SMALLEST, LARGEST = 1.0, 1e4
-"""Diagonals of parts that are believed [mm]."""
 STEEPEST = 1.0
 """Degrees by which a wall may lean over the vertical before it is an undercut."""
 DEAD = 0.02
 """Quality below which slivers are collapsed before long edges are halved."""
-_UNITS = {"m": 1e3, "inch": 25.4, "cm": 10.0, "mm": 1.0}
+MOST_TRIANGLES = 1_000_000
+"""To which a part is refined at most."""
 
 
 class UndercutError(MeshError):
@@ -86,7 +85,7 @@ def read_part(
     notes: list[str] = []
     points, cells = _take_cells(raw, scale)
     size = float(np.linalg.norm(np.ptp(points[np.concatenate([c.ravel() for c in cells])], axis=0)))
-    _check_size(size)
+    check_size("part", size, scale)
     points, cells = _merge(points, cells, 1e-6 * size)
     cells = _drop_flat(points, cells, 1e-7 * size, notes)
     cells = _wind_alike(points, cells, notes)
@@ -125,16 +124,6 @@ def _take_cells(raw: RawMesh, scale: float) -> tuple[FloatArray, Cells]:
         corners = count_corners(cells.shape[1])
         found[corners].append(cells[:, :corners].astype(np.int32))
     return raw.points * scale, (np.concatenate(found[3]), np.concatenate(found[4]))
-
-
-def _check_size(size: float) -> None:
-    if SMALLEST <= size <= LARGEST:
-        return
-    fitting = [f'"{unit}" ({size * factor:.4g} mm)' for unit, factor in _UNITS.items() if 10.0 <= size * factor <= 5e3]
-    raise MeshError(
-        f"the part is {size:.4g} mm across: its file is in another unit",
-        f"give its unit: {' or '.join(fitting)}" if fitting else "give its unit",
-    )
 
 
 def _merge(points: FloatArray, cells: Cells, tolerance: float) -> tuple[FloatArray, Cells]:
@@ -282,9 +271,15 @@ def _refine(points: FloatArray, cells: Cells, size: float, notes: list[str]) -> 
     """Halve long edges, and mend slivers in a part of triangles alone: the dead ones first, lest they be halved."""
     triangles, quads = cells
     if len(quads):
-        if not len(triangles) or len(refine_edges(points, triangles, size)[1]) == len(triangles):
+        if not len(triangles) or _longest_edges(points, triangles).max() <= size * (1.0 + 1e-9):
             return points, cells
         raise MeshError("a mesh of triangles and quadrilaterals cannot be refined", "leave element_size out")
+    count = count_refined(points, triangles, size)
+    if count > MOST_TRIANGLES:
+        raise MeshError(
+            f"edges of {size:.4g} mm would make about {count:.2g} triangles, more than {MOST_TRIANGLES:,}",
+            "choose a larger element_size",
+        )
     points, triangles, *dead = mend_slivers(points, triangles, size, below=DEAD, may_cut=False)
     before = len(triangles)
     points, triangles = refine_edges(points, triangles, size)
@@ -299,6 +294,22 @@ def _refine(points: FloatArray, cells: Cells, size: float, notes: list[str]) -> 
             f"surface and {RIM * size:.2g} mm off its rims; {len(triangles)} triangles, {left or 'none'} a sliver"
         )
     return points, (triangles, quads)
+
+
+def count_refined(points: FloatArray, triangles: IntArray, size: float) -> float:
+    """Return about how many triangles refine_edges makes, at least: each as large as those with three edges of size
+    [mm], and along each edge as many as it is longer than size.
+    """
+    longest = _longest_edges(points, triangles)
+    size = max(size, 1e-9 * float(longest.max()))  # lest the count overflow
+    area = 0.5 * np.linalg.norm(double_areas(points, triangles), axis=1)
+    return float(np.maximum(np.maximum(area / (0.25 * np.sqrt(3.0)) / size**2, longest / size), 1.0).sum())
+
+
+def _longest_edges(points: FloatArray, triangles: IntArray) -> FloatArray:
+    """Return the length of each triangle's longest edge (n,) [mm]."""
+    along = points[triangles] - points[np.roll(triangles, -1, axis=1)]
+    return np.asarray(np.linalg.norm(along, axis=2).max(axis=1))
 
 
 def refine_edges(points: FloatArray, triangles: IntArray, size: float) -> tuple[FloatArray, IntArray]:

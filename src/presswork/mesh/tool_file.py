@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from presswork import _core
-from presswork.mesh.checks import MeshError
+from presswork.mesh.checks import MeshError, check_size
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
 from presswork.mesh.topology import count_corners
@@ -29,12 +29,6 @@ from presswork.mesh.triangles import (
     split_quads,
 )
 from presswork.model import FloatArray, IntArray
-
-_SMALLEST, _LARGEST = 1.0, 1e4
-"""Diagonals of tools that are believed [mm]."""
-_USUAL = 80.0
-"""That of a tool of usual size [mm]."""
-_UNITS = {"m": 1e3, "inch": 25.4, "cm": 10.0, "mm": 1.0, "um": 1e-3}
 
 
 @dataclass(frozen=True)
@@ -58,20 +52,26 @@ class TriangulatedTool:
 
 
 def read_tool(
-    path: Path, *, scale: float = 1.0, closed: bool = False, facing: tuple[float, float, float] | None = None
+    path: Path,
+    *,
+    scale: float = 1.0,
+    closed: bool = False,
+    facing: tuple[float, float, float] | None = None,
+    usual_size: float | None = None,
 ) -> tuple[TriangulatedTool, tuple[str, ...]]:
     """Read the surface of a tool; return it and notes on what was changed or looks odd.
 
     scale: factor of the file's coordinates to mm. closed: whether the surface must be closed; without it a die's face
     alone will do. facing: direction out of the metal towards the sheet, for open surfaces: their mean normal must not
-    point the other way, and is turned over if it does.
+    point the other way, and is turned over if it does. usual_size: about the diagonal that the tool should have, such
+    as that of the blank [mm]; where the file is in another unit, the unit that comes nearest is suggested first.
     Points that coincide are merged, triangles without area and doubled ones dropped, quadrilaterals split, facets wound
     against most of their part turned over. Raises MeshError.
     """
     raw = read_raw(path)
     points, cells = _take_facets(raw, scale)
     size = float(np.linalg.norm(np.ptp(points[cells.reshape(-1)], axis=0)))
-    _check_size(size, scale)
+    check_size("tool", size, scale, usual_size)
     notes: list[str] = []
     points, triangles = merge_points(points, cells, 1e-6 * size)
     triangles = _drop_flat(points, triangles, 1e-7 * size, notes)
@@ -107,19 +107,6 @@ def _take_facets(raw: RawMesh, scale: float) -> tuple[FloatArray, IntArray]:
         corners = cells[:, : count_corners(cells.shape[1])]
         parts.append(corners if corners.shape[1] == 3 else split_quads(points, corners))
     return points, np.concatenate(parts)
-
-
-def _check_size(size: float, scale: float) -> None:
-    """Refuse a size that no tool has, and name the units of the file's numbers that give one, the likeliest first."""
-    if _SMALLEST <= size <= _LARGEST:
-        return
-    own = size / scale
-    likely = sorted(_UNITS.items(), key=lambda unit: abs(math.log(max(own, 1e-300) * unit[1] / _USUAL)))
-    fitting = [f'"{unit}" ({own * factor:.4g} mm)' for unit, factor in likely if 10.0 <= own * factor <= 5e3]
-    raise MeshError(
-        f"the tool is {size:.4g} mm across: its file is in another unit",
-        f"give its unit: {' or '.join(fitting)}" if fitting else "give its unit",
-    )
 
 
 def _drop_flat(points: FloatArray, triangles: IntArray, tolerance: float, notes: list[str]) -> IntArray:

@@ -68,6 +68,15 @@ def test_a_die_closed_beyond_the_volume_of_the_billet_is_refused(procedure) -> N
     assert "limits.stop" in said
 
 
+@pytest.mark.parametrize("height", [1e-7, 0.03])
+def test_a_workpiece_thinner_than_a_cell_of_the_grid_is_left_to_the_run(height) -> None:
+    """The grid's cell is 0.1 mm: it sees no cell of the sheet, or has no row of cells at all."""
+    thin = {"size": [8, height], "cells": [4, 1], "kind": "rectangle"}
+    punch = {"profile": [[0, height], [12, height]], "contact": "frictionless"}
+    model = build_model(changed(**stroke(0.4 * height), workpiece__mesh=thin, tools__punch=punch))
+    assert len(model.mesh.points) == 10
+
+
 def test_tools_that_cross_are_refused_where_the_die_is_open() -> None:
     """Without its wall the die lets any volume out, until the punch goes through it."""
     flat = {"profile": [[0, 0], [30, 0]], "contact": "frictionless"}

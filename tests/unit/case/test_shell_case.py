@@ -180,6 +180,12 @@ def changed(path: str, value: object) -> dict[str, Any]:
     ("stages.0.pressure", [{"set": "left", "value": 1}],
      ["stages.0.pressure.0.set = \"left\"", "no cell has all its nodes", "all"]),
     ("boundary.end", {"set": "left", "fix": ["w"]}, ["boundary.end.fix.0 = \"w\"", "choices: rx, ry, rz, x, y, z"]),
+    ("workpiece.mesh.roll_radius", 1e-308, ["workpiece.mesh.roll_radius = 1e-308", "more than once", "at least"]),
+    ("workpiece.mesh.roll_radius", 0.31, ["workpiece.mesh.roll_radius = 0.31", "2 mm along y go round", "0.3183 mm"]),
+    ("workpiece.mesh", {"size": [10, 1e-7], "cells": [4, 1]},
+     ["workpiece.mesh: ", "cells have no area at a corner", "less long and thin"]),
+    ("workpiece.mesh", {"size": [10, 2], "cells": [4, 2], "roll_radius": 0.3184},
+     ["workpiece.mesh.roll_radius = 0.3184", "spans more than 120 degrees", "at least 0.4775 mm, or more cells"]),
     ("tools", {"punch": {}}, ["tools", "cannot touch a shell yet"]),
 ])  # fmt: skip
 def test_bad_input_is_named(tmp_path, path, value, fragments) -> None:

@@ -106,6 +106,13 @@ def write_stl(path: Path, points: np.ndarray, triangles: np.ndarray) -> dict[str
     return {"shape": "file", "path": str(path)}
 
 
+def test_the_unit_suggested_for_a_tool_is_that_which_fits_the_blank(tmp_path) -> None:
+    """5.3 across in the file's numbers, a blank of 100 mm: 134 mm in inches come nearer to it than 53 in cm."""
+    punch = write_stl(tmp_path / "punch.stl", np.array([[0, 0, 0], [5.2, 0, 0], [0, 1, 0]]), np.array([[0, 2, 1]]))
+    refuse(['give its unit: "inch" (134.5 mm) or "cm" (52.95 mm)'],
+           ("tools.punch", {"kind": "punch", **punch, "unit": "um"}))  # fmt: skip
+
+
 def write_closed_die(folder: Path) -> list[tuple[str, object]]:
     """A die from a file with a bottom 18 mm below its face: with a blank of 0.8 mm 18 mm of stroke are all there is."""
     points, triangles = draw_die((26.25, 26.25), 26.25, 6.0, width=60.0, depth=18.0).triangulate(0.05)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from presswork.mesh import MeshError
-from presswork.mesh.part_file import read_part, refine_edges
+from presswork.mesh.part_file import MOST_TRIANGLES, count_refined, read_part, refine_edges
 
 
 def hat(walls: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -109,6 +109,33 @@ def test_wrong_unit_is_named(tmp_path):
     with pytest.raises(MeshError, match=r"0\.08\d+ mm across") as caught:
         read_part(write(tmp_path / "hat.vtk", points * 1e-3, ("quad", quads)))
     assert '"m"' in caught.value.remedy
+
+
+@pytest.mark.parametrize("scale", [1e3, 1e-3])
+def test_a_wrong_unit_names_that_of_the_files_own_numbers_first(tmp_path, scale):
+    points, quads = hat()
+    with pytest.raises(MeshError, match=r'give its unit: "mm" \(86.02 mm\)'):
+        read_part(write(tmp_path / "hat.vtk", points, ("quad", quads)), scale=scale)
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-7, 0.05])
+def test_an_element_size_too_small_is_refused_before_anything_is_refined(tmp_path, size):
+    points, quads = hat()
+    path = write(tmp_path / "hat.vtk", points, ("triangle", halves(quads)))
+    with pytest.raises(MeshError, match=f"about .* triangles, more than {MOST_TRIANGLES:,}; choose a larger element"):
+        read_part(path, element_size=size)
+    mixed = write(tmp_path / "mixed.vtk", points, ("triangle", halves(quads[:3])), ("quad", quads[3:]))
+    with pytest.raises(MeshError, match="triangles and quadrilaterals cannot be refined"):
+        read_part(mixed, element_size=size)
+
+
+@pytest.mark.parametrize("size", [100.0, 8.0, 3.0, 1.0, 0.4])
+def test_the_count_of_refined_triangles_is_told_before(size):
+    """A halved edge is between half of size and size long, so up to four times as many come out."""
+    points, quads = hat()
+    triangles = halves(quads).astype(np.int32)
+    count = len(refine_edges(points, triangles, size)[1])
+    assert 0.2 * count <= count_refined(points, triangles, size) <= 1.0 * count
 
 
 def test_refinement_halves_long_edges_and_keeps_the_surface():

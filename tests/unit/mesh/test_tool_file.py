@@ -211,3 +211,10 @@ def test_a_wrong_unit_names_the_right_one_first(stl: Path, scale: float) -> None
     """The block is 54 across in the file's own numbers: whatever unit was given, these are millimetres."""
     with pytest.raises(MeshError, match=r'give its unit: "mm" \(53.85 mm\) or "cm"'):
         read_tool(write_stl(stl, POINTS, BOX), scale=scale)
+
+
+def test_the_unit_that_fits_the_blank_is_named_first(stl: Path) -> None:
+    """The block of 54 is 538 mm across in cm, 1,368 mm in inches."""
+    for usual, first in ((60.0, "mm"), (500.0, "cm"), (1500.0, "inch")):
+        with pytest.raises(MeshError, match=f'give its unit: "{first}"'):
+            read_tool(write_stl(stl, POINTS, BOX), scale=1e-3, usual_size=usual)
