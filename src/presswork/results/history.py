@@ -140,7 +140,7 @@ def read_history(path: Path | str) -> dict[str, NDArray[Any]]:
             raise OutputError(f"{path}, line {number}: {len(row)} values, {len(names)} expected")
     try:
         return {name: _column(name, [row[i] for row in body]) for i, name in enumerate(names)}
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:
         raise OutputError(f"{path} is damaged: {error}") from error
 
 

@@ -95,9 +95,10 @@ def test_damaged_row_inside_is_an_error(tmp_path: Path) -> None:
     path.write_text(text.replace("press,1,4", "press,1"))
     with pytest.raises(OutputError, match="line 3"):
         read_history(path)
-    path.write_text(text.replace("press,1,4", "press,one,4"))
-    with pytest.raises(OutputError, match="damaged"):
-        read_history(path)
+    for damaged in ("one", "18446744073709551616", "1" * 400):
+        path.write_text(text.replace("press,1,4", f"press,{damaged},4"))
+        with pytest.raises(OutputError, match="damaged"):
+            read_history(path)
 
 
 def test_truncated_history_continues_after_the_checkpoint(tmp_path: Path) -> None:
