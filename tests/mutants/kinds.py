@@ -274,7 +274,7 @@ def _read_tensile(path: Path) -> None:
 def _read_material(path: Path) -> None:
     sheet = read_sheet(path)
     sheet.material.build_law()
-    build_formability(sheet.material, "material")
+    build_formability(sheet.material, "material", sheet.thickness or 1.0)
 
 
 def _write_rings(folder: Path) -> None:
