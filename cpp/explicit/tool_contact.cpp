@@ -159,7 +159,7 @@ void ToolContact::inherit(const ToolContact& from, const int* parents) {
     }
   }
   add_stored(normal[1], shear[1]);
-  total_.squeeze += normal[1] - normal[0] + shear[1] - shear[0];  // no work was done
+  total_.damping += normal[0] - normal[1] + shear[0] - shear[1];  // no work was done: it is lost
   total_.friction += shear[1] - shear[0];
 }
 

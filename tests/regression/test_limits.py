@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_implicit_stamping import CUP, STRIP
 from whole_runs import assert_same_bits
 
-from presswork.case import build_model, read_case
+from presswork.case import StampingCase, build_model, read_case
 from presswork.recorder import Outcome, run_model
 
 # A billet of mild steel on a die with a rib 1 mm wide: edges of 2.5 mm do not see it.
@@ -128,6 +129,51 @@ def test_a_rib_that_cuts_through_edges_stops_a_forging(tmp_path, overrides) -> N
     assert_same_bits(on.folder, whole.folder)
     assert on.result.summary["limits"] == whole.result.summary["limits"]
     assert on.result.summary["fields"] == whole.result.summary["fields"]
+
+
+@pytest.mark.parametrize("overrides", [IMPLICIT, EXPLICIT], ids=["implicit", "explicit"])
+def test_a_rib_stops_a_forging_in_plane_strain(tmp_path, overrides) -> None:
+    outcome = run(write(tmp_path, GEAR_BLANK), tmp_path / "out", 'analysis="plane_strain"', *overrides)
+    assert outcome.status == "gave_up"
+    stroke = outcome.result.history["punch.stroke"][-1]
+    assert 1.25 < stroke < 1.7
+    assert f"stage 'press', punch at {stroke:.4g} mm: the tool die has cut" in outcome.reason
+
+
+@pytest.mark.parametrize("procedure", ["implicit", "explicit"])
+def test_a_thinned_strip_stops_where_the_volume_says(tmp_path, procedure) -> None:
+    """A strip in tension has thinned by 1 - (L0/L)^(1/2): by a tenth at 2.35 mm of 10."""
+    case = StampingCase.model_validate(
+        {
+            **STRIP,
+            "procedure": procedure,
+            "limits": {"thinning": 0.1},
+            "stages": [
+                {**STRIP["stages"][0], "displacement": [{"set": "right", "component": "x", "value": 3}]},
+            ],
+        }
+    )
+    outcome = run_model(build_model(case), tmp_path / "out", threads=1)
+    assert outcome.status == "gave_up"
+    assert "limits.thinning = 0.1" in outcome.reason
+    limit = outcome.result.summary["limits"]["thinning"]["largest"]
+    way = outcome.result.points()[:, 0].max() - 10
+    assert 10 / 0.9**2 - 10 < way < 10 / 0.9**2 - 10 + 0.2  # a row is 0.15 mm
+    assert limit == pytest.approx(1 - (10 / (10 + way)) ** 0.5, abs=2e-3)
+
+
+def test_a_tool_in_the_sheet_stops_an_implicit_stamping(tmp_path) -> None:
+    """Nodes keep off tools to a hundredth of the thickness; a limit below that stops the run."""
+    draw = {**CUP, "stages": [{"name": "draw", "tools": {"punch": {"stroke": 1}}}]}
+    whole = run_model(build_model(StampingCase.model_validate(draw)), tmp_path / "whole", threads=1)
+    assert whole.status == "completed"
+    deepest = whole.result.summary["limits"]["penetration"]
+    assert 0 < deepest["largest"] < 0.1
+    limits = {"penetration": 0.5 * deepest["largest"]}
+    limited = StampingCase.model_validate({**draw, "limits": limits})
+    stopped = run_model(build_model(limited), tmp_path / "out", threads=1)
+    assert stopped.status == "gave_up"
+    assert "deep in the surface of the sheet of 0.8 mm" in stopped.reason
 
 
 def test_limits_are_what_the_case_says(tmp_path) -> None:

@@ -352,11 +352,6 @@ class BodyContacts:
         self._follow(state, state.displacement)
         return tuple(interface.apply(state, points) for interface in self.interfaces)
 
-    def depths(self, state: State) -> list[tuple[str, float, float]]:
-        """Return name, deepest penetration and mean edge [mm] of each contact at a converged state."""
-        found = zip(self.interfaces, self._at_rest(state), strict=True)
-        return [(i.contact.name, max(0.0, -float(r.gap.min(initial=0.0))), i.edge) for i, r in found]
-
     def total_forces(self, state: State) -> dict[str, FloatArray]:
         """Return the force of the first body of each contact on the second (2,) [N]."""
         forces = {}

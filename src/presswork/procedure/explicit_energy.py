@@ -28,7 +28,8 @@ class EnergyBalance:
 
     contact: held by the springs of contact and of beads, and given to the change of thickness by its pressure; of
     solids, lost by nodes that strike walls. friction: lost, in beads too.
-    damping: lost to mass damping and in the dampers of contact and of pushed tools. kinetic: that of pushed tools too.
+    damping: lost to mass damping, in the dampers of contact and of pushed tools, and by the springs of contact where
+    shells are split. kinetic: that of pushed tools too.
     error is what the balance of all of them has lost or won since the start, in per cent of the largest sum of energies
     that has occurred.
     """
@@ -103,7 +104,7 @@ ADVICE = {
     "kinetic": "inertia counts: make the tools slower, or add less mass",
     "hourglass": "refine the mesh where it is bent sharply",
     "damping": "set explicit.damping lower, or make the tools slower",
-    "contact": "the sheet sinks into its tools, or is split where it is pressed: refine the blank from the start "
+    "contact": "the sheet sinks into its tools: refine the blank from the start "
     "round the tools' radii, export tools from files with finer facets, or push less hard",
     "error": "set explicit.safety lower",
 }

@@ -127,10 +127,6 @@ class ImplicitProcedure:
         """Return what the first body of each contact does to the second (2,) [N], as modelled."""
         return self.equilibrium.bodies.total_forces(self.state)
 
-    def body_depths(self) -> list[tuple[str, float, float]]:
-        """Return name, penetration of the bodies and mean edge [mm] of each contact between bodies."""
-        return self.equilibrium.bodies.depths(self.state) if self.model.contacts else []
-
     def interface_stress(self) -> tuple[FloatArray, FloatArray] | None:
         """Return pressure and shear of the bodies on each other (n_points,) [MPa], if bodies touch each other."""
         return self.equilibrium.bodies.nodal_stress(self.state) if self.model.contacts else None

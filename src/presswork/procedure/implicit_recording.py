@@ -15,9 +15,9 @@ from presswork.pose import ToolPose, place_segments
 from presswork.procedure.arc_length import ArcLengthProcedure
 from presswork.procedure.implicit import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
 from presswork.procedure.increments import IncrementRecording
-from presswork.procedure.limits import Measure, Watched, measure_hydrostatic_stress, watch_sheet
+from presswork.procedure.limits import Watched, measure_hydrostatic_stress, watch_sheet
 from presswork.procedure.mechanics import Mechanics
-from presswork.procedure.penetration import Penetration
+from presswork.procedure.penetration import Penetration, measure_bodies
 from presswork.procedure.reactions import Reactions
 from presswork.procedure.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.procedure.tool_quantities import ToolQuantities, describe_plane, measure_tools
@@ -102,9 +102,11 @@ class ImplicitRecording(IncrementRecording):
             model.mesh, points, placed, lambda places: procedure.contact.find_gaps(state, places)
         )
         found = [deepest] if deepest else []
-        for name, depth, edge in procedure.body_depths():
-            fact = f"bodies lie {depth:.3g} mm in each other at the contact {name}, whose edges have {edge:.3g} mm"
-            found.append(Measure("penetration", depth / edge, fact))
+        for first, second in sorted({c.between for c in model.contacts if len(set(c.between)) == 2}):
+            edges = model.mesh.boundary_edges
+            both = {body.name: edges[body.owns(edges)] for body in (model.bodies[first], model.bodies[second])}
+            deepest = measure_bodies(model.mesh, points, both)
+            found += [deepest] if deepest else []
         for number, block in enumerate(model.mesh.blocks):
             if model.materials[block.material].umat is None:
                 centres = points[block.connectivity].mean(axis=1)

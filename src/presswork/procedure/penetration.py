@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How deep tools are in a body: in its nodes and in the edges between them, and how far their profiles reach into it.
+"""How deep tools are in a body: in its nodes and in the edges between them, and how far their profiles reach into it;
+how deep bodies are in each other.
 
 A rib that is narrower than an edge cuts it deeply, yet no point of the edge is farther from the rib's face than half
 its width; so the profile's own points are looked at, too.
@@ -14,7 +15,7 @@ import numpy as np
 
 from presswork.mesh.edges import edge_shape_functions
 from presswork.mesh.polygon import contains, measure_distance
-from presswork.model import FloatArray, Mesh
+from presswork.model import FloatArray, IntArray, Mesh
 from presswork.procedure.limits import Measure
 
 _BETWEEN = np.linspace(-1.0, 1.0, 10)[1:-1]
@@ -27,7 +28,7 @@ _MOST_PLACES = 400
 
 @dataclass(frozen=True)
 class _Cut:
-    """Where a tool is in the workpiece."""
+    """Where a tool is in the workpiece, or a body in another."""
 
     tool: str
     depth: float
@@ -36,13 +37,14 @@ class _Cut:
     """Length at the start of the edge that it cuts [mm]."""
     place: FloatArray
     """(2,) [mm]."""
+    into: str = "the workpiece"
 
     def to_measure(self) -> Measure:
         """Return it as a limit counts it."""
         x, y = self.place
         fact = (
-            f"the tool {self.tool} has cut {self.depth:.3g} mm into the workpiece at ({x:.4g}, {y:.4g}) mm, through an "
-            f"edge that was {self.edge:.3g} mm long"
+            f"{self.tool} has cut {self.depth:.3g} mm into {self.into} at ({x:.4g}, {y:.4g}) mm, through an edge that "
+            f"was {self.edge:.3g} mm long"
         )
         return Measure("penetration", self.depth / self.edge, fact)
 
@@ -69,21 +71,44 @@ class Penetration:
         edges = mesh.boundary_edges
         if not tools or not len(edges):
             return None
-        inner = np.stack(
-            [np.einsum("a,eai->ei", edge_shape_functions(edges.shape[1], s)[0], points[edges]) for s in _BETWEEN],
-            axis=1,
-        )
-        along = np.concatenate([points[edges], inner], axis=1)
+        along = np.concatenate([points[edges], _look_between(points, edges)], axis=1)
         depth = -find_gaps(along.reshape(-1, 2)).reshape(len(tools), *along.shape[:2])
         self.node = max(self.node, float(depth[:, :, : edges.shape[1]].max()))
         self.edge = max(self.edge, float(depth.max()))
-        length = np.asarray(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1))
+        length = _measure_length(mesh, edges)
         share = np.maximum(depth, 0.0) / length[:, None]
         tool, edge, place = (int(i) for i in np.unravel_index(np.argmax(share), share.shape))
         deep = float(max(depth[tool, edge, place], 0.0))
-        cuts = [_Cut(list(tools)[tool], deep, float(length[edge]), along[edge, place])]
+        cuts = [_Cut(f"the tool {list(tools)[tool]}", deep, float(length[edge]), along[edge, place])]
         cuts += _find_profiles_inside(along[:, [0, *range(edges.shape[1], along.shape[1]), 1]], length, tools)
         return max((cut.to_measure() for cut in cuts), key=lambda measure: measure.value)
+
+
+def measure_bodies(mesh: Mesh, points: FloatArray, edges: Mapping[str, IntArray]) -> Measure | None:
+    """Return where two bodies are deepest in each other, by the length at the start of the edge that is cut.
+
+    points: of the nodes now (n_points, 2) [mm]; edges: of the boundary of each body (n, 2 | 3). None if they are apart.
+    """
+    cuts = []
+    for name, other in (tuple(edges), tuple(edges)[::-1]):
+        own, cut = edges[name], edges[other]
+        places = np.concatenate([points[own].reshape(-1, 2), _look_between(points, own).reshape(-1, 2)])
+        along = np.concatenate([points[cut[:, :1]], _look_between(points, cut), points[cut[:, 1:2]]], axis=1)
+        found = _find_deepest_inside(along, _measure_length(mesh, cut), places)
+        if found:
+            cuts.append(_Cut(f"the body {name}", *found, into=f"the body {other}"))
+    return max((cut.to_measure() for cut in cuts), key=lambda measure: measure.value, default=None)
+
+
+def _look_between(points: FloatArray, edges: IntArray) -> FloatArray:
+    """Return places between the ends of edges (n_edges, m, 2) [mm]."""
+    shapes = [edge_shape_functions(edges.shape[1], s)[0] for s in _BETWEEN]
+    return np.stack([np.einsum("a,eai->ei", shape, points[edges]) for shape in shapes], axis=1)
+
+
+def _measure_length(mesh: Mesh, edges: IntArray) -> FloatArray:
+    """Return the lengths of edges at the start (n_edges,) [mm]."""
+    return np.asarray(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1))
 
 
 def _find_profiles_inside(along: FloatArray, length: FloatArray, tools: Mapping[str, FloatArray]) -> list[_Cut]:
@@ -91,21 +116,28 @@ def _find_profiles_inside(along: FloatArray, length: FloatArray, tools: Mapping[
 
     along: places on the boundary edges in turn (n_edges, m, 2) [mm]; length: of the edges at the start (n_edges,) [mm].
     """
+    spacing = _SPACING * float(length.mean())
+    each = ((name, _find_deepest_inside(along, length, _trace(segments, spacing))) for name, segments in tools.items())
+    return [_Cut(f"the tool {name}", *found) for name, found in each if found]
+
+
+def _find_deepest_inside(
+    along: FloatArray, length: FloatArray, places: FloatArray
+) -> tuple[float, float, FloatArray] | None:
+    """Return how deep the deepest of places (n, 2) is in a body, the length of the edge that it is nearest to, and it.
+
+    along: places on the boundary edges in turn (n_edges, m, 2) [mm]; length: of the edges at the start (n_edges,) [mm].
+    """
     sides = np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2, 2)
     low, high = along.min(axis=(0, 1)), along.max(axis=(0, 1))
-    spacing = _SPACING * float(length.mean())
-    found = []
-    for name, segments in tools.items():
-        places = _trace(segments, spacing)
-        places = places[((places > low) & (places < high)).all(axis=1)]
-        places = places[contains(sides, places)]
-        if not len(places):
-            continue
-        depth = measure_distance(sides, places)
-        at = int(np.argmax(depth))
-        edge = int(np.argmin(np.linalg.norm(along - places[at], axis=2).min(axis=1)))
-        found.append(_Cut(name, float(depth[at]), float(length[edge]), places[at]))
-    return found
+    places = places[((places > low) & (places < high)).all(axis=1)]
+    places = places[contains(sides, places)]
+    if not len(places):
+        return None
+    depth = measure_distance(sides, places)
+    at = int(np.argmax(depth))
+    edge = int(np.argmin(np.linalg.norm(along - places[at], axis=2).min(axis=1)))
+    return float(depth[at]), float(length[edge]), places[at]
 
 
 def _trace(segments: FloatArray, spacing: float) -> FloatArray:
