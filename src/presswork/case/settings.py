@@ -145,7 +145,9 @@ class Output(Part):
     """What is saved, and when."""
 
     every: Whole = Field(default=_OUTPUT.every, ge=0, description="save every so many increments; 0: see steps")
-    steps: Whole = Field(default=_OUTPUT.steps, ge=1, description="equally spaced saved times of each stage")
+    steps: Whole = Field(
+        default=_OUTPUT.steps, ge=1, le=1_000_000, description="equally spaced saved times of each stage"
+    )
     at: tuple[Annotated[Number, Field(gt=0, le=1)], ...] = Field(
         default=_OUTPUT.at, description="further saved times, fractions of the last stage"
     )

@@ -186,6 +186,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
      ["workpiece.mesh: ", "cells have no area at a corner", "less long and thin"]),
     ("workpiece.mesh", {"size": [10, 2], "cells": [4, 2], "roll_radius": 0.3184},
      ["workpiece.mesh.roll_radius = 0.3184", "spans more than 120 degrees", "at least 0.4775 mm, or more cells"]),
+    ("output", {"steps": 10**400}, ["output.steps", "1000000"]),
     ("tools", {"punch": {}}, ["tools", "cannot touch a shell yet"]),
 ])  # fmt: skip
 def test_bad_input_is_named(tmp_path, path, value, fragments) -> None:
