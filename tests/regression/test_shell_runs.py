@@ -58,7 +58,8 @@ def test_every_layer_has_stress_and_strain_in_both_frames(roof) -> None:
             np.testing.assert_allclose(lamina[:, 0], space[:, 0], atol=3e-3 * np.abs(space).max())  # it slopes a little
             # the trace and the norm of a tensor do not depend on the frame
             traces = lamina[:, :2].sum(axis=1), space[:, :3].sum(axis=1)
-            np.testing.assert_allclose(*traces, atol=1e-9 * np.abs(space).max())
+            rounding = np.finfo(np.float32).eps * np.abs(space).max()  # layers are saved in single precision
+            np.testing.assert_allclose(*traces, atol=2 * rounding)
             size = np.sqrt(np.maximum(lamina[:, 0] ** 2 + lamina[:, 1] ** 2 + 2 * lamina[:, 2] ** 2, 0.0))
             also = np.sqrt((space[:, :3] ** 2).sum(axis=1) + 2 * (space[:, 3:] ** 2).sum(axis=1))
             np.testing.assert_allclose(size, also, rtol=0.02, atol=1e-9 * also.max())
