@@ -38,8 +38,8 @@ ELSEWHERE = {
     "pressure_stiffness": "tests/unit/procedure/test_loads.py",
     "control": "tests/verification/test_shell_snap_through.py",
     "contact_stiffness": "tests/verification/test_hemispherical_punch.py",
-    "inertia": "tests/regression/test_implicit_inertia.py, tests/verification/test_solid_inertia.py",
-    "damping": "tests/regression/test_implicit_inertia.py, tests/verification/test_solid_inertia.py",
+    "inertia": "tests/regression/test_implicit_inertia.py, test_solid_inertia.py and test_shell_inertia.py",
+    "damping": "tests/regression/test_implicit_inertia.py, test_solid_inertia.py and test_shell_inertia.py",
     "kirchhoff_penalty": "tests/consistency/test_shell_tangent.py",
 }
 

@@ -98,8 +98,8 @@ class Solver(Part):
     inertia: Number = Field(
         default=_SOLVER.inertia,
         ge=0,
-        description="solids: mass over the material's, in the time of the stages: steadies what nothing holds and what "
-        "snaps; needs the materials' density",
+        description="mass over the material's, in the time of the stages: steadies what nothing holds and what snaps; "
+        "solids need the materials' density",
     )
     damping: Rate = Field(default=_SOLVER.damping, ge=0, description="of this mass [1/s]")
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 
@@ -41,7 +42,12 @@ def build_shell_model(case: ShellCase) -> model.Model:
         analysis="shell",
         depth=1.0,
         mesh=mesh,
-        materials=build_sheets(case.materials, case.workpiece.material, case.workpiece.section.thickness, case.source),
+        materials=tuple(
+            replace(sheet, density=case.materials[sheet.name].find_density())
+            for sheet in build_sheets(
+                case.materials, case.workpiece.material, case.workpiece.section.thickness, case.source
+            )
+        ),
         tools=(),
         supports=tuple(entry.build(name) for name, entry in case.boundary.items()),
         stages=tuple(_build_stage(stage) for stage in case.stages),
@@ -76,7 +82,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
     if "rows" in case.output.model_fields_set:
         fault = "shells are implicit: a row an increment"
         problems.append(Problem("output.rows", fault, "remove it", case.output.rows))
-    problems += check_small_displacements(case.solver)
+    problems += check_small_displacements(case.solver) + _check_inertia(case)
     if case.solver.control == "arc_length":
         for index, stage in enumerate(case.stages):
             if stage.displacement or stage.rotation:
@@ -99,6 +105,21 @@ def _check_names(case: ShellCase) -> list[Problem]:
             remedy = "add [[stages.force]], [[stages.pressure]], [[stages.displacement]] or another load"
             problems.append(Problem(f"stages.{index}", f'the stage "{stage.name}" changes nothing', remedy))
         loaded = bool(loads)
+    return problems
+
+
+def _check_inertia(case: ShellCase) -> list[Problem]:
+    """Return the problems of inertia where no time passes or no mass is known."""
+    if case.solver.inertia == 0.0:
+        return []
+    problems = []
+    if case.solver.control == "arc_length":
+        fault = "along a path that arc length follows no time passes, which inertia needs"
+        problems.append(Problem("solver.inertia", fault, 'take control = "load"', case.solver.inertia))
+    name = case.workpiece.material
+    if name in case.materials and not case.materials[name].is_metal():
+        remedy = 'add it: solver.inertia needs it, and no metal has this Young\'s modulus; steel has "7850 kg/m^3"'
+        problems.append(Problem(f"materials.{name}.density", "missing key", remedy))
     return problems
 
 

@@ -12,19 +12,16 @@ from presswork import model_stamping
 from presswork.case.bead import Bead
 from presswork.case.blank import Blank
 from presswork.case.case_file import CaseFile
-from presswork.case.explicit_solid import HEAVIEST, LIGHTEST, require_density
 from presswork.case.limits import Limits
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.shell import ShellBoundary, ShellDisplacement
-from presswork.case.shell_material import ShellMaterial, add_library_materials
+from presswork.case.shell_material import HeavyShellMaterial, add_library_materials
 from presswork.case.stamping_tools import Tool
-from presswork.case.units import Density, Force, Length, LineForce, Number, Rate, Time, Velocity, fault
+from presswork.case.units import Force, Length, LineForce, Number, Rate, Time, Velocity, fault
 from presswork.model import ExplicitElement, SolverSettings
 
-WAVE_SPEED = 5.1e6
-"""Of a bar of steel, aluminium, magnesium or titanium, within 4 % [mm/s]."""
 VELOCITY = 2000.0
 """Of what moves farthest where a stage says nothing [mm/s]."""
 RAMP = 0.1
@@ -37,25 +34,14 @@ _SOLVER = SolverSettings()
 Whole = Annotated[int, Field(strict=True, ge=1)]
 
 
-class StampingMaterial(ShellMaterial):
-    """A sheet material with its density."""
-
-    density: Density | None = Field(
-        default=None,
-        description='density [t/mm^3], e.g. "7850 kg/m^3"; without it: that of a metal with this Young\'s modulus in '
-        "which sound runs at 5.1 km/s, as in steel, aluminium, magnesium and titanium",
-    )
+class StampingMaterial(HeavyShellMaterial):
+    """A sheet material that has a density in every case."""
 
     @model_validator(mode="after")
-    def _check_density(self) -> Self:
-        require_density(self.density)
-        if not LIGHTEST < self.find_density() < HEAVIEST:
+    def _check_young(self) -> Self:
+        if not self.is_metal():
             raise fault("Young's modulus of no metal", 'plain numbers are MPa: "210 GPa" is 210e3', key="young")
         return self
-
-    def find_density(self) -> float:
-        """Return the density given, or that of a common metal with this Young's modulus [t/mm3]."""
-        return self.young / WAVE_SPEED**2 if self.density is None else self.density
 
 
 ForceRow = tuple[Length, Force]
