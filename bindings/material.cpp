@@ -4,6 +4,30 @@
 
 namespace presswork::bindings {
 
+namespace {
+
+template <int N>
+std::tuple<NewDoubles, NewDoubles, NewDoubles> update_points(const VonMises& law, Doubles strain, Doubles stress,
+                                                             Doubles eqps) {
+  const std::size_t n = eqps.size();
+  double *new_stress, *new_eqps, *tangent;
+  auto stresses = new_array({n, N}, &new_stress);
+  auto strains = new_array({n}, &new_eqps);
+  auto tangents = new_array({n, N, N}, &tangent);
+  for (std::size_t i = 0; i < n; ++i) {
+    PointState<double, N> point;
+    double increment[N];
+    for (int k = 0; k < N; ++k) point.stress[k] = stress.data()[N * i + k], increment[k] = strain.data()[N * i + k];
+    point.eqps = eqps.data()[i];
+    update_von_mises(law, increment, point, reinterpret_cast<double (*)[N]>(tangent + N * N * i));
+    for (int k = 0; k < N; ++k) new_stress[N * i + k] = point.stress[k];
+    new_eqps[i] = point.eqps;
+  }
+  return {stresses, strains, tangents};
+}
+
+}  // namespace
+
 void bind_material(nb::module_& m) {
   nb::enum_<HardeningLaw>(m, "HardeningLaw", "Flow stress against equivalent plastic strain.")
       .value("linear", HardeningLaw::linear)
@@ -49,24 +73,16 @@ void bind_material(nb::module_& m) {
       .def(
           "update",
           [](const VonMises& law, Doubles strain, Doubles stress, Doubles eqps) {
-            const std::size_t n = eqps.size();
-            require(strain.size() == 4 * n && stress.size() == 4 * n, "strain and stress must have shape (n, 4)");
-            double *new_stress, *new_eqps, *tangent;
-            auto stresses = new_array({n, 4}, &new_stress);
-            auto strains = new_array({n}, &new_eqps);
-            auto tangents = new_array({n, 4, 4}, &tangent);
-            for (std::size_t i = 0; i < n; ++i) {
-              PointState<double> point;
-              for (int k = 0; k < 4; ++k) point.stress[k] = stress.data()[4 * i + k];
-              point.eqps = eqps.data()[i];
-              update_von_mises(law, strain.data() + 4 * i, point, reinterpret_cast<double (*)[4]>(tangent + 16 * i));
-              for (int k = 0; k < 4; ++k) new_stress[4 * i + k] = point.stress[k];
-              new_eqps[i] = point.eqps;
-            }
-            return std::make_tuple(stresses, strains, tangents);
+            require(strain.ndim() == 2 && (strain.shape(1) == 4 || strain.shape(1) == 6) &&
+                        strain.shape(0) == eqps.size() && stress.size() == strain.size(),
+                    "strain and stress must have shape (n, 4) or (n, 6)");
+            return strain.shape(1) == 6 ? update_points<6>(law, strain, stress, eqps)
+                                        : update_points<4>(law, strain, stress, eqps);
           },
           nb::arg("strain"), nb::arg("stress"), nb::arg("eqps"),
-          "Advance points by strain increments (n, 4); returns stress (n, 4), eqps (n) and tangent (n, 4, 4).");
+          "Advance points by strain increments (n, N), N = 4 (xx, yy, zz, xy) or 6 (and yz, zx); returns stress (n, "
+          "N), "
+          "eqps (n) and tangent (n, N, N).");
 }
 
 }  // namespace presswork::bindings

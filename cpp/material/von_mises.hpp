@@ -2,8 +2,9 @@
 // Isotropic elasticity with von Mises plasticity and isotropic hardening: six stress integrators.
 //
 // Given the stress at the start of the increment and the strain increment in a frame that does not turn, return the
-// stress and the equivalent plastic strain at its end, and d(stress)/d(strain increment). Order xx, yy, zz, xy, shear
-// strain engineering. S is the deviatoric stress, R_y = sqrt(2/3) flow stress its length on the yield surface.
+// stress and the equivalent plastic strain at its end, and d(stress)/d(strain increment), in N = 4 components (xx, yy,
+// zz, xy) or N = 6 (xx, yy, zz, xy, yz, zx); shear strain is engineering. S is the deviatoric stress, R_y = sqrt(2/3)
+// flow stress its length on the yield surface.
 //
 //   backward_euler         S_f = S_t (1 - 3G dp/q_t), q_t - 3G dp = flow(p + dp)       Simo & Taylor 1985; the default
 //   radial_return          S_t scaled to flow(p + dp), dp by the slope at the start     Wilkins 1964
@@ -17,6 +18,8 @@
 // form for backward_euler, dual numbers for the rest, so that each is the exact derivative of what was computed;
 // "continuum" is the rate equation's matrix (Yamada 1968) at the final stress, for all of them.
 #pragma once
+
+#include <type_traits>
 
 #include "material/hardening.hpp"
 
@@ -45,34 +48,34 @@ struct VonMises {
   double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
 };
 
-template <class T>
+template <class T, int N = 4>
 struct PointState {
-  T stress[4];
+  T stress[N];
   T eqps;  // equivalent plastic strain
 };
 
 namespace von_mises {
 
 template <class T>
-T mean_of(const T s[4]) {
+T mean_of(const T* s) {
   return (s[0] + s[1] + s[2]) * T(1.0 / 3);
 }
 // double contraction of two symmetric tensors given as tensor components
-template <class T>
-T contract(const T a[4], const T b[4]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + T(2.0) * a[3] * b[3];
+template <int N, class T>
+T contract(const T (&a)[N], const T (&b)[N]) {
+  T sum = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  for (int i = 3; i < N; ++i) sum += T(2.0) * a[i] * b[i];
+  return sum;
 }
-template <class T>
-T effective_of(const T s[4]) {
+template <int N, class T>
+T effective_of(const T (&s)[N]) {
   return square_root(T(1.5) * contract(s, s));
 }
-template <class T>
-void deviator_of(const T a[4], T s[4]) {
+template <int N, class T>
+void deviator_of(const T (&a)[N], T (&s)[N]) {
   T m = mean_of(a);
-  s[0] = a[0] - m;
-  s[1] = a[1] - m;
-  s[2] = a[2] - m;
-  s[3] = a[3];
+  for (int i = 0; i < 3; ++i) s[i] = a[i] - m;
+  for (int i = 3; i < N; ++i) s[i] = a[i];
 }
 
 // dp of q_trial - 3G dp = flow(p + dp), by Newton inside a bracket; zero where mask is off.
@@ -100,31 +103,31 @@ T solve_plastic_increment(const VonMises& law, T eqps, T q_trial, T over, M plas
   return dp;
 }
 
-template <class T>
-void elastic_plastic_matrix(const VonMises& law, const T n[4], T theta, T theta_bar, T matrix[4][4]) {
-  // K 1 x 1 + 2G theta I_dev - 2G theta_bar N x N, N of unit length
+template <int N, class T>
+void elastic_plastic_matrix(const VonMises& law, const T (&n)[N], T theta, T theta_bar, T (*matrix)[N]) {
+  // K 1 x 1 + 2G theta I_dev - 2G theta_bar n x n, n of unit length
   const double G = law.shear_modulus(), K = law.bulk_modulus();
   T g2 = T(2.0 * G) * theta;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) matrix[i][j] = -T(2.0 * G) * theta_bar * n[i] * n[j];
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) matrix[i][j] = -T(2.0 * G) * theta_bar * n[i] * n[j];
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) matrix[i][j] += T(K) - g2 * T(1.0 / 3);
     matrix[i][i] += g2;
   }
-  matrix[3][3] += T(0.5) * g2;
+  for (int i = 3; i < N; ++i) matrix[i][i] += T(0.5) * g2;
 }
 
 // The default: backward Euler and, if tangent is given, its consistent matrix (or the continuum one).
-template <class T>
-void update_backward_euler(const VonMises& law, const T strain[4], PointState<T>& point, T (*tangent)[4]) {
+template <int N, class T>
+void update_backward_euler(const VonMises& law, const T (&strain)[N], PointState<T, N>& point, T (*tangent)[N]) {
   const double G = law.shear_modulus(), K = law.bulk_modulus();
   // 1. elastic predictor
   T volume = strain[0] + strain[1] + strain[2];
   T mean = mean_of(point.stress) + T(K) * volume;
-  T s[4];
+  T s[N];
   deviator_of(point.stress, s);
   for (int i = 0; i < 3; ++i) s[i] += T(2.0 * G) * (strain[i] - volume * T(1.0 / 3));
-  s[3] += T(G) * strain[3];
+  for (int i = 3; i < N; ++i) s[i] += T(G) * strain[i];
   T q = effective_of(s);
   // 2. admissible?
   T flow, slope;
@@ -138,13 +141,13 @@ void update_backward_euler(const VonMises& law, const T strain[4], PointState<T>
     scale = T(1.0) - T(3.0 * G) * dp / safe_q;
   }
   for (int i = 0; i < 3; ++i) point.stress[i] = scale * s[i] + mean;
-  point.stress[3] = scale * s[3];
+  for (int i = 3; i < N; ++i) point.stress[i] = scale * s[i];
   point.eqps += dp;
   // 4. tangent
   if (!tangent) return;
-  T n[4];
+  T n[N];
   const double unit = 1.2247448713915890491;  // sqrt(3/2)
-  for (int i = 0; i < 4; ++i) n[i] = T(unit) * s[i] / safe_q;
+  for (int i = 0; i < N; ++i) n[i] = T(unit) * s[i] / safe_q;
   T theta = law.modulus == Modulus::consistent ? scale : T(1.0);
   T theta_bar = T(1.0) / (T(1.0) + slope * T(1.0 / (3.0 * G))) - (T(1.0) - theta);
   theta_bar = select(plastic, theta_bar, T(0.0));
@@ -152,8 +155,8 @@ void update_backward_euler(const VonMises& law, const T strain[4], PointState<T>
 }
 
 // The rate equation over the strain deviator de (tensor components), its direction taken at S_dir; adds to s and eqps.
-template <class T>
-void step_rate_equation(const VonMises& law, const T direction[4], const T de[4], T s[4], T& eqps) {
+template <int N, class T>
+void step_rate_equation(const VonMises& law, const T (&direction)[N], const T (&de)[N], T (&s)[N], T& eqps) {
   const double G = law.shear_modulus();
   T flow, slope;
   law.hardening.evaluate(eqps, flow, slope);
@@ -161,29 +164,29 @@ void step_rate_equation(const VonMises& law, const T direction[4], const T de[4]
   T along = larger(contract(direction, de) / length, T(0.0));
   T dp = T(0.81649658092772603273) * along * T(3.0 * G) / (T(3.0 * G) + slope);  // sqrt(2/3)
   T pull = T(2.0 * G * 1.2247448713915890491) * dp / length;
-  for (int i = 0; i < 4; ++i) s[i] += T(2.0 * G) * de[i] - pull * direction[i];
+  for (int i = 0; i < N; ++i) s[i] += T(2.0 * G) * de[i] - pull * direction[i];
   eqps += dp;
 }
 
-template <class T>
-void scale_to_surface(const VonMises& law, T eqps, T s[4]) {
+template <int N, class T>
+void scale_to_surface(const VonMises& law, T eqps, T (&s)[N]) {
   T flow, slope;
   law.hardening.evaluate(eqps, flow, slope);
   T ratio = flow / effective_of(s);
-  for (int i = 0; i < 4; ++i) s[i] *= ratio;
+  for (int i = 0; i < N; ++i) s[i] *= ratio;
 }
 
 // The five integrators that are there to be compared.
-template <class T>
-void update_by_rate(const VonMises& law, const T strain[4], PointState<T>& point) {
+template <int N, class T>
+void update_by_rate(const VonMises& law, const T (&strain)[N], PointState<T, N>& point) {
   const double G = law.shear_modulus(), K = law.bulk_modulus();
   T volume = strain[0] + strain[1] + strain[2];
   T mean = mean_of(point.stress) + T(K) * volume;
-  T s[4], de[4], trial[4], contact[4];
+  T s[N], de[N], trial[N], contact[N];
   deviator_of(point.stress, s);
   for (int i = 0; i < 3; ++i) de[i] = strain[i] - volume * T(1.0 / 3);
-  de[3] = T(0.5) * strain[3];
-  for (int i = 0; i < 4; ++i) trial[i] = s[i] + T(2.0 * G) * de[i];
+  for (int i = 3; i < N; ++i) de[i] = T(0.5) * strain[i];
+  for (int i = 0; i < N; ++i) trial[i] = s[i] + T(2.0 * G) * de[i];
   T flow, slope;
   law.hardening.evaluate(point.eqps, flow, slope);
   T q = effective_of(trial);
@@ -196,34 +199,35 @@ void update_by_rate(const VonMises& law, const T strain[4], PointState<T>& point
   T fraction = (root - b) / larger(a, T(1e-300));
   fraction = smaller(larger(fraction, T(0.0)), T(1.0));
   fraction = select(plastic, fraction, T(1.0));
-  T rest[4];
-  for (int i = 0; i < 4; ++i) {
+  T rest[N];
+  for (int i = 0; i < N; ++i) {
     contact[i] = s[i] + fraction * T(2.0 * G) * de[i];
     rest[i] = (T(1.0) - fraction) * de[i];
   }
 
   // 2. the plastic part
-  T result[4], eqps = point.eqps;
-  for (int i = 0; i < 4; ++i) result[i] = contact[i];
+  T result[N], eqps = point.eqps;
+  for (int i = 0; i < N; ++i) result[i] = contact[i];
   switch (law.integrator) {
     case Integrator::radial_return: {
       eqps += (q - flow) / (T(3.0 * G) + slope);
-      for (int i = 0; i < 4; ++i) result[i] = trial[i];
+      for (int i = 0; i < N; ++i) result[i] = trial[i];
       scale_to_surface(law, eqps, result);
       break;
     }
     case Integrator::secant: {
-      T middle[4];
-      for (int i = 0; i < 4; ++i) middle[i] = T(0.5) * (trial[i] + contact[i]);
+      T middle[N];
+      for (int i = 0; i < N; ++i) middle[i] = T(0.5) * (trial[i] + contact[i]);
       step_rate_equation(law, middle, rest, result, eqps);
       scale_to_surface(law, eqps, result);
       break;
     }
     case Integrator::substepping: {
-      T part[4];
-      for (int i = 0; i < 4; ++i) part[i] = rest[i] * T(1.0 / law.substeps);
+      T part[N];
+      for (int i = 0; i < N; ++i) part[i] = rest[i] * T(1.0 / law.substeps);
       for (int k = 0; k < law.substeps; ++k) {
-        T direction[4] = {result[0], result[1], result[2], result[3]};
+        T direction[N];
+        for (int i = 0; i < N; ++i) direction[i] = result[i];
         step_rate_equation(law, direction, part, result, eqps);
         scale_to_surface(law, eqps, result);
       }
@@ -235,7 +239,7 @@ void update_by_rate(const VonMises& law, const T strain[4], PointState<T>& point
   }
 
   // 3. elastic points keep the trial stress
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < N; ++i) {
     T final_deviator = select(plastic, result[i], trial[i]);
     point.stress[i] = i < 3 ? final_deviator + mean : final_deviator;
   }
@@ -244,9 +248,10 @@ void update_by_rate(const VonMises& law, const T strain[4], PointState<T>& point
 
 }  // namespace von_mises
 
-// Advance one material point. tangent (4x4) may be null.
-template <class T>
-void update_von_mises(const VonMises& law, const T strain[4], PointState<T>& point, T (*tangent)[4]) {
+// Advance one material point. tangent (N, N) may be null.
+template <int N, class T>
+void update_von_mises(const VonMises& law, const T (&strain)[N], PointState<T, N>& point,
+                      std::type_identity_t<T (*)[N]> tangent) {
   if (law.integrator == Integrator::backward_euler) {
     von_mises::update_backward_euler(law, strain, point, tangent);
     return;
@@ -258,7 +263,7 @@ void update_von_mises(const VonMises& law, const T strain[4], PointState<T>& poi
   if (law.modulus == Modulus::continuum) {
     const T eqps_n = point.eqps;
     von_mises::update_by_rate(law, strain, point);
-    T s[4], flow, slope;
+    T s[N], flow, slope;
     von_mises::deviator_of(point.stress, s);
     law.hardening.evaluate(point.eqps, flow, slope);
     T length = larger(square_root(von_mises::contract(s, s)), T(1e-300));
@@ -268,18 +273,18 @@ void update_von_mises(const VonMises& law, const T strain[4], PointState<T>& poi
     von_mises::elastic_plastic_matrix(law, s, T(1.0), theta_bar, tangent);
     return;
   }
-  using D = Dual<T, 4>;
-  PointState<D> dual;
-  D dual_strain[4];
-  for (int i = 0; i < 4; ++i) {
+  using D = Dual<T, N>;
+  PointState<D, N> dual;
+  D dual_strain[N];
+  for (int i = 0; i < N; ++i) {
     dual_strain[i] = D::variable(strain[i], i);
     dual.stress[i] = D(point.stress[i]);
   }
   dual.eqps = D(point.eqps);
   von_mises::update_by_rate(law, dual_strain, dual);
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < N; ++i) {
     point.stress[i] = dual.stress[i].value;
-    for (int j = 0; j < 4; ++j) tangent[i][j] = dual.stress[i].slope[j];
+    for (int j = 0; j < N; ++j) tangent[i][j] = dual.stress[i].slope[j];
   }
   point.eqps = dual.eqps.value;
 }

@@ -131,19 +131,20 @@ def test_stiffness_is_consistent_with_every_hardening_law(element, hardening) ->
     assert one.error_of_stiffness(PLASTIC_STRAIN * one.shape) < 1e-6
 
 
+@pytest.mark.parametrize("components", [4, 6])
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("hardening", LAWS)
-def test_material_tangent_is_the_derivative_of_the_stress(hardening, integrator) -> None:
+def test_material_tangent_is_the_derivative_of_the_stress(hardening, integrator, components) -> None:
     law = make_law(hardening, integrator)
     rng = np.random.default_rng(3)
     n = 40
-    stress, eqps = 100 * rng.standard_normal((n, 4)), 0.02 + 0.02 * rng.random(n)
-    strain = rng.standard_normal((n, 4)) * np.geomspace(1e-4, 2e-2, n)[:, None]
+    stress, eqps = 100 * rng.standard_normal((n, components)), 0.02 + 0.02 * rng.random(n)
+    strain = rng.standard_normal((n, components)) * np.geomspace(1e-4, 2e-2, n)[:, None]
     _, new_eqps, tangent = law.update(strain, stress, eqps)
     assert 5 < (new_eqps > eqps).sum() < n, "both sides of yield must be there"
     step = 1e-8
-    for j in range(4):
-        move = np.zeros(4)
+    for j in range(components):
+        move = np.zeros(components)
         move[j] = step
         ahead, behind = (law.update(strain + s * move, stress, eqps)[0] for s in (1, -1))
         error = np.abs(tangent[:, :, j] - (ahead - behind) / (2 * step)).max(axis=1) / 200e3
@@ -210,3 +211,40 @@ def test_a_turned_increment_gives_a_turned_force(element) -> None:
     turn = np.array([[c, -s], [s, c]])
     turned, _ = one.evaluate((one.points + increment) @ turn.T - one.points, with_stiffness=False)
     np.testing.assert_allclose(turned.reshape(-1, 2), force.reshape(-1, 2) @ turn.T, atol=1e-9 * np.abs(force).max())
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_law_in_six_components_is_that_in_four(integrator) -> None:
+    law = make_law("swift", integrator)
+    rng = np.random.default_rng(4)
+    stress, strain = 100 * rng.standard_normal((20, 6)), 5e-3 * rng.standard_normal((20, 6))
+    stress[:, 4:] = strain[:, 4:] = 0.0
+    six = law.update(strain, stress, np.full(20, 0.02))
+    four = law.update(strain[:, :4].copy(), stress[:, :4].copy(), np.full(20, 0.02))
+    np.testing.assert_allclose(six[0][:, :4], four[0], rtol=1e-13)
+    np.testing.assert_allclose(six[2][:, :4, :4], four[2], rtol=1e-11, atol=1e-7)
+    assert not six[0][:, 4:].any()
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_law_in_six_components_turns_with_its_axes(integrator) -> None:
+    law = make_law("swift", integrator)
+    rng = np.random.default_rng(5)
+    turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    both = rng.standard_normal((2, 20, 3, 3))
+    stress, strain = np.array([80.0, 4e-3])[:, None, None, None] * (both + both.transpose(0, 1, 3, 2))
+    eqps = np.full(20, 0.02)
+    plain = law.update(to_voigt(strain, 2.0), to_voigt(stress, 1.0), eqps)
+    turned = law.update(to_voigt(turn @ strain @ turn.T, 2.0), to_voigt(turn @ stress @ turn.T, 1.0), eqps)
+    assert (plain[1] > eqps).any()
+    np.testing.assert_allclose(turned[0], to_voigt(turn @ from_voigt(plain[0]) @ turn.T, 1.0), atol=1e-9)
+
+
+def to_voigt(tensor: np.ndarray, shear: float) -> np.ndarray:
+    """Return xx, yy, zz, xy, yz, zx of symmetric tensors (n, 3, 3), the shear components times `shear`."""
+    normal, others = tensor[:, [0, 1, 2], [0, 1, 2]], tensor[:, [0, 1, 2], [1, 2, 0]]
+    return np.ascontiguousarray(np.hstack([normal, shear * others]))
+
+
+def from_voigt(stress: np.ndarray) -> np.ndarray:
+    return stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
