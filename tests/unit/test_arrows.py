@@ -71,6 +71,7 @@ PYTHON_ROOMS = {
     "onestep": {"case", "mesh", "model", "model_onestep", "procedure", "results"},
     "api": {"case", "mesh", "onestep", "recorder", "results"},
     "cli": {
+        "umat",
         "case",
         "examples",
         "material",

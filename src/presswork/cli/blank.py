@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command `blank`. Exit status: 0 the flange fits; 2 bad input; 3 it does not fit; 130 interrupted."""
+"""The command `blank`.
+
+Exit status: 0 the flange fits; 2 bad input; 3 it does not fit; 130 interrupted."""
 
 from __future__ import annotations
 
@@ -7,22 +9,14 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from presswork.case import CaseError
 from presswork.case.errors import Problem
+from presswork.cli.terminal import GAVE_UP, INTERRUPTED, console, refuse
 from presswork.recorder import Progress as RunProgress
 from presswork.results import OutputError
 from presswork.study.blank_shape import DRAWING, Draw, find_blank_shape, read_target, surround_opening
-
-_BAD_INPUT, _GAVE_UP, _INTERRUPTED = 2, 3, 130
-_console = Console(stderr=True, highlight=False, soft_wrap=True)
-
-
-def add_command(app: typer.Typer) -> None:
-    """Give the command to the command line."""
-    app.command()(blank)
 
 
 def blank(
@@ -52,7 +46,7 @@ def blank(
                 [Problem("", "give either --target or --flange-width", "--target flange.dxf, for instance")]
             )
         wanted = read_target(target) if target else surround_opening(case, flange_width or 0.0, set_ or [])
-        with Progress(*columns, console=_console, disable=quiet) as bar:
+        with Progress(*columns, console=console(), disable=quiet) as bar:
             task = bar.add_task(case.stem, total=1.0)
 
             def show(number: int, now: RunProgress) -> None:
@@ -69,11 +63,10 @@ def blank(
                 threads=threads, resume=resume, overwrite=overwrite, on_progress=show, on_draw=tell,
             )  # fmt: skip
     except (CaseError, OutputError) as error:
-        _console.print(f"error: {error}", style="red", markup=False)
-        raise typer.Exit(_BAD_INPUT) from error
+        raise refuse(str(error)) from error
     if found.draws:
         worst = found.best.fit.worst
         typer.echo(f"blank of draw {found.best.number}, {worst:.3g} mm off at most: {folder / DRAWING}")
     if found.status != "completed":
-        _console.print(f"{found.status.replace('_', ' ')}: {found.reason}", style="red", markup=False)
-        raise typer.Exit(_GAVE_UP if found.status == "gave_up" else _INTERRUPTED)
+        console().print(f"{found.status.replace('_', ' ')}: {found.reason}", style="red", markup=False)
+        raise typer.Exit(GAVE_UP if found.status == "gave_up" else INTERRUPTED)

@@ -3,23 +3,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import expm1
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from presswork.case import CaseError
 from presswork.case.onestep import OneStepCase, build_onestep_model
+from presswork.cli.case_files import picture_undercut
+from presswork.cli.pictures import draw
+from presswork.cli.terminal import GAVE_UP, console, refuse
 from presswork.mesh import MeshError
 from presswork.model_onestep import OneStepModel
 from presswork.onestep.part import OneStepError
 from presswork.onestep.record import BLANK_DRAWING, BLANK_POINTS, run_one_step
 from presswork.results import OutputError, Result
 
-_BAD_INPUT, _GAVE_UP = 2, 3
 _IN_CASE = {
     "material": "blank.material",
     "thickness": "blank.thickness",
@@ -33,76 +33,62 @@ _IN_CASE = {
     "addendum": "part.addendum",
 }
 """Options that a case file has keys for."""
-_console = Console(stderr=True, highlight=False, soft_wrap=True)
 
 
-def _refuse(message: str, status: int = _BAD_INPUT) -> NoReturn:
-    _console.print(f"error: {message}", style="red", markup=False)
-    raise typer.Exit(status)
+def onestep(
+    context: typer.Context,
+    part: Annotated[Path, typer.Argument(help="The part's mid-surface (STL or mesh), or a case (TOML).")],
+    material: Annotated[
+        str | None, typer.Option(help="A material of the library (`presswork materials`) or a material file.")
+    ] = None,
+    thickness: Annotated[str | None, typer.Option(help="Of the blank, e.g. 0.8 or '0.8 mm'.")] = None,
+    bhf: Annotated[str, typer.Option(help="Blank-holder force, e.g. '20 kN'.")] = "0",
+    mu: Annotated[float, typer.Option(help="Coefficient of friction.")] = 0.1,
+    draw_direction: Annotated[str, typer.Option(help="The punch's way in the file's axes.")] = "-z",
+    unit: Annotated[str, typer.Option(help="Unit of the file.")] = "mm",
+    rolling: Annotated[str, typer.Option(help="Rolling direction from x [degree].")] = "0",
+    symmetry: Annotated[list[str] | None, typer.Option(help="x, y: planes x = 0, y = 0 that mirror the part.")] = None,
+    element_size: Annotated[
+        str | None,
+        typer.Option(help="Halve triangles' edges longer than this [mm]; default: about 10,000 triangles."),
+    ] = None,
+    write_case: Annotated[
+        Path | None,
+        typer.Option(help="Write a stamping (TOML) of the blank, with punch, die and holder made from the part (STL)."),
+    ] = None,
+    addendum: Annotated[str, typer.Option(help="Width of a level flange to add to the part's outline [mm].")] = "0",
+    output: Annotated[Path | None, typer.Option(help="Output folder; default: the part's name beside it.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
+    threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core.")] = 0,
+    plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
+) -> None:
+    """Find the flat blank of a finished part: outline, thinning, formability, punch force."""
+    if part.suffix == ".toml":
+        _refuse_options(context)
+    folder = output or part.with_suffix("")
+    model = _load(
+        part, material, thickness,
+        {"holder_force": _plain(bhf), "mu": mu},
+        {
+            "draw_direction": draw_direction, "unit": unit, "symmetry": symmetry or [],
+            "addendum": _plain(addendum),
+            "element_size": None if element_size is None else _plain(element_size),
+        },
+        rolling,
+        folder,
+    )  # fmt: skip
+    try:
+        if write_case is not None:
+            from presswork.onestep.stamping_case import check_case_path
 
-
-def add_commands(app: typer.Typer, draw: Callable[[Result], None], explain: Callable[[CaseError, Path], str]) -> None:
-    """Add the command. draw: draws the pictures of results; explain: draws what is refused and says where that is."""
-
-    @app.command()
-    def onestep(
-        context: typer.Context,
-        part: Annotated[Path, typer.Argument(help="The part's mid-surface (STL or mesh), or a case (TOML).")],
-        material: Annotated[
-            str | None, typer.Option(help="A material of the library (`presswork materials`) or a material file.")
-        ] = None,
-        thickness: Annotated[str | None, typer.Option(help="Of the blank, e.g. 0.8 or '0.8 mm'.")] = None,
-        bhf: Annotated[str, typer.Option(help="Blank-holder force, e.g. '20 kN'.")] = "0",
-        mu: Annotated[float, typer.Option(help="Coefficient of friction.")] = 0.1,
-        draw_direction: Annotated[str, typer.Option(help="The punch's way in the file's axes.")] = "-z",
-        unit: Annotated[str, typer.Option(help="Unit of the file.")] = "mm",
-        rolling: Annotated[str, typer.Option(help="Rolling direction from x [degree].")] = "0",
-        symmetry: Annotated[
-            list[str] | None, typer.Option(help="x, y: planes x = 0, y = 0 that mirror the part.")
-        ] = None,
-        element_size: Annotated[
-            str | None,
-            typer.Option(help="Halve triangles' edges longer than this [mm]; default: about 10,000 triangles."),
-        ] = None,
-        write_case: Annotated[
-            Path | None,
-            typer.Option(
-                help="Write a stamping (TOML) of the blank, with punch, die and holder made from the part (STL)."
-            ),
-        ] = None,
-        addendum: Annotated[str, typer.Option(help="Width of a level flange to add to the part's outline [mm].")] = "0",
-        output: Annotated[Path | None, typer.Option(help="Output folder; default: the part's name beside it.")] = None,
-        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
-        threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core.")] = 0,
-        plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
-    ) -> None:
-        """Find the flat blank of a finished part: outline, thinning, formability, punch force."""
-        if part.suffix == ".toml":
-            _refuse_options(context)
-        folder = output or part.with_suffix("")
-        model = _load(
-            part, material, thickness,
-            {"holder_force": _plain(bhf), "mu": mu},
-            {
-                "draw_direction": draw_direction, "unit": unit, "symmetry": symmetry or [],
-                "addendum": _plain(addendum),
-                "element_size": None if element_size is None else _plain(element_size),
-            },
-            rolling,
-            lambda error: explain(error, folder),
-        )  # fmt: skip
-        try:
-            if write_case is not None:
-                from presswork.onestep.stamping_case import check_case_path
-
-                check_case_path(write_case, overwrite=overwrite)
-            result = compute(model, folder, overwrite=overwrite, threads=threads, write_case=write_case)
-        except OneStepError as error:
-            _refuse(str(error), _GAVE_UP)
-        except (OutputError, MeshError) as error:
-            _refuse(str(error))
-        if plot:
-            draw(result)
+            check_case_path(write_case, overwrite=overwrite)
+        result = compute(model, folder, overwrite=overwrite, threads=threads, write_case=write_case)
+    except OneStepError as error:
+        raise refuse(str(error), GAVE_UP) from error
+    except (OutputError, MeshError) as error:
+        raise refuse(str(error)) from error
+    if plot:
+        draw(result, None)
 
 
 def _refuse_options(context: typer.Context) -> None:
@@ -113,7 +99,7 @@ def _refuse_options(context: typer.Context) -> None:
         if getattr(context.get_parameter_source(name), "name", "") == "COMMANDLINE"
     ]
     if given:
-        _refuse(f"a case file says all of the part and its process: set these in it: {', '.join(given)}")
+        raise refuse(f"a case file says all of the part and its process: set these in it: {', '.join(given)}")
 
 
 def compute(
@@ -129,7 +115,7 @@ def compute(
 
     Raises OneStepError, MeshError, OutputError.
     """
-    with _console.status("laying the part flat") as status:
+    with console().status("laying the part flat") as status:
         if quiet:
             status.stop()
 
@@ -141,10 +127,10 @@ def compute(
         from presswork.onestep.stamping_case import write_stamping_case
 
         for note in write_stamping_case(write_case, model, outline, folder / BLANK_POINTS):
-            _console.print(f"{write_case}: {note}", style="yellow", markup=False)
+            console().print(f"{write_case}: {note}", style="yellow", markup=False)
     read = Result(folder)
     for warning in read.summary["warnings"]:
-        _console.print(f"warning: {warning}", style="yellow", markup=False)
+        console().print(f"warning: {warning}", style="yellow", markup=False)
     if not quiet:
         width, height = outline.extent
         thinning = result.fields["thickness_strain"]
@@ -170,7 +156,7 @@ def _load(
     process: dict[str, Any],
     file: dict[str, Any],
     rolling: str,
-    explain: Callable[[CaseError], str],
+    folder: Path,
 ) -> OneStepModel:
     """Build the model of a case file, or of a part's file and options."""
     try:
@@ -179,7 +165,7 @@ def _load(
         if material is None or thickness is None:
             given = {"--material": (material, "dc04"), "--thickness": (thickness, "'0.8 mm'")}
             missing = [f"{name} {example}" for name, (value, example) in given.items() if value is None]
-            _refuse(f"of the blank there is missing, for example, {' '.join(missing)}")
+            raise refuse(f"of the blank there is missing, for example, {' '.join(missing)}")
         name = Path(material).stem
         data: dict[str, Any] = {
             "title": part.stem,
@@ -191,7 +177,7 @@ def _load(
         }
         return build_onestep_model(OneStepCase.from_data(data))
     except CaseError as error:
-        _refuse(f"{error}{explain(error)}")
+        raise refuse(f"{error}{picture_undercut(error, folder)}") from error
 
 
 def _plain(text: str) -> float | str:

@@ -1,25 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands `materials` and `material ...`. Exit status: 0, or 2 for bad input."""
+"""The commands `material ...`. Exit status: 0, or 2 for bad input."""
 
 from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import tomli_w
 import typer
-from rich.console import Console
 
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.forming_limit.build import build_curve, mean_r_value
-from presswork.case.library import find_sheet, list_sheets
+from presswork.case.library import find_sheet
 from presswork.case.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
+from presswork.cli.terminal import errors_told
 from presswork.material.fit_plot import draw_curves, draw_fit
 from presswork.material.identify import (
     LAWS,
@@ -34,10 +32,7 @@ from presswork.material.sheet_plot import draw_sheet
 from presswork.material.tensile import TensileTest, read_tensile
 from presswork.umat import CompileError, compile_law
 
-BAD_INPUT = 2
-
-console = Console(stderr=True, highlight=False, soft_wrap=True)
-material_app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=True)
+app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=True, add_completion=False)
 
 Name = Annotated[str, typer.Argument(help="A material of the library, or a material file.", show_default=False)]
 Datum = Annotated[float, typer.Option(show_default=False)]
@@ -45,35 +40,20 @@ Exponent = Annotated[Literal["6", "8"], typer.Option(help="Of Yld2000-2d: 6 for 
 Weight = Annotated[float, typer.Option(help="Of r-values beside stresses in the fit of Yld2000-2d.")]
 
 
-def add_commands(app: typer.Typer) -> None:
-    """Give the commands to the command line."""
-    app.command()(materials)
-    app.add_typer(material_app, name="material")
-
-
-def materials() -> None:
-    """List the sheet materials of the library."""
-    for sheet in list_sheets():
-        typer.echo(f"{sheet.key:22s} {sheet.name}: {sheet.summary}")
-
-
-@material_app.command("compile")
+@app.command("compile")
 def compile_(
     source: Annotated[Path, typer.Argument(help="An Abaqus UMAT, or a law in one C++ file.", show_default=False)],
     output: Annotated[Path | None, typer.Option("--output", "-o", help="The library; default: beside it.")] = None,
 ) -> None:
     """Compile a material law into a shared library, for [materials.NAME] umat = "LIBRARY"."""
-    try:
+    with errors_told(CompileError):
         typer.echo(compile_law(source, output))
-    except CompileError as error:
-        console.print(f"error: {error}", style="red", markup=False)
-        raise typer.Exit(BAD_INPUT) from error
 
 
-@material_app.command()
+@app.command()
 def show(name: Name) -> None:
     """Say what a material is and where its numbers come from."""
-    with _errors_told():
+    with errors_told(CaseError, ImportError, OSError):
         sheet = find_sheet(name)
     typer.echo(f"{sheet.name}: {sheet.summary}" + (f", {sheet.thickness:g} mm" if sheet.thickness else ""))
     for key, value in sheet.material.model_dump(exclude_none=True).items():
@@ -83,18 +63,18 @@ def show(name: Name) -> None:
             typer.echo(f"{title}, {key}: {text}")
 
 
-@material_app.command()
+@app.command()
 def plot(
     name: Name,
     output: Annotated[Path | None, typer.Option(help="The picture; default: the material's name here.")] = None,
 ) -> None:
     """Draw a material: yield locus, yield stress and r-value by direction, flow stress."""
-    with _errors_told():
+    with errors_told(CaseError, ImportError, OSError):
         sheet = find_sheet(name)
         typer.echo(draw_sheet(sheet, output or Path(f"{sheet.key}.png")))
 
 
-@material_app.command()
+@app.command()
 def flc(
     name: Name,
     output: Annotated[Path | None, typer.Option(help="The picture; a CSV of the points lies beside it.")] = None,
@@ -103,7 +83,7 @@ def flc(
     ] = None,
 ) -> None:
     """Find a material's forming limit curve; write its points and draw it."""
-    with _errors_told():
+    with errors_told(CaseError, ImportError, OSError):
         sheet = find_sheet(name)
         curve = build_curve(sheet.material, sheet.thickness if thickness is None else thickness)
         path = output or Path(f"{sheet.key}_flc.png")
@@ -116,7 +96,7 @@ def flc(
         typer.echo(draw_curves({"": curve}, sheet.name, path, r=mean_r_value(sheet.material)))
 
 
-@material_app.command()
+@app.command()
 def fit(
     tensile: Annotated[Path, typer.Argument(help="CSV of tensile tests; the guide says which columns.")],
     young: Annotated[str, typer.Option(help='Young\'s modulus, e.g. "206 GPa".', show_default=False)],
@@ -132,7 +112,7 @@ def fit(
     output: Annotated[Path | None, typer.Option(help="Material file; default: the CSV's name, .toml.")] = None,
 ) -> None:
     """Fit a hardening law and a yield function to tensile tests; write a material file and a picture."""
-    with _errors_told():
+    with errors_told(CaseError, ImportError, OSError):
         tests = read_tensile(tensile)
         modulus = _read_stress("--young", young)
         along = _pick_rolling_direction(tests, tensile)
@@ -157,7 +137,7 @@ def fit(
     typer.echo(f"{path}\n{picture}")
 
 
-@material_app.command()
+@app.command()
 def yld2000(
     data: Annotated[
         Path | None, typer.Argument(help="CSV of angle, stress, r; its line `biaxial` has that test's.")
@@ -168,7 +148,7 @@ def yld2000(
     r_weight: Weight = R_WEIGHT,
 ) -> None:  # fmt: skip
     """Fit Yld2000-2d to yield stresses over one reference and r-values, by all angles of a file or the usual eight."""
-    with _errors_told():
+    with errors_told(CaseError, ImportError, OSError):
         usual = YieldData(np.array([0.0, 45.0, 90.0]), np.array([s00, s45, s90]), np.array([r00, r45, r90]), sb, rb)
         if data is not None and usual.count():
             raise CaseError([Problem("", "data in a file and by options", "give one of them")], "Yld2000-2d")
@@ -255,13 +235,3 @@ def _write_material(
         "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
     }
     path.write_text(tomli_w.dumps(data), encoding="utf-8")
-
-
-@contextmanager
-def _errors_told() -> Iterator[None]:
-    """Have bad input said plainly, with exit status 2."""
-    try:
-        yield
-    except (CaseError, ImportError, OSError) as error:
-        console.print(f"error: {error}", style="red", markup=False)
-        raise typer.Exit(BAD_INPUT) from error

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: a table of commands, each of which is imported when it is called.
+
+`main` is the program `presswork`; `app` is the same as a Typer app, for tests and other programs.
+"""
+
+import sys
+from typing import Any
+
+from presswork import __version__
+
+
+def main() -> None:
+    """Run the command line. `--version` alone is answered without loading typer."""
+    if sys.argv[1:] == ["--version"]:
+        print(f"presswork {__version__}")
+        return
+    from presswork.cli.commands import app
+
+    app()
+
+
+def __getattr__(name: str) -> Any:
+    """Import the Typer app when it is first asked for."""
+    if name == "app":
+        from presswork.cli.commands import app
+
+        return app
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

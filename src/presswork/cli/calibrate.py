@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commands `calibrate ...`. Exit status: 0 all completed; 2 bad input; 130 interrupted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from presswork.case.errors import CaseError, Problem
+from presswork.cli.members import Jobs, Overwrite, Quiet, Resume, Settings, progress_shown
+from presswork.cli.terminal import INTERRUPTED, console, errors_told
+from presswork.results import OutputError
+from presswork.study.calibrate import SYMBOLS, BorePlace, Calibration, FrictionLaw, calibrate_ring
+
+app = typer.Typer(help="Find a parameter from measured tests.", no_args_is_help=True, add_completion=False)
+
+
+@app.callback()
+def _calibrate() -> None:
+    """Find a parameter from measured tests."""
+
+
+@app.command()
+def ring(
+    measured: Annotated[
+        Path,
+        typer.Argument(
+            help="CSV with height_reduction (or height_reduction_percent) and bore_ratio (or bore_diameter_mm).",
+            show_default=False,
+        ),
+    ],
+    case: Annotated[Path, typer.Option(help="The ring compression (TOML).", show_default=False)],
+    law: Annotated[FrictionLaw, typer.Option(help="Constant shear (m) or Coulomb (mu).")] = "shear",
+    values: Annotated[
+        str, typer.Option(metavar="V1,V2,...", help="Friction values of the curves; default: ten of them.")
+    ] = "",
+    bore: Annotated[
+        BorePlace, typer.Option(help="What was measured: mean over the height, or at mid-height.")
+    ] = "mean",
+    set_: Settings = None,
+    output: Annotated[Path | None, typer.Option(help="Folder; default: measured file's name, _calibration.")] = None,
+    jobs: Jobs = 0,
+    resume: Resume = False,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> None:
+    """Fit friction to a measured ring test: the value, its 95 % confidence, and the picture."""
+    folder = output or measured.with_name(f"{measured.stem}_calibration")
+    with errors_told(CaseError, OutputError), progress_shown("calibration curves", quiet) as show:
+        calibration = calibrate_ring(
+            measured,
+            case,
+            folder,
+            law=law,
+            values=_read_values(values),
+            bore=bore,
+            settings=set_ or [],
+            jobs=jobs,
+            resume=resume,
+            overwrite=overwrite,
+            on_progress=show,
+        )
+    if calibration is None:
+        console().print("interrupted: continue with --resume", style="red")
+        raise typer.Exit(INTERRUPTED)
+    _report_fit(calibration)
+
+
+def _read_values(text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",") if part.strip()]
+    except ValueError:
+        raise CaseError([Problem("--values", f"`{text}` are no numbers", "write --values 0,0.1,0.2")]) from None
+
+
+def _report_fit(calibration: Calibration) -> None:
+    fit = calibration.fit
+    symbol = SYMBOLS[calibration.law]
+    text = f"{symbol} = {fit.friction:.4f}"
+    if len(fit.residuals) > 1:
+        low, high = fit.interval
+        text += f", 95 % confidence {low:.4f} to {high:.4f}; scatter of the bore ratio {fit.scatter:.4f}"
+    typer.echo(f"{text}; {len(fit.residuals)} point{'s' * (len(fit.residuals) > 1)}")
+    for warning in fit.warnings:
+        typer.echo(f"warning: {warning}")
+    console().print(f"calibration.png and calibration.json in {calibration.folder}", markup=False)

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `check`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from presswork.case import describe
+from presswork.cli.case_files import load_model
+from presswork.cli.terminal import CaseFile, Settings, refuse
+from presswork.model_onestep import OneStepModel
+from presswork.procedure.begin import check_start
+from presswork.procedure.recording import StartError
+
+
+def check(
+    case: CaseFile,
+    set_: Settings = None,
+    run_user_code: Annotated[
+        bool, typer.Option("--run-user-code", help="Open and try the libraries (umat) that the case names.")
+    ] = False,
+) -> None:
+    """Validate a case and say in words what would be computed; code that it names runs only if asked for."""
+    model = load_model(case, set_, run_user_code=run_user_code)
+    typer.echo(describe(model))
+    if isinstance(model, OneStepModel):
+        return
+    if not run_user_code and any(material.umat for material in model.materials):
+        typer.echo("not opened: the libraries of its materials, whose code would run; --run-user-code tries them")
+        return
+    try:
+        check_start(model)
+    except StartError as error:
+        raise refuse(str(error)) from error

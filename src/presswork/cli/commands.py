@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of commands, and the group that imports a command when it is called."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from presswork import __version__
+
+COMMANDS = {
+    "run": "Compute a case and draw its pictures.",
+    "check": "Validate a case and say in words what would be computed; code that it names runs only if asked for.",
+    "plot": "Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.",
+    "examples": "List the example cases, or copy one here.",
+    "schema": "Print the JSON schema of case files, for editors that complete them.",
+    "sweep": "Run a family of cases in parallel, and leave one table and one picture.",
+    "blank": "Find the blank whose drawn flange has the outline wanted: draw, correct, draw again.",
+    "materials": "List the sheet materials of the library.",
+    "onestep": "Find the flat blank of a finished part: outline, thinning, formability, punch force.",
+    "calibrate": "Find a parameter from measured tests.",
+    "material": "Sheet materials at a point.",
+}
+"""First paragraph of each command's help by its name. A command is the function of that name in the module of that name
+in this package; a group of commands is the Typer `app` of its module."""
+
+
+def load(name: str) -> Any:
+    """Import a command and return it, as typer's own command or group."""
+    module = import_module(f"presswork.cli.{name}")
+    if hasattr(module, "app"):
+        return typer.main.get_command(module.app)
+    alone = typer.Typer(add_completion=False)
+    alone.command(name)(getattr(module, name))
+    return typer.main.get_command(alone)
+
+
+class LazyGroup(TyperGroup):
+    """A group that knows its commands by name and help alone, and loads the one that is called."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = {name: TyperCommand(name, help=text) for name, text in COMMANDS.items()}
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return name, loaded command and remaining arguments; an unknown name ends the program with a suggestion."""
+        name, command, rest = super().resolve_command(ctx, args)
+        return name, command and load(str(name)), rest
+
+
+app = typer.Typer(
+    cls=LazyGroup,
+    help="Simulate metal forming: a short case file in, force, flow, strain and contact stress out.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"presswork {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")
+    ] = False,
+) -> None:
+    """Hold the options that come before a command."""

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `schema`."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from presswork.case import json_schema
+from presswork.case.errors import CaseError
+from presswork.cli.terminal import errors_told
+
+
+def schema(
+    kind: Annotated[
+        str | None,
+        typer.Argument(help="solid, shell, stamping or onestep; none: all kinds of case.", show_default=False),
+    ] = None,
+) -> None:
+    """Print the JSON schema of case files, for editors that complete them."""
+    with errors_told(CaseError):
+        typer.echo(json.dumps(json_schema(kind), indent=2))
