@@ -21,7 +21,7 @@ import numpy as np
 from explicit_shells import SWIFT, stretched_sheet
 
 from presswork import _core
-from presswork.procedure.explicit import ExplicitShells, ShellOptions
+from presswork.explicit.shells import ExplicitShells, ShellOptions
 
 MU, THICKNESS, PRESSURE, RATE = 0.1, 0.8, 2.0, 20.0
 COLUMNS = {"planes": (False, False), "20,000 triangles": (True, False), "triangles, grooves": (True, True)}

@@ -15,7 +15,7 @@ from __future__ import annotations
 from explicit_shells import SWIFT, time_cycle
 from machine import measure_machine, run_program
 
-from presswork.procedure.explicit import ShellOptions
+from presswork.explicit.shells import ShellOptions
 
 STATE = 8 * (16 + 5 * 4)
 """Bytes of a shell's state: 16 values of its own and 4 at each of five points."""

@@ -20,7 +20,7 @@ import time
 import numpy as np
 
 from presswork import _core
-from presswork.procedure.explicit import ExplicitShells, Precision, ShellOptions
+from presswork.explicit.shells import ExplicitShells, Precision, ShellOptions
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])

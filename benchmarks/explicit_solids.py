@@ -13,10 +13,10 @@ import time
 import numpy as np
 
 from presswork import _core
+from presswork.explicit.solid_material import SolidMaterial
+from presswork.explicit.solids import ExplicitSolids
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import Hardening, Heating, Rate
-from presswork.procedure.explicit_solids import ExplicitSolids
-from presswork.procedure.solid_material import SolidMaterial
 
 SWIFT = SolidMaterial(
     young=206.9e3, poisson=0.3, density=7.83e-9, hardening=Hardening("swift", np.array([565.0, 0.007, 0.26]))

@@ -10,7 +10,7 @@ import argparse
 import importlib.resources
 
 from presswork.case import Case, build_model
-from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
+from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 
 TANGENTS = {"return_mapping": (20, 6), "bond": (60, 20), "residual": (60, 20)}
 """Tangent: iterations an increment may take, and below which increments grow."""

@@ -59,8 +59,8 @@ def run_row(element: str, freedoms: int, threads: int, reduction: float) -> dict
     import importlib.resources
 
     from presswork.case import Case, build_model
-    from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
-    from presswork.procedure.linear_solver import Pardiso
+    from presswork.implicit.linear_solver import Pardiso
+    from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 
     n = max(1, round(math.sqrt(freedoms / ELEMENTS[element][0])))
     case = importlib.resources.files("presswork.examples") / "upsetting_4cst.toml"

@@ -58,7 +58,7 @@ def list_examples() -> list[Traversable]:
 def run_case(name: str, overrides: list[str], threads: int) -> dict[str, object]:
     """Compute an example without output and return its counts."""
     from presswork.case import Case, build_model
-    from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
+    from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 
     with as_file(files("presswork.examples") / f"{name}.toml") as path:
         model = build_model(Case.from_toml(path, overrides=overrides))

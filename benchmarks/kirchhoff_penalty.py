@@ -23,8 +23,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
 from problems import elastic, linear_hardening
 from shell_problems import CLAMPED, X, Y, patch, shell_model, symmetry
 
+from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 from presswork.model import ElementName, Material, Model, ShellElement
-from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
 
 ELEMENTS: tuple[ElementName, ...] = get_args(ShellElement)
 PENALTIES = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)

@@ -15,7 +15,7 @@ import time
 import numpy as np
 
 from presswork import _core
-from presswork.case.yield_function import Barlat1989, Hill1948
+from presswork.case.material.yield_function import Barlat1989, Hill1948
 
 N = 40_000
 YOUNG, POISSON = 70e3, 0.33

@@ -23,8 +23,8 @@ from machine import run_program
 from shell_problems import CLAMPED, X, Y, patch, shell_model, symmetry
 
 from presswork import _core
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Hardening, Material, Model
-from presswork.procedure.implicit import ImplicitProcedure
 
 REPEATS = 5
 

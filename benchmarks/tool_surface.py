@@ -14,7 +14,7 @@ import time
 import numpy as np
 
 from presswork import _core
-from presswork.mesh.swept_tool import draw_die, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_punch
 
 
 def time_calls(surface: _core.ToolSurface, points: np.ndarray, reach: float, *, warm: bool = True) -> float:

@@ -129,7 +129,7 @@ def run_presswork(element: str, cells: tuple[int, int], folding: bool, limit: fl
 def run_held(element: str, cells: tuple[int, int], folding: bool) -> Run:
     """Run presswork with the end face's nodes held on the punch for good, as CalculiX's deck does."""
     from presswork.case import Case, build_model
-    from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
+    from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 
     overrides = [*case_overrides(element, cells), 'boundary.face={set="top",fix=["x"]}']
     overrides += ['stages.0.displacement=[{set="top",component="y",value=-9.0}]']

@@ -14,8 +14,8 @@ from importlib.resources import files
 from typing import Any
 
 from presswork.case import Case, build_model
-from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
-from presswork.procedure.newton import Converged
+from presswork.implicit.newton import Converged
+from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 
 TANGENTS = {
     "residual": "friction in the residual only",

@@ -12,8 +12,9 @@ import time
 
 import numpy as np
 
+from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.shells import mesh_shell_rectangle
-from presswork.mesh.swept_tool import draw_die, draw_holder, draw_punch
 from presswork.model import (
     Hardening,
     Material,
@@ -25,7 +26,6 @@ from presswork.model import (
     Stage,
     Support,
 )
-from presswork.procedure.implicit import ImplicitProcedure
 
 THICKNESS, SIDE, HOLDER_GAP, FRICTION = 0.8, 100.0, 0.1, 0.1
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from presswork.umat import compile_law
+from presswork.law.umat import compile_law
 
 SOURCES = Path(__file__).parent / "data" / "umat"
 

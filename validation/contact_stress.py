@@ -15,10 +15,10 @@ from importlib.resources import files
 import numpy as np
 
 from presswork.case import Case, build_model
+from presswork.fields.contact_stress import ContactSurface
+from presswork.fields.tool_stress import recover_tool_stress
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Model
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.results.contact_stress import ContactSurface
-from presswork.results.tool_stress import recover_tool_stress
 
 SHOWN = {"upsetting_4cst": "4CST", "upsetting_q4": "Q4", "upsetting_q8_2x2": "Q8 2x2", "upsetting_t6_6pt": "T6"}
 FORGINGS = (

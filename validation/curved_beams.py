@@ -16,8 +16,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
 from sliding_arches import beams, slide
 
+from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS
 from presswork.model import FloatArray, SolverSettings
-from presswork.procedure.implicit import CUTBACKS, INCREMENTS, ITERATIONS
 
 FRICTION = (0.0, 0.3, 0.6)
 DATA = Path(__file__).parents[1] / "tests" / "data" / "curved_beams_neto.csv"

@@ -21,12 +21,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from presswork.case import StampingCase, build_model
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import PrescribedDisplacement
 from presswork.model_stamping import StampingModel
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.springback import make_springback_model
-from presswork.procedure.stamping import ExplicitStamping
-from presswork.procedure.transfer import begin_with, carry_to_explicit
+from presswork.process.springback import make_springback_model
+from presswork.process.stamping import ExplicitStamping
+from presswork.process.transfer import begin_with, carry_to_explicit
 from presswork.recorder import run_model
 
 LENGTH, THICKNESS, EDGE, STROKE, MU, HOLDER = 350.0, 0.78, 5.0, 70.0, 0.144, 70.0

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from presswork.case import StampingCase, build_model
-from presswork.case.library import find_sheet
+from presswork.case.material.library import find_sheet
 from presswork.material.predict import predict_tension
 from presswork.recorder import run_model
 

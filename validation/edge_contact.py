@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.case import StampingCase, build_model
-from presswork.procedure.stamping import ExplicitStamping
+from presswork.process.stamping import ExplicitStamping
 
 
 @dataclass(frozen=True)

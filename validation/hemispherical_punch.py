@@ -18,7 +18,7 @@ from punch_stretching import EXAMPLE, Profile, stretch, stretch_solids
 
 from presswork.case import StampingCase, build_model
 from presswork.model_stamping import StampingModel
-from presswork.procedure.stamping import ExplicitStamping
+from presswork.process.stamping import ExplicitStamping
 
 FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.005")
 ZONES = ((0.0, 5.0), (5.0, 20.0), (20.0, 35.0), (35.0, 50.0), (50.0, 60.0))

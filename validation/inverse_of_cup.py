@@ -18,7 +18,7 @@ import numpy as np
 import square_cup
 
 from presswork import Result
-from presswork.case.onestep import LAYERS
+from presswork.case.onestep.schema import LAYERS
 from presswork.mesh.triangles import find_rims
 from presswork.model import Hardening, Material
 from presswork.model_onestep import OneStepModel

@@ -17,8 +17,8 @@ import numpy as np
 
 from presswork import Case
 from presswork.case import build_model
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Model
-from presswork.procedure.implicit import ImplicitProcedure
 
 RADIUS, HALF, PULL, THINNER = 6.413, 26.667, 7.0, 0.018
 ELEMENTS = ("tri3", "tri6_6pt", "tri6_7pt", "quad4_fbar", "quad4_1pt", "quad8_2x2", "quad9_2x2")

@@ -21,11 +21,11 @@ import numpy as np
 
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
+from presswork.implicit.stepping import CUTBACKS, FRACTION, INCREMENTS, ITERATIONS, STAGE, ImplicitProcedure
 from presswork.mesh.shells import mesh_shell_rectangle
 from presswork.model import Model, ShellElement
-from presswork.procedure.implicit import CUTBACKS, FRACTION, INCREMENTS, ITERATIONS, STAGE, ImplicitProcedure
-from presswork.procedure.implicit_stamping import make_shell_model
-from presswork.procedure.recording import GaveUpError
+from presswork.outcome import GaveUpError
+from presswork.process.implicit_stamping import make_shell_model
 
 DEPTH = 27.0
 SIDE = 50.0

@@ -19,7 +19,7 @@ from presswork import Result
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
 from presswork.post.section import cut_sheet, measure_draw_in
-from presswork.procedure.stamping import ExplicitStamping
+from presswork.process.stamping import ExplicitStamping
 from presswork.recorder import run_model
 from presswork.results import load_checkpoint
 

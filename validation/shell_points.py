@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
 
 from bent_strip import FIRST_YIELD, MODULUS, THICKNESS, YIELD, YOUNG, moment_of
 
+from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import Section
-from presswork.procedure.thickness_rule import thickness_rule
 
 NUMBERS = (2, 3, 4, 5, 7, 9, 11, 15, 21, 31, 51)
 CURVATURES = np.geomspace(1.0, 20.0, 2001) * FIRST_YIELD

@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
 from off_axis import GIVEN, POISSON, YOUNG, run_turned, sheet
 from shell_problems import RX, RY, RZ, X, Y, Z, fixing, patch, shell_model
 
-from presswork.case.yield_function import r_value
+from presswork.case.material.yield_function import r_value
 from presswork.model import Mesh
 
 pytestmark = pytest.mark.validation

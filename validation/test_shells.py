@@ -15,7 +15,7 @@ from problems import elastic
 from shell_problems import CLAMPED, RX, X, Y, Z, fixing, patch, shell_model, symmetry
 from test_shell_large_rotation import TABLES, cylinder, deviation, follow, lines
 
-from presswork.procedure.arc_length import ArcLengthProcedure
+from presswork.implicit.arc_length import ArcLengthProcedure
 
 pytestmark = pytest.mark.validation
 

@@ -16,7 +16,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork.case import Case, build_model
-from presswork.procedure.implicit import GaveUpError, ImplicitProcedure
+from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 
 REDUCTIONS = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
 ELEMENTS = ("tri3", "tri6_6pt", "tri6_7pt", "quad4_fbar", "quad4_1pt", "quad8_2x2", "quad9_2x2")

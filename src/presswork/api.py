@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from presswork.case import build_model
-from presswork.case.onestep import OneStepCase, build_onestep_model
+from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.recorder import Outcome, StartError, fingerprint, run_model
 from presswork.results import OutputError
 

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from presswork.mesh.swept_tool import SweptTool
+from presswork.geometry.swept_tool import SweptTool
 from presswork.mesh.tool_file import TriangulatedTool
 from presswork.model import (
     ExplicitElement,

@@ -18,9 +18,10 @@ import numpy as np
 
 from presswork import __version__, stop
 from presswork.model_stamping import AnyModel, StampingModel
-from presswork.procedure.begin import begin
-from presswork.procedure.recording import GaveUpError, Recording, Report, StartError
-from presswork.procedure.watch import Watch
+from presswork.outcome import GaveUpError, StartError
+from presswork.process.begin import begin
+from presswork.process.recording import Recording, Report
+from presswork.process.watch import Watch
 from presswork.results import (
     History,
     OutputError,

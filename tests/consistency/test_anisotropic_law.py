@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.case.yield_function import Barlat1989, Hill1948
+from presswork.case.material.yield_function import Barlat1989, Hill1948
 
 SETS = json.loads((Path(__file__).parents[1] / "data" / "yld2000.json").read_text())
 YOUNG, POISSON = 70e3, 0.33

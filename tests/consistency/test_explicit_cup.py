@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.mesh.swept_tool import draw_die, draw_punch
-from presswork.procedure.explicit import ExplicitShells
-from presswork.procedure.motion import SmoothStroke
+from presswork.explicit.motion import SmoothStroke
+from presswork.explicit.shells import ExplicitShells
+from presswork.geometry.swept_tool import draw_die, draw_punch
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])

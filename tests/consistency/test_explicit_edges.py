@@ -8,7 +8,7 @@ import pytest
 from test_explicit_shells import SWIFT, results
 
 from presswork import _core
-from presswork.procedure.explicit import ExplicitShells
+from presswork.explicit.shells import ExplicitShells
 
 THICKNESS, SIDE = 0.8, 48.0
 

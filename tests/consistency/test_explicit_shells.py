@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.procedure.explicit import ExplicitError, ExplicitShells, ShellOptions
-from presswork.procedure.explicit_energy import EnergyBalance
-from presswork.procedure.explicit_options import layer_rule
+from presswork.explicit.energy import EnergyBalance
+from presswork.explicit.options import layer_rule
+from presswork.explicit.shells import ExplicitError, ExplicitShells, ShellOptions
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from presswork import _core
+from presswork.explicit.solid_material import SolidMaterial
+from presswork.explicit.solids import ExplicitSolids
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import CellBlock, Hardening, Heating, Mesh, Rate
-from presswork.procedure.explicit_solids import ExplicitSolids
-from presswork.procedure.solid_material import SolidMaterial
 
 STEEL = SolidMaterial(
     young=206.9e3,

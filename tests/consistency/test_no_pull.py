@@ -14,11 +14,11 @@ import pytest
 from presswork import Case, build_model
 from presswork.case import StampingCase
 from presswork.case import build_model as build_any_model
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.body_contact import RELEASE as RELEASE_OF_SLOTS
+from presswork.interaction.tool_contact import RELEASE
 from presswork.model import FloatArray
-from presswork.procedure.body_contact import RELEASE as RELEASE_OF_SLOTS
-from presswork.procedure.contact import RELEASE
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.implicit_stamping import make_shell_model
+from presswork.process.implicit_stamping import make_shell_model
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "regression"))
 from test_implicit_stamping import CUP

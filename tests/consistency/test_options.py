@@ -4,9 +4,9 @@
 import pytest
 
 from presswork import Case, build_model
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import SolverSettings, TangentTerms
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.recording import GaveUpError
+from presswork.outcome import GaveUpError
 
 THESIS = {"tangent": "thesis", "max_iterations": 60}
 CHANGES = {
@@ -35,7 +35,7 @@ CHANGES = {
     "hourglass_stiffness": ({}, {"hourglass_stiffness": 0.5}),
 }
 ELSEWHERE = {
-    "pressure_stiffness": "tests/unit/procedure/test_loads.py",
+    "pressure_stiffness": "tests/unit/interaction/test_loads.py",
     "control": "tests/verification/test_shell_snap_through.py",
     "contact_stiffness": "tests/verification/test_hemispherical_punch.py",
     "inertia": "tests/regression/test_implicit_inertia.py, test_solid_inertia.py and test_shell_inertia.py",

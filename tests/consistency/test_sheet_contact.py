@@ -4,9 +4,9 @@
 import numpy as np
 import pytest
 
-from presswork.mesh.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
+from presswork.interaction.sheet_contact import ROUNDING, SheetNodes, touch_tool
 from presswork.model import SheetTool
-from presswork.procedure.sheet_contact import ROUNDING, SheetNodes, touch_tool
 
 THICKNESS = 0.8
 STIFFNESS = 2.1e3

@@ -17,15 +17,15 @@ from typer.testing import CliRunner
 
 from presswork.case import CaseError, build_model, read_case
 from presswork.case.describe import describe
-from presswork.case.forming_limit.build import build_formability
-from presswork.case.library import read_sheet
-from presswork.case.onestep import OneStepCase, build_onestep_model
+from presswork.case.material.forming_limit.build import build_formability
+from presswork.case.material.library import read_sheet
+from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.cli import app
 from presswork.examples import copy_example
 from presswork.mesh.structured import mesh_rectangle
 from presswork.onestep.part import OneStepError
-from presswork.procedure.begin import check_start
-from presswork.procedure.recording import StartError
+from presswork.outcome import StartError
+from presswork.process.begin import check_start
 from presswork.recorder import run_model
 from presswork.results import OutputError, Result
 from presswork.study.measured import read_measured

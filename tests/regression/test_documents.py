@@ -8,7 +8,7 @@ import pytest
 
 from presswork import Case, run
 from presswork.examples import copy_example
-from presswork.procedure.supports import NotHeldError
+from presswork.interaction.supports import NotHeldError
 
 ROOT = Path(__file__).parents[2]
 

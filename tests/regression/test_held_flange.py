@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe
-from presswork.procedure.held_flange import warn_of_holders
+from presswork.process.held_flange import warn_of_holders
 from presswork.recorder import StartError, run_model
 
 AREA = np.pi * (33.0**2 - 19.2**2)

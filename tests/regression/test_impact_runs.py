@@ -15,9 +15,9 @@ from whole_runs import assert_same_bits, run_to_end, stop_after, stop_within_a_r
 
 from presswork.case import Case, CaseError, build_model
 from presswork.examples import copy_example
+from presswork.explicit.solids import ExplicitSolids
 from presswork.model import Model
-from presswork.procedure.begin import check_start
-from presswork.procedure.explicit_solids import ExplicitSolids
+from presswork.process.begin import check_start
 from presswork.recorder import StartError, run_model
 from presswork.results import OutputError, Result
 from presswork.view import plot_all
@@ -77,7 +77,7 @@ def test_impulse_of_the_anvil_is_the_change_of_momentum(bounced: Result) -> None
 
 def test_the_case_gives_the_bits_of_the_arrays(taylor_bar: dict[str, Any], bounced: Result) -> None:
     """A run from Python to the same times ends with the same positions."""
-    from presswork.procedure.impact import ExplicitImpact
+    from presswork.process.impact import ExplicitImpact
 
     model = build(taylor_bar)
     start = ExplicitImpact(model, threads=1).solids

@@ -14,10 +14,10 @@ from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
-from presswork.case.describe_stamping import describe_stamping
-from presswork.mesh.swept_tool import draw_die, draw_punch
+from presswork.case.describe.stamping import describe_stamping
+from presswork.geometry.swept_tool import draw_die, draw_punch
 from presswork.post.section import cut_sheet, measure_draw_in
-from presswork.procedure.stamping import ExplicitStamping
+from presswork.process.stamping import ExplicitStamping
 from presswork.recorder import run_model
 from presswork.view.shell_plot import plot_shell
 

@@ -17,9 +17,9 @@ from whole_runs import assert_same_bits, stop_after
 
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
-from presswork.procedure.implicit import IncrementReport
-from presswork.procedure.implicit_recording import ImplicitRecording
-from presswork.procedure.recording import Row
+from presswork.implicit.stepping import IncrementReport
+from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.recording import Row
 from presswork.results import load_checkpoint
 
 SMALL = ["workpiece.mesh.cells=[6,6]", "output.checkpoint_every=3"]

@@ -14,10 +14,10 @@ from whole_runs import assert_same_bits, run_to_end, stop_after
 from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.case.errors import CaseError
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import PrescribedDisplacement
 from presswork.model_stamping import StampingModel
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.springback import hold_rigidly, make_springback_model
+from presswork.process.springback import hold_rigidly, make_springback_model
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
 from presswork.view.style import is_let_go

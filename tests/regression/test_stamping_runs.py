@@ -13,7 +13,7 @@ from whole_runs import assert_same_bits, stop_after, stop_within_a_row
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
-from presswork.procedure.explicit import ExplicitShells
+from presswork.explicit.shells import ExplicitShells
 from presswork.recorder import run_model
 from presswork.results import OutputError
 from presswork.view.all_plots import plot_all

@@ -14,7 +14,7 @@ from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model, read_case
 from presswork.examples import copy_example
 from presswork.post.section import cut_sheet, cut_tool, measure_draw_in
-from presswork.procedure.begin import check_start
+from presswork.process.begin import check_start
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
 from presswork.view.shell_plot import plot_shell

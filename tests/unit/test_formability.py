@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model
-from presswork.case.forming_limit.curves import curve_from_points
+from presswork.case.material.forming_limit.curves import curve_from_points
+from presswork.fields.formability_fields import formability_fields, judge_fields
 from presswork.formability import (
     ZONES,
     Formability,
@@ -16,7 +17,6 @@ from presswork.formability import (
     find_wrinkling,
     find_zones,
 )
-from presswork.results.formability import formability_fields, judge_fields
 
 CURVE = curve_from_points([(-0.2, 0.5), (0.0, 0.3), (0.3, 0.4)])
 MAJOR = np.array([0.2, 0.28, 0.36, 0.01, 0.2, 0.1])

@@ -15,13 +15,13 @@ from typer.testing import CliRunner
 
 from presswork import memory
 from presswork.case import Case, CaseError, ShellCase, build_model
-from presswork.case.stamping import StampingCase
+from presswork.case.stamping.schema import StampingCase
 from presswork.cli import app
+from presswork.implicit import linear_solver
 from presswork.memory import available_memory, estimate_memory
 from presswork.model import FloatArray
-from presswork.procedure import linear_solver
-from presswork.procedure.begin import check_start
-from presswork.procedure.recording import StartError
+from presswork.outcome import StartError
+from presswork.process.begin import check_start
 from presswork.recorder import run_model
 
 CASES = {

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
-from presswork.procedure.explicit import ExplicitShells, ShellOptions
+from presswork.explicit.shells import ExplicitShells, ShellOptions
 
 Array = npt.NDArray[np.float64]
 YOUNG, POISSON, DENSITY = 207e3, 0.3, 7.85e-9

@@ -15,6 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from problems import N_CORNERS, elastic, fixed_increments, run
 
+from presswork.fields.contact_stress import ContactSurface
+from presswork.fields.tool_stress import recover_tool_stress
 from presswork.mesh import mesh_rectangle
 from presswork.model import (
     Analysis,
@@ -28,8 +30,6 @@ from presswork.model import (
     Tool,
     ToolMotion,
 )
-from presswork.results.contact_stress import ContactSurface
-from presswork.results.tool_stress import recover_tool_stress
 
 RADIUS, YOUNG, POISSON = 10.0, 200e3, 0.3
 MODULUS = YOUNG / (1 - POISSON**2)

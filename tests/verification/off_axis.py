@@ -8,9 +8,9 @@ import json
 import numpy as np
 from problems import DATA, linear_hardening
 
-from presswork.case.yield_function import Barlat1989, Hill1948, Yld2000
+from presswork.case.material.yield_function import Barlat1989, Hill1948, Yld2000
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Material, Model, YieldFunction
-from presswork.procedure.implicit import ImplicitProcedure
 
 SETS = json.loads((DATA / "yld2000.json").read_text())
 YOUNG, POISSON, YIELD, MODULUS = 2e5, 0.3, 200.0, 1000.0

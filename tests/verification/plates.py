@@ -10,9 +10,9 @@ import numpy as np
 from problems import linear_hardening
 from shell_problems import RX, RY, X, Y, Z, fixing, patch, shell_model, symmetry
 
+from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import CellBlock, ElementName, FloatArray, Material, Mesh, Section
-from presswork.procedure.arc_length import ArcLengthProcedure
 
 YOUNG, YIELD, THICKNESS, SIZE = 2e9, 200.0, 1.0, 50.0
 """SIZE: radius, or half the side."""

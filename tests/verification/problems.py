@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.mesh import mesh_rectangle
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import (
@@ -26,7 +27,6 @@ from presswork.model import (
     Stage,
     Support,
 )
-from presswork.procedure.implicit import ImplicitProcedure, IncrementReport
 
 DATA = Path(__file__).parents[1] / "data"
 

@@ -16,12 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork.case import StampingCase, build_model
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import mesh_rectangle
 from presswork.model import Hardening, Material, Model, OutputSettings, SolverSettings, Stage, Support, Tool, ToolMotion
 from presswork.model_stamping import StampingModel
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.implicit_stamping import ImplicitStamping
-from presswork.procedure.stamping import ExplicitStamping
+from presswork.process.implicit_stamping import ImplicitStamping
+from presswork.process.stamping import ExplicitStamping
 
 Array = npt.NDArray[np.float64]
 EXAMPLE = files("presswork.examples") / "hemispherical_punch.toml"

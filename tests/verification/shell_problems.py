@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import mesh_rectangle
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import (
@@ -29,7 +30,6 @@ from presswork.model import (
     Stage,
     Support,
 )
-from presswork.procedure.implicit import ImplicitProcedure
 
 X, Y, Z, RX, RY, RZ = range(6)
 FLAT = {"3": "tri3", "6": "tri6_6pt", "4": "quad4", "8": "quad8", "9": "quad9"}

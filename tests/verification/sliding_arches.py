@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 from problems import linear_hardening, make_model
 
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import mesh_rectangle
 from presswork.mesh.joined import join_meshes
 from presswork.model import (
@@ -29,7 +30,6 @@ from presswork.model import (
     Stage,
     Support,
 )
-from presswork.procedure.implicit import ImplicitProcedure
 from presswork.state import State
 
 LOWER, UPPER, WALL, HEIGHT, WAY = 12.0, 10.0, 2.0, 17.0, 31.5

@@ -3,10 +3,10 @@
 
 import numpy as np
 
+from presswork.explicit.solid_material import SolidMaterial
+from presswork.explicit.solids import ExplicitSolids
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import Hardening, Heating, Mesh, Rate
-from presswork.procedure.explicit_solids import ExplicitSolids
-from presswork.procedure.solid_material import SolidMaterial
 
 YOUNG, POISSON, DENSITY = 210e3, 0.3, 7.85e-9
 FLOOR = ((-1.0, 0.0, 1e3, 0.0, 0.0, 0.0, 0.0),)

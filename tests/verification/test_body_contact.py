@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from problems import block_mesh, distort, elastic, fixed_increments, linear_hardening, make_model, run
 
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import grade_line, mesh_rectangle
 from presswork.mesh.joined import join_meshes
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges
@@ -26,7 +27,6 @@ from presswork.model import (
     Support,
     Tool,
 )
-from presswork.procedure.implicit import ImplicitProcedure
 from presswork.state import State
 
 PRESSURE = 300.0

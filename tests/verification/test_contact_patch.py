@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from problems import ELEMENTS, block_mesh, distort, elastic, fixed_increments, run
 
+from presswork.fields.solid_fields import point_fields
 from presswork.model import Analysis, ElementName, Mesh, Model, OutputSettings, Stage, Support, Tool, ToolMotion
-from presswork.results.fields import point_fields
 
 YOUNG, POISSON = 200e3, 0.3
 WIDTH, HEIGHT, STROKE = 8.0, 6.0, 0.3

@@ -6,10 +6,10 @@ import pytest
 from explicit_problems import DENSITY, elastic_options, grid, mises
 
 from presswork import _core
-from presswork.mesh.swept_tool import SweptTool, draw_hemispherical_punch
-from presswork.procedure.explicit import ExplicitShells
-from presswork.procedure.explicit_tools import RigidTool
-from presswork.procedure.motion import SmoothStroke
+from presswork.explicit.motion import SmoothStroke
+from presswork.explicit.shells import ExplicitShells
+from presswork.explicit.tools import RigidTool
+from presswork.geometry.swept_tool import SweptTool, draw_hemispherical_punch
 
 THICKNESS = 0.8
 SWIFT = mises("swift", (565.0, 0.007, 0.26))

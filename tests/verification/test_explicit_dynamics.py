@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from explicit_problems import DENSITY, POISSON, YOUNG, elastic_options, grid, mises, triangles
 
-from presswork.procedure.explicit import ExplicitShells, Precision, ShellOptions
+from presswork.explicit.shells import ExplicitShells, Precision, ShellOptions
 
 PRECISIONS: tuple[Precision, ...] = ("double", "single")
 MITC = {"element": "shell4_mitc_plus"}

@@ -21,8 +21,8 @@ from test_explicit_dynamics import vibrate
 from test_explicit_patch import FIELDS, T, count_zero, rigid_motions
 
 from presswork import _core
+from presswork.explicit.shells import ExplicitShells
 from presswork.mesh.split import SplitMesh
-from presswork.procedure.explicit import ExplicitShells
 
 
 def refined(n: int, *, every: int = 0, seed: int = 0, levels: int = 2) -> tuple[Array, SplitMesh]:

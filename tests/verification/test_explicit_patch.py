@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from explicit_problems import DENSITY, elastic_options, grid, mises, solve_static, stiffness, triangles
 
-from presswork.procedure.explicit import ExplicitShells
+from presswork.explicit.shells import ExplicitShells
 
 T = 0.7
 FIELDS = {

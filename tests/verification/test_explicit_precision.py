@@ -4,7 +4,7 @@
 import numpy as np
 from explicit_problems import DENSITY, Array, grid, mises
 
-from presswork.procedure.explicit import ExplicitShells, Precision
+from presswork.explicit.shells import ExplicitShells, Precision
 
 
 def draw(

@@ -16,9 +16,9 @@ from solid_problems import (
 )
 
 from presswork import _core
+from presswork.explicit.solid_material import SolidMaterial
+from presswork.explicit.solids import ExplicitSolids
 from presswork.model import CellBlock, Hardening, Mesh
-from presswork.procedure.explicit_solids import ExplicitSolids
-from presswork.procedure.solid_material import SolidMaterial
 
 ELEMENTS = ("quad4_1pt", "tri3")
 PLANE_WAVE = np.sqrt(YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / DENSITY)

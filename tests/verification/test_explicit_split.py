@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from explicit_problems import DENSITY, grid, mises
 
+from presswork.explicit.shells import ExplicitShells
 from presswork.mesh.split import SplitMesh
 from presswork.model import SheetBead
-from presswork.procedure.explicit import ExplicitShells
 
 SWIFT = mises("swift", (565.0, 0.007, 0.26))
 

@@ -6,7 +6,7 @@ import pytest
 from explicit_problems import DENSITY, elastic_options, grid, mises
 
 from presswork import _core
-from presswork.procedure.explicit import ExplicitError, ExplicitShells
+from presswork.explicit.shells import ExplicitError, ExplicitShells
 
 FACE = _core.ToolSurface.triangles(
     50.0 * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=float),

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from presswork import Case, CaseError, build_model
-from presswork.procedure.implicit import ImplicitProcedure, NotHeldError
-from presswork.procedure.recording import GaveUpError
-from presswork.procedure.tool_quantities import measure_tools
+from presswork.implicit.stepping import ImplicitProcedure, NotHeldError
+from presswork.outcome import GaveUpError
+from presswork.process.tool_quantities import measure_tools
 
 WIDTH, HEIGHT, DEPTH = 10.0, 6.0, 2.0
 YOUNG, POISSON, YIELD = 200e3, 0.3, 700.0

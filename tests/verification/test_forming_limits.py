@@ -12,10 +12,10 @@ from scipy.optimize import brentq
 from sheet_paths import VON_MISES
 
 from presswork import _core
-from presswork.case.forming_limit.curves import keeler_curve, swift_hill_curve
-from presswork.case.forming_limit.marciniak import marciniak_kuczynski_curve
-from presswork.case.forming_limit.proportional import find_stress, turn_stress
-from presswork.case.yield_function import Barlat1989, Hill1948
+from presswork.case.material.forming_limit.curves import keeler_curve, swift_hill_curve
+from presswork.case.material.forming_limit.marciniak import marciniak_kuczynski_curve
+from presswork.case.material.forming_limit.proportional import find_stress, turn_stress
+from presswork.case.material.yield_function import Barlat1989, Hill1948
 from presswork.material.stress_limit import find_stress_limit
 
 TABLE = np.loadtxt(DATA / "mk_flc_mises.csv", delimiter=",", skiprows=2)

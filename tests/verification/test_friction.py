@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import Case, build_model
-from presswork.procedure.implicit import ImplicitProcedure
+from presswork.implicit.stepping import ImplicitProcedure
 
 YIELD = 700.0
 SIDE, DEPTH = 10.0, 2.0

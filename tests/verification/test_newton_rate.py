@@ -16,7 +16,7 @@ import pytest
 from problems import ELEMENTS
 
 from presswork.case import Case, build_model
-from presswork.procedure.implicit import ImplicitProcedure
+from presswork.implicit.stepping import ImplicitProcedure
 
 EXAMPLE = files("presswork.examples") / "upsetting_4cst.toml"
 FLOOR = 1e-11

@@ -10,7 +10,7 @@ import pytest
 from off_axis import GIVEN, MODULUS, POISSON, YIELD, YOUNG, run_turned, sheet
 from shell_problems import RX, RY, RZ, X, Y, Z, fixing, patch, shell_model
 
-from presswork.case.yield_function import r_value, tension
+from presswork.case.material.yield_function import r_value, tension
 
 LENGTH, WIDTH, P = 4.0, 2.0, 1e-3
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from presswork import Case, ShellCase, build_model, run
-from presswork.procedure.explicit import ExplicitShells
-from presswork.procedure.impact import ExplicitImpact
-from presswork.procedure.implicit_recording import ImplicitRecording
+from presswork.explicit.shells import ExplicitShells
+from presswork.process.impact import ExplicitImpact
+from presswork.process.implicit_recording import ImplicitRecording
 from presswork.results import Result
 from presswork.view.history_plot import stress_strain
 

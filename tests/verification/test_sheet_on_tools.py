@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from shell_problems import CLAMPED, RX, RZ, X, Y, fixing, patch, symmetry
 
-from presswork.mesh.swept_tool import draw_hemispherical_punch, draw_punch
+from presswork.geometry.swept_tool import draw_hemispherical_punch, draw_punch
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.supports import NotHeldError
 from presswork.model import (
     EdgeForce,
     Hardening,
@@ -19,8 +21,6 @@ from presswork.model import (
     Stage,
     Support,
 )
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.supports import NotHeldError
 
 YOUNG = 210000.0
 

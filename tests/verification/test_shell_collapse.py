@@ -13,8 +13,8 @@ from problems import linear_hardening
 from scipy.integrate import solve_ivp
 from shell_problems import X, Y, Z, fixing, patch, shell_model, symmetry
 
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Material
-from presswork.procedure.implicit import ImplicitProcedure
 
 ROOF = Path(__file__).parents[1] / "data" / "roof_elastic_plastic.csv"
 

@@ -14,8 +14,8 @@ import pytest
 from problems import DATA, elastic
 from shell_problems import CLAMPED, X, Y, Z, fixing, patch, shell_model, symmetry
 
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Mesh, Model
-from presswork.procedure.implicit import ImplicitProcedure
 
 TABLES = json.loads((DATA / "shell_nonlinear.json").read_text())
 

@@ -25,8 +25,8 @@ from scipy.integrate import solve_ivp
 from shell_problems import RX, RY, RZ, X, Y, Z, fixing, patch, run, shell_model
 
 from presswork import case
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import EdgeForce, Mesh, PrescribedDisplacement, Rate, Stage
-from presswork.procedure.implicit import ImplicitProcedure
 
 
 def test_moment_of_an_elastic_plastic_strip() -> None:

@@ -12,10 +12,10 @@ from problems import elastic
 from shell_problems import X, Y, Z, fixing, patch, shell_model, symmetry
 from test_shell_large_rotation import TABLES, lines
 
+from presswork.implicit.arc_length import ArcLengthProcedure
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import ElementName, Model
-from presswork.procedure.arc_length import ArcLengthProcedure
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.recording import GaveUpError
+from presswork.outcome import GaveUpError
 
 
 def hinged_roof(thickness: float, n: int, element: ElementName = "shell4_mitc_plus", **solver: object) -> Model:

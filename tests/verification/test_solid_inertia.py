@@ -10,10 +10,10 @@ import pytest
 from problems import block_mesh, elastic, make_model, map_points, run
 
 from presswork import Case, CaseError, build_model
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.supports import NotHeldError
 from presswork.model import FloatArray, Mesh, Model, PointForce, PrescribedDisplacement, SolverSettings, Stage, Support
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.recording import GaveUpError
-from presswork.procedure.supports import NotHeldError
+from presswork.outcome import GaveUpError
 
 DENSITY = 7.85e-9
 RADIUS, HEIGHT, VELOCITY, DAMPING = 4.0, 6.0, 100.0, 1e5

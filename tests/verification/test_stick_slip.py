@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from presswork import Case, build_model
-from presswork.procedure.implicit import ImplicitProcedure
+from presswork.implicit.stepping import ImplicitProcedure
 
 YOUNG, POISSON, YIELD = 200e3, 0.3, 1e4
 MODULUS = YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))

@@ -11,12 +11,12 @@ from bent_strip import FIRST_YIELD, INERTIA, LENGTH, YOUNG, moment_of, steel, st
 from scipy.spatial.transform import Rotation
 from shell_problems import CLAMPED, RY, RZ, X, Y, Z, fixing, shell_model
 
+from presswork.explicit.shells import ExplicitShells, ShellOptions
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.law.sheet_law import make_sheet_law
 from presswork.mesh.shells import mesh_shell_rectangle
 from presswork.model import Hardening, Kinematic, Material, Mesh, Model, Section, Stage, YieldFunction
-from presswork.procedure.explicit import ExplicitShells, ShellOptions
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.transfer import TransferError, carry_to_explicit, carry_to_implicit
-from presswork.sheet_law import make_sheet_law
+from presswork.process.transfer import TransferError, carry_to_explicit, carry_to_implicit
 
 STEEL = Material(
     "steel",

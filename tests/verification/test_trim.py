@@ -11,11 +11,11 @@ from bent_strip import INERTIA, YOUNG, bend, moment_of, steel, strip
 from problems import linear_hardening
 from shell_problems import patch, shell_model
 
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Material, Mesh, Stage
 from presswork.model_stamping import TrimLine
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.springback import ELEMENTS, hold_rigidly
-from presswork.procedure.transfer import (
+from presswork.process.springback import ELEMENTS, hold_rigidly
+from presswork.process.transfer import (
     SheetBlock,
     SheetState,
     begin_with,
@@ -23,7 +23,7 @@ from presswork.procedure.transfer import (
     sheet_of_explicit,
     sheet_of_implicit,
 )
-from presswork.procedure.trim import TrimmedSheet, trim_sheet
+from presswork.process.trim import TrimmedSheet, trim_sheet
 
 BEYOND = 100.0
 CURVATURE = 0.006

@@ -13,10 +13,10 @@ from problems import block_mesh, drive_boundary, fixed_increments, make_model, r
 from presswork import _core, build_model
 from presswork.case import read_case
 from presswork.examples import copy_example
+from presswork.implicit.stepping import GaveUpError
+from presswork.law.umat import compile_law
 from presswork.model import Material, PrescribedDisplacement, Stage, Support, Umat
-from presswork.procedure.implicit import GaveUpError
 from presswork.recorder import run_model
-from presswork.umat import compile_law
 
 YOUNG, POISSON = 200e3, 0.3
 SWIFT = (700.0, 0.01, 0.2)

@@ -14,7 +14,7 @@ import pytest
 from problems import DATA
 
 from presswork import _core
-from presswork.case.yield_function import Barlat1989, Hill1948
+from presswork.case.material.yield_function import Barlat1989, Hill1948
 from presswork.material.predict import predict_biaxial, predict_plane_strain, predict_shear, predict_tension
 
 SETS = {name: data for name, data in json.loads((DATA / "yld2000.json").read_text()).items() if name[0] != "_"}

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The case: schema, units, reading of case files, and the way from a case to the Model."""
 
-from presswork.case.contact import Contact
 from presswork.case.describe import describe
 from presswork.case.errors import CaseError, Problem
-from presswork.case.hardening import (
+from presswork.case.kinds import build_model, json_schema, read_case
+from presswork.case.material.hardening import (
     HockettSherby,
     Linear,
     LinearVoce,
@@ -15,22 +15,10 @@ from presswork.case.hardening import (
     Table,
     Voce,
 )
-from presswork.case.kinds import build_model, json_schema, read_case
-from presswork.case.onestep import OneStepCase
-from presswork.case.schema import (
-    Boundary,
-    Case,
-    Displacement,
-    Material,
-    NodeForce,
-    Pressure,
-    ProfilePoint,
-    Stage,
-    Tool,
-    ToolMotion,
-)
+from presswork.case.onestep.schema import OneStepCase
 from presswork.case.settings import Output, Solver, Terms
-from presswork.case.shell import (
+from presswork.case.shell.material import ShellMaterial
+from presswork.case.shell.schema import (
     BodyForce,
     EdgeForce,
     Section,
@@ -44,9 +32,21 @@ from presswork.case.shell import (
     ShellStage,
     ShellWorkpiece,
 )
-from presswork.case.shell_material import ShellMaterial
-from presswork.case.stamping import StampingCase
-from presswork.case.workpiece import MeshFile, Rectangle, Workpiece, Zone
+from presswork.case.solid.contact import Contact
+from presswork.case.solid.schema import (
+    Boundary,
+    Case,
+    Displacement,
+    Material,
+    NodeForce,
+    Pressure,
+    ProfilePoint,
+    Stage,
+    Tool,
+    ToolMotion,
+)
+from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece, Zone
+from presswork.case.stamping.schema import StampingCase
 
 __all__ = [
     "BodyForce",

@@ -12,15 +12,15 @@ from typing import Any
 
 from pydantic.json_schema import models_json_schema
 
-from presswork.case import schema
-from presswork.case.builder import build_solid_model
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.onestep import OneStepCase
+from presswork.case.onestep.schema import OneStepCase
 from presswork.case.reader import apply_overrides, read_toml
-from presswork.case.shell import ShellCase
-from presswork.case.shell_builder import build_shell_model
-from presswork.case.stamping import StampingCase
-from presswork.case.stamping_builder import build_stamping_model
+from presswork.case.shell.builder import build_shell_model
+from presswork.case.shell.schema import ShellCase
+from presswork.case.solid import schema
+from presswork.case.solid.builder import build_solid_model
+from presswork.case.stamping.builder import build_stamping_model
+from presswork.case.stamping.schema import StampingCase
 from presswork.model_stamping import AnyModel
 
 AnyCase = schema.Case | ShellCase | StampingCase | OneStepCase

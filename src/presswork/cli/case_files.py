@@ -19,7 +19,7 @@ def load_model(
     try:
         case = read_case(case_file, overrides=settings or [])
         if case.analysis == "onestep":
-            from presswork.case.onestep import OneStepCase, build_onestep_model
+            from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 
             assert isinstance(case, OneStepCase)
             return build_onestep_model(case)

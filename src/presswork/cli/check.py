@@ -11,8 +11,8 @@ from presswork.case import describe
 from presswork.cli.case_files import load_model
 from presswork.cli.terminal import CaseFile, Settings, refuse
 from presswork.model_onestep import OneStepModel
-from presswork.procedure.begin import check_start
-from presswork.procedure.recording import StartError
+from presswork.outcome import StartError
+from presswork.process.begin import check_start
 
 
 def check(

@@ -13,11 +13,12 @@ import tomli_w
 import typer
 
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.forming_limit.build import build_curve, mean_r_value
-from presswork.case.library import find_sheet
-from presswork.case.sheet import check_sheet_material
+from presswork.case.material.forming_limit.build import build_curve, mean_r_value
+from presswork.case.material.library import find_sheet
+from presswork.case.material.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
 from presswork.cli.terminal import errors_told
+from presswork.law.umat import CompileError, compile_law
 from presswork.material.fit_plot import draw_curves, draw_fit
 from presswork.material.identify import (
     LAWS,
@@ -30,7 +31,6 @@ from presswork.material.identify import (
 from presswork.material.identify_yld2000 import BIAXIAL, R_WEIGHT, YieldData, fit_yld2000, read_yield_data
 from presswork.material.sheet_plot import draw_sheet
 from presswork.material.tensile import TensileTest, read_tensile
-from presswork.umat import CompileError, compile_law
 
 app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=True, add_completion=False)
 

@@ -3,7 +3,7 @@
 
 import typer
 
-from presswork.case.library import list_sheets
+from presswork.case.material.library import list_sheets
 
 
 def materials() -> None:

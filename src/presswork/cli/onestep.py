@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from presswork.case import CaseError
-from presswork.case.onestep import OneStepCase, build_onestep_model
+from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.cli.case_files import picture_undercut
 from presswork.cli.pictures import draw
 from presswork.cli.terminal import GAVE_UP, console, refuse

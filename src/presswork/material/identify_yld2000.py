@@ -14,8 +14,8 @@ import numpy as np
 
 from presswork import _core
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.material.yield_function import r_value, tension
 from presswork.case.table_file import read_table_lines
-from presswork.case.yield_function import r_value, tension
 from presswork.model import FloatArray
 
 R_WEIGHT = 1.0

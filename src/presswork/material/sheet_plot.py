@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.case.library import NamedSheet
+from presswork.case.material.library import NamedSheet
 from presswork.material.predict import predict_shear, predict_tension, trace_locus
 from presswork.view.style import DPI, clean_axes, new_figure
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
-from presswork.case.forming_limit.proportional import ProportionalPath, find_stress
+from presswork.case.material.forming_limit.proportional import ProportionalPath, find_stress
 from presswork.formability import FormingLimitCurve
 from presswork.model import FloatArray
 

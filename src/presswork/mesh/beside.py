@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.mesh.polygon import contains, list_sides, measure_distance, sample_sides
+from presswork.geometry.polygon import contains, list_sides, measure_distance, sample_sides
 from presswork.model import FloatArray
 
 _PLACES = 2000

@@ -22,8 +22,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from presswork.mesh.checks import MeshError
-from presswork.mesh.polygon import (
+from presswork.geometry.polygon import (
     contains,
     find_corners,
     find_crossings,
@@ -31,7 +30,8 @@ from presswork.mesh.polygon import (
     measure_distance,
     sample_sides,
 )
-from presswork.mesh.polygon_cell import Loop, find_normal, find_weights, split_polygon
+from presswork.geometry.polygon_cell import Loop, find_normal, find_weights, split_polygon
+from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import edge_keys, find_boundary_edges, find_parts, list_cell_edges, select_edges
 from presswork.model import BoolArray, FloatArray, IntArray
 

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.geometry.polygon import contains, list_sides, polygon_area
 from presswork.mesh.blanks import name_sets
 from presswork.mesh.checks import MeshError, corner_jacobians
-from presswork.mesh.polygon import contains, list_sides, polygon_area
 from presswork.mesh.topology import chain_edges, drop_unused_points, find_boundary_edges
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh
 

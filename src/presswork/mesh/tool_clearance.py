@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.mesh.swept_tool import SweptTool
+from presswork.geometry.swept_tool import SweptTool
 from presswork.mesh.tool_file import TriangulatedTool
 from presswork.model import FloatArray
 

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray, IntArray
+from presswork.model import BoolArray, FloatArray, IntArray
 
 _CORNERS_OF_NODES = {3: 3, 6: 3, 4: 4, 8: 4, 9: 4}
 
@@ -101,3 +101,13 @@ def drop_unused_points(points: FloatArray, connectivities: Sequence[IntArray]) -
         used[connectivity] = True
     number = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
     return points[used], number
+
+
+def with_four_nodes(cells: IntArray) -> IntArray:
+    """Give connectivity (n, 4): of triangles (n, 3) with the last node twice."""
+    return cells[:, [0, 1, 2, 2]] if cells.ndim == 2 and cells.shape[1] == 3 else cells
+
+
+def is_triangle(cells: IntArray) -> BoolArray:
+    """Say which shells of connectivity (n, 4) have their last node twice."""
+    return np.asarray(cells[:, 2] == cells[:, 3])

@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from presswork import _core
+from presswork.implicit.linear_solver import SolverError, make_solver
 from presswork.mesh.checks import MeshError
 from presswork.mesh.triangles import double_areas, find_rims
 from presswork.model import BoolArray, FloatArray, IntArray
-from presswork.procedure.linear_solver import SolverError, make_solver
 
 _ROUNDS = 30
 _ENOUGH = 1e-2

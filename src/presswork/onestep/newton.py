@@ -15,11 +15,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from presswork import _core
+from presswork.explicit.options import layer_rule
+from presswork.implicit.linear_solver import SolverError, make_solver
 from presswork.model import BoolArray, FloatArray, IntArray
 from presswork.onestep.law import STRAIN_METRIC
 from presswork.onestep.part import OneStepError, PartSurface
-from presswork.procedure.explicit_options import layer_rule
-from presswork.procedure.linear_solver import SolverError, make_solver
 
 FORCE_TOLERANCE = 1e-6
 """Largest unbalanced force over flow stress x thickness x edge length."""

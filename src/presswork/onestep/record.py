@@ -14,6 +14,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork import __version__
+from presswork.fields.formability_fields import formability_fields, judge_fields
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import CellBlock, FloatArray, Mesh, Section
 from presswork.model_onestep import OneStepModel
@@ -21,7 +22,6 @@ from presswork.onestep.outline import BlankOutline, nest
 from presswork.onestep.solve import OneStepResult, solve_one_step
 from presswork.results import History, OutputError, append_step, open_output_folder, write_outline, write_summary
 from presswork.results.folder import CASE, HISTORY, LOG, RESULTS, SUMMARY
-from presswork.results.formability import formability_fields, judge_fields
 
 BLANK_POINTS, BLANK_DRAWING = "blank.csv", "blank.dxf"
 

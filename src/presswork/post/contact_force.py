@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from presswork.fields.contact_stress import ContactSurface
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
-from presswork.results.contact_stress import ContactSurface
 
 
 def integrate_contact_force(result: Result, tool: str | None = None, step: int = -1) -> FloatArray:

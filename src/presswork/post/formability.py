@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from presswork.fields.formability_fields import NEEDED, FormingVerdict, formability_fields, judge_fields
 from presswork.formability import Formability
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
-from presswork.results.formability import NEEDED, FormingVerdict, formability_fields, judge_fields
 
 
 def judge_cells(result: Result, step: int = -1, judged: Formability | None = None) -> dict[str, FloatArray]:

@@ -16,11 +16,11 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.fields.formability_fields import FORMABILITY_FIELDS
 from presswork.formability import Formability
+from presswork.geometry.pose import ToolPose, place_segments
 from presswork.model import FloatArray, IntArray
-from presswork.pose import ToolPose, place_segments
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
-from presswork.results.formability import FORMABILITY_FIELDS
 from presswork.results.history import read_history
 from presswork.results.vtkhdf import locate_mesh, open_results
 from presswork.results.vtkhdf_tools import find_body

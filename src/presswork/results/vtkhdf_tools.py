@@ -13,8 +13,8 @@ from collections.abc import Mapping
 import h5py
 import numpy as np
 
+from presswork.geometry.pose import ToolPose, place_points
 from presswork.model import FloatArray, IntArray
-from presswork.pose import ToolPose, place_points
 
 BODY, ASSEMBLY = "body", "Assembly"
 CHORD = np.radians(4.0)

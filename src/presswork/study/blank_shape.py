@@ -20,9 +20,9 @@ import tomli_w
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.case.case_file import write_as_run
 from presswork.case.errors import Problem
-from presswork.case.plan_line import LineFile, draw_line
 from presswork.case.reader import apply_overrides, read_toml
-from presswork.case.stamping_tools import RectangularTool, RoundTool
+from presswork.case.stamping.plan_line import LineFile, draw_line
+from presswork.case.stamping.tools import RectangularTool, RoundTool
 from presswork.model import FloatArray
 from presswork.model_stamping import AnyModel, StampingModel
 from presswork.post import FlangeFit, fit_flange

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Literal, cast
 
 import numpy as np
 
+from presswork.fields.formability_fields import FORMABILITY_FIELDS
 from presswork.post.draw_in import write_draw_in
 from presswork.post.section import write_section
 from presswork.post.springback import find_formed_step
 from presswork.results import Result, ResultError
-from presswork.results.formability import FORMABILITY_FIELDS
 from presswork.view.blank_plot import plot_blank
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe
-from presswork.case.bead import Bead
-from presswork.case.stamping_beads import cut_line
-from presswork.procedure.stamping_tools import tabulate_force, tabulate_share
+from presswork.case.stamping.bead import Bead
+from presswork.case.stamping.beads import cut_line
+from presswork.process.stamping_tools import tabulate_force, tabulate_share
 
 from .round_cup import CUP
 

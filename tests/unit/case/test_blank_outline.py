@@ -12,7 +12,7 @@ import pytest
 
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.case.errors import Problem
-from presswork.case.plan_line import LineFile, draw_line
+from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.results import write_outline
 
 from .test_stamping_case import CUP

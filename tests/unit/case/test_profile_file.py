@@ -14,9 +14,9 @@ import pytest
 
 from presswork import _core, model
 from presswork.case import Case, Tool, build_model, describe
-from presswork.case.chain import ProfileFileError
-from presswork.case.profile_file import read_outline, read_points
+from presswork.case.tools.profile_file import read_outline, read_points
 from presswork.examples import copy_example
+from presswork.geometry.chain import ProfileFileError
 from presswork.model import FloatArray
 
 ezdxf = pytest.importorskip("ezdxf")

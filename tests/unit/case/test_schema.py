@@ -30,7 +30,7 @@ from presswork.case import (
     Workpiece,
     json_schema,
 )
-from presswork.case.stamping import Implicit
+from presswork.case.stamping.schema import Implicit
 
 WriteCase = Callable[..., Path]
 

@@ -12,8 +12,8 @@ from pydantic_core import PydanticCustomError
 
 from presswork import _core
 from presswork.case.errors import CaseError
-from presswork.case.sheet import check_sheet_material
-from presswork.case.yield_function import check_surface
+from presswork.case.material.sheet import check_sheet_material
+from presswork.case.material.yield_function import check_surface
 
 STEEL: dict[str, Any] = {
     "young": "206 GPa",

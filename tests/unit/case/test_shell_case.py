@@ -12,10 +12,10 @@ import pytest
 import tomli_w
 
 from presswork.case import CaseError, ShellCase, build_model, describe, read_case
-from presswork.case.library import FOLDER
+from presswork.case.material.library import FOLDER
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.supports import NotHeldError
 from presswork.model import Kinematic, Rate
-from presswork.procedure.implicit import ImplicitProcedure
-from presswork.procedure.supports import NotHeldError
 
 
 def case(**changes: Any) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe, read_case
-from presswork.mesh.polygon import polygon_area
+from presswork.geometry.polygon import polygon_area
 from presswork.model_stamping import StampingModel
 
 from . import round_cup

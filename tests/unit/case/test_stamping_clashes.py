@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe
-from presswork.mesh.swept_tool import draw_die, draw_holder, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch
 
 from .round_cup import CUP, changed
 

@@ -12,7 +12,7 @@ from presswork import build_model
 from presswork.case import CaseError, read_case
 from presswork.cli import app
 from presswork.examples import copy_example
-from presswork.umat import CompileError, compile_law
+from presswork.law.umat import CompileError, compile_law
 
 GOOD = {"props": "[1, 200e3, 0.3, 700, 0.01, 0.2]", "state_variables": "1"}
 

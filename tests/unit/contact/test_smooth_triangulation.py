@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.mesh.swept_tool import SweptTool, draw_die, draw_hemispherical_punch, draw_punch
+from presswork.geometry.swept_tool import SweptTool, draw_die, draw_hemispherical_punch, draw_punch
 
 CHORDS = 0.05
 """How far the triangles are off the tool at most [mm]."""

@@ -10,15 +10,15 @@ import pytest
 
 from presswork import _core
 from presswork.case.errors import CaseError
-from presswork.case.forming_limit.build import build_formability
-from presswork.case.forming_limit.curves import (
+from presswork.case.material.forming_limit.build import build_formability
+from presswork.case.material.forming_limit.curves import (
     curve_from_points,
     keeler_curve,
     scale_with_thickness,
     swift_hill_curve,
 )
-from presswork.case.forming_limit.marciniak import marciniak_kuczynski_curve
-from presswork.case.sheet import check_sheet_material
+from presswork.case.material.forming_limit.marciniak import marciniak_kuczynski_curve
+from presswork.case.material.sheet import check_sheet_material
 from presswork.formability import ZONES, find_zones
 from presswork.material import find_sheet
 

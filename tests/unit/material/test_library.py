@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from presswork.case.errors import CaseError
-from presswork.case.forming_limit.build import build_curve
-from presswork.case.library import FOLDER
-from presswork.case.sheet import check_sheet_material
+from presswork.case.material.forming_limit.build import build_curve
+from presswork.case.material.library import FOLDER
+from presswork.case.material.sheet import check_sheet_material
 from presswork.material import find_sheet, list_sheets, read_sheet
 
 GUIDE = Path(__file__).parents[3] / "docs" / "guide.md"

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from presswork.geometry.polygon import list_sides
 from presswork.mesh.beside import find_beside
-from presswork.mesh.polygon import list_sides
 
 WHOLE = (False, False)
 

@@ -4,9 +4,9 @@
 import numpy as np
 import pytest
 
+from presswork.geometry.polygon import polygon_area
 from presswork.mesh.checks import MeshError, corner_jacobians
 from presswork.mesh.outlined_blank import mesh_outlined_blank
-from presswork.mesh.polygon import polygon_area
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
 COS, SIN = np.cos(ANGLE), np.sin(ANGLE)

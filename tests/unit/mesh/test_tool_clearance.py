@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from presswork.mesh.swept_tool import draw_die, draw_holder, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch
 from presswork.mesh.tool_clearance import find_clearance
 from presswork.mesh.tool_file import TriangulatedTool
 

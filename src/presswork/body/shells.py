@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Internal force and tangent stiffness of shells: what mechanics.py is for solids."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from presswork import _core
+from presswork.body.shell_energy import elastic_energy, plastic_work
+from presswork.fields.contact_stress import ContactForces
+from presswork.fields.shell_fields import (
+    ShellGeometry,
+    sheet_effective_stress,
+    shell_cell_fields,
+    shell_point_fields,
+)
+from presswork.interaction.loads import AppliedLoads
+from presswork.interaction.shell_loads import ShellLoads
+from presswork.interaction.supports import Supports
+from presswork.law.sheet_law import make_sheet_law
+from presswork.mesh.directors import Directors, find_directors
+from presswork.mesh.thickness_rule import thickness_rule
+from presswork.model import FloatArray, MaskArray, Model
+from presswork.outcome import Step
+from presswork.state import ShellArrays, State
+from presswork.timing import Timing
+
+UPRIGHT = 0.99
+"""Part of the rolling direction along the normal above which it cannot be laid into the sheet."""
+NOISE = 1e-8
+"""Strain of bending across the sheet whose forces are taken for round-off where no larger ones have been."""
+REASONS = {
+    _core.ShellFault.inside_out: "turned inside out",
+    _core.ShellFault.turned_too_far: "turned by more than 3 rad in one increment",
+    _core.ShellFault.law: "found no stress on the yield surface",
+    _core.ShellFault.bubble: "found no balance of its bubble",
+}
+
+
+@dataclass(frozen=True)
+class ShellFailed:
+    """A shell that could not be evaluated; the increment must be cut."""
+
+    block: int
+    cell: int
+    fault: _core.ShellFault
+
+    def __str__(self) -> str:
+        return f"cell {self.cell} of block {self.block} {REASONS[self.fault]}"
+
+
+def find_model_directors(model: Model) -> Directors:
+    """Return the directors of the undeformed mesh; on symmetry planes they lie in the plane."""
+    blocks = model.mesh.blocks
+    slopes = [_core.shell_shape(b.element)[3] for b in blocks]
+    found = find_directors(model.mesh.points, blocks, slopes, model.mesh.normals)
+    lay_directors(model, found, found.vectors)
+    return found
+
+
+def lay_directors(model: Model, directors: Directors, vectors: FloatArray) -> None:
+    """Lay vectors (n_directors, 3) of directors at nodes on symmetry planes into these, and give all the length one."""
+    for support in model.supports:
+        if all(support.fix[:3]):
+            continue  # a clamp, not a plane
+        for normal in range(3):
+            others = [3 + (normal + 1) % 3, 3 + (normal + 2) % 3]
+            if not (support.fix[normal] and all(support.fix[r] for r in others)):
+                continue
+            on_plane = np.isin(directors.node, model.mesh.node_sets[support.node_set])
+            on_plane &= directors.smooth[directors.node]
+            on_plane &= np.abs(vectors[:, normal]) < 0.5  # not where the plane holds the sheet's face
+            vectors[on_plane, normal] = 0.0
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+class ShellMechanics:
+    """Evaluates all shells of the model over one increment and assembles the result."""
+
+    freedoms = 6
+
+    def __init__(self, model: Model, timing: Timing) -> None:
+        self._model = model
+        self._timing = timing
+        blocks = model.mesh.blocks
+        laws = [make_sheet_law(m) for m in model.materials]
+        self._laws = [laws[b.material] for b in blocks]
+        self._sections = [b.section for b in blocks if b.section is not None]
+        if len(self._sections) != len(blocks):
+            raise ValueError("every block of shells needs a section")
+        self._rules = [thickness_rule(s) for s in self._sections]
+        self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in blocks]
+        self.directors = find_model_directors(model)
+        self.supports = Supports(model, self.directors.smooth, self.directors.node)
+        self.loads = ShellLoads(model, self.directors)
+        self.assembler = _core.ShellAssembler(len(model.mesh.points), self._connectivity, model.solver.symmetric)
+        self._force: list[FloatArray] = []
+        self._stiffness: list[FloatArray] = []
+        for connectivity in self._connectivity:
+            cells, nodes = connectivity.shape
+            packs = -(-cells // _core.pack_width)
+            self._force.append(np.zeros((packs, 6 * nodes, _core.pack_width)))
+            self._stiffness.append(np.zeros((packs, 6 * nodes, 6 * nodes, _core.pack_width)))
+        size = float(np.sqrt(self.loads.area / sum(len(c) for c in self._connectivity)))
+        self.length = np.array([1.0, 1.0, 1.0, size, size, size])
+
+    def at_rest(self, n_candidates: int = 0, n_slots: int = 0) -> State:
+        """Return the State before the first increment."""
+        state = State.at_rest(self._model, n_candidates, n_slots)
+        n = len(self._model.mesh.points)
+        for name in ("displacement", "increment", "reaction", "external_force"):
+            setattr(state, name, np.zeros((n, 6)))
+        shells = ShellArrays(self.directors.vectors.copy(), [], [], [], [], [], np.zeros((n, 6)))
+        for i, (connectivity, section, law) in enumerate(
+            zip(self._connectivity, self._sections, self._laws, strict=True)
+        ):
+            cells = len(connectivity)
+            _, q, internal = _core.shell_sizes(self._model.mesh.blocks[i].element)
+            k = section.points
+            shells.thickness.append(np.full((cells, q), section.thickness))
+            shells.history.append(np.zeros((cells, q, k, law.history_size)))
+            shells.direction.append(np.repeat(self._first_directions(i)[:, :, None], k, axis=2))
+            shells.shear.append(np.zeros((cells, q, 2)))
+            shells.internal.append(np.zeros((cells, internal)))
+            state.stress.append(np.zeros((cells, q * k, 3)))
+            state.eqps.append(np.zeros((cells, q * k)))
+            state.volume.append(np.zeros((cells, q * k)))
+            state.hourglass.append(np.zeros((cells, 2)))
+        state.shells = shells
+        return state
+
+    def _first_directions(self, block: int) -> FloatArray:
+        """Return g_1 in the lamina frame (n_cells, q, 2), whose x is the rolling direction laid into the sheet, or the
+        axis after it (y for x) where that stands upright.
+        """
+        cells = self._model.mesh.blocks[block]
+        slopes = _core.shell_shape(cells.element)[1]
+        base = np.einsum("qaj,cai->cqji", slopes, self._model.mesh.points[cells.connectivity])
+        normal = np.cross(base[:, :, 0], base[:, :, 1])
+        normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+        rolling = np.asarray(self._model.rolling_direction)
+        upright = np.abs(normal @ rolling)[..., None] > UPRIGHT
+        axis = np.where(upright, np.roll(rolling, 1), rolling)
+        axis = axis - (axis * normal).sum(axis=2, keepdims=True) * normal
+        axis /= np.linalg.norm(axis, axis=2, keepdims=True)
+        first = base[:, :, 0] / np.linalg.norm(base[:, :, 0], axis=2, keepdims=True)
+        return np.stack([(first * axis).sum(axis=2), (first * np.cross(normal, axis)).sum(axis=2)], axis=2)
+
+    def evaluate(
+        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 0.0
+    ) -> FloatArray | ShellFailed:
+        """Return the internal nodal force (n_points, 6) [N, N mm] after `increment` (n_points, 6) from state_n.
+
+        dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically.
+        Fills the trial state's stress, history, thickness and volumes and, if asked, the element stiffnesses. Does not
+        touch state_n.
+        """
+        started = perf_counter()
+        model = self._model
+        is_small = model.solver.is_small
+        points = model.mesh.points if is_small else model.mesh.points + state_n.displacement[:, :3]
+        for i, block in enumerate(model.mesh.blocks):
+            cell, fault = _core.evaluate_shells(
+                block.element,
+                self._connectivity[i],
+                self.directors.of_cell[i],
+                points,
+                increment,
+                state_n.shells.director,
+                *self._rules[i],
+                self._laws[i],
+                dt=dt,
+                penalty=model.solver.kirchhoff_penalty,
+                state_n=_arrays_of(state_n, i),
+                state=_arrays_of(trial, i),
+                volume=trial.volume[i],
+                force=self._force[i],
+                stiffness=self._stiffness[i] if with_stiffness else None,
+                symmetric=model.solver.symmetric,
+                small_displacements=is_small,
+            )
+            if cell >= 0:
+                self._timing.add("assembly", started)
+                return ShellFailed(i, cell, fault)
+            trial.eqps[i][:] = trial.shells.history[i][..., 0].reshape(trial.eqps[i].shape)
+        force: FloatArray = self.assembler.assemble_vector(self._force)
+        self._timing.add("assembly", started)
+        return force
+
+    def begin_increment(self, state_n: State, step: Step) -> None:
+        """Take note of an increment: the laws of shells do not ask when."""
+
+    def settle(self, state_n: State, trial: State) -> None:
+        """Turn the directors of a converged trial state by its increment; with small displacements they stay."""
+        if self._model.solver.is_small:
+            return
+        theta = trial.increment[self.directors.node, 3:]
+        turned = turn_vectors(theta, state_n.shells.director)
+        trial.shells.director = turned / np.linalg.norm(turned, axis=1, keepdims=True)
+
+    def end_stage(self, state: State, next_stage: int) -> None:
+        """Keep what holds a converged state in balance where the next stage holds nothing: it fades over that stage."""
+        nothing = np.zeros_like(state.displacement)
+        force = self.evaluate(state, state.duplicate(), nothing, with_stiffness=False)
+        assert not isinstance(force, ShellFailed), "a converged state can be evaluated"
+        force[self.supports.fixed(next_stage)] = 0.0
+        state.shells.fading = force
+
+    def apply_loads(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> AppliedLoads:
+        """Return the loads at a fraction of a stage, `increment` (n_points, 6) after state_n."""
+        return self.loads.evaluate(state_n, increment, stage, fraction)
+
+    def assemble_stiffness(self, turned: MaskArray, frames: FloatArray, data: FloatArray) -> None:
+        """Fill `data` (nnz) with the stiffness of the last evaluation, rotations in the nodes' frames."""
+        started = perf_counter()
+        self.assembler.assemble_matrix(self._stiffness, turned, frames, data)
+        self._timing.add("assembly", started)
+
+    def force_of_round_off(self) -> float:
+        """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
+        size = float(np.ptp(self._model.mesh.points, axis=0).max())
+        thickness = min(s.thickness for s in self._sections)
+        return NOISE * max(m.young for m in self._model.materials) * thickness**3 / size
+
+    def nodal_flow_stress(self, state: State) -> FloatArray:
+        """Return the mean flow stress of the cells round each node (n_points,) [MPa]."""
+        n = len(self._model.mesh.points)
+        total, count = np.zeros(n), np.zeros(n)
+        for i, connectivity in enumerate(self._connectivity):
+            flow = self.flow_stress(i, state.eqps[i]).mean(axis=1)
+            np.add.at(total, connectivity, flow[:, None])
+            np.add.at(count, connectivity, 1.0)
+        return total / np.maximum(count, 1.0)
+
+    def flow_stress(self, block: int, eqps: FloatArray) -> FloatArray:
+        """Return the flow stress [MPa] at equivalent plastic strains of any shape."""
+        flow, _ = self._laws[block].flow_stress(np.ascontiguousarray(eqps).ravel())
+        result: FloatArray = flow.reshape(eqps.shape)
+        return result
+
+    def cell_fields(self, state: State) -> dict[str, FloatArray]:
+        """Return the fields that are saved of the cells."""
+        mesh = self._model.mesh
+        if self._model.solver.is_small:  # for the strains, directors as far as rotations turn them to first order
+            theta = state.displacement[self.directors.node, 3:]
+            director = state.shells.director + np.cross(theta, state.shells.director)
+            state = replace(state, shells=replace(state.shells, director=director))
+        geometry = [
+            ShellGeometry(
+                connectivity=block.connectivity,
+                director_of=self.directors.of_cell[i],
+                slopes=_core.shell_shape(block.element)[1],
+                points=mesh.points,
+                director=self.directors.vectors,
+                thickness=self._sections[i].thickness,
+                layers=self._rules[i][0],
+                material=self._model.materials[block.material],
+            )
+            for i, block in enumerate(mesh.blocks)
+        ]
+        return shell_cell_fields(state, geometry)
+
+    def point_fields(
+        self, state: State, contact: ContactForces, between_bodies: tuple[FloatArray, FloatArray] | None
+    ) -> dict[str, FloatArray]:
+        """Return the fields that are saved of the nodes; nothing touches a shell."""
+        return shell_point_fields(state)
+
+    def extremes(self, state: State) -> dict[str, FloatArray]:
+        """Return the values whose extremes the summary tells."""
+        stress = np.concatenate([s.reshape(-1, 3) for s in state.stress])
+        return {
+            "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.eqps]),
+            "effective_stress": sheet_effective_stress(stress),
+            "thickness": np.concatenate([t.ravel() for t in state.shells.thickness]),
+            "displacement": np.linalg.norm(state.displacement[:, :3], axis=1),
+        }
+
+    def elastic_dilatation(self, state: State) -> float:
+        """Return the volume gained elastically [mm3]."""
+        blocks = zip(self._model.mesh.blocks, state.stress, state.volume, strict=True)
+        total = 0.0
+        for block, stress, volume in blocks:
+            material = self._model.materials[block.material]
+            total += float((stress[..., :2].sum(axis=-1) * (1 - 2 * material.poisson) / material.young * volume).sum())
+        return total
+
+    def elastic_energy(self, state: State) -> float:
+        """Return the energy stored elastically [N mm], transverse shear included."""
+        return elastic_energy(self._model, state)
+
+    def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
+        """Return the plastic work of one increment over dt [s] [N mm]."""
+        return plastic_work(self._model, self._laws, state_n, trial, dt)
+
+
+def _arrays_of(state: State, block: int) -> list[FloatArray]:
+    """Return a block's arrays in the kernel's order."""
+    shells = state.shells
+    return [
+        shells.thickness[block],
+        state.stress[block],
+        shells.history[block],
+        shells.direction[block],
+        shells.shear[block],
+        shells.internal[block],
+    ]
+
+
+def turn_vectors(theta: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Return vectors (n, 3) turned by rotation vectors (n, 3)."""
+    square = (theta**2).sum(axis=1, keepdims=True)
+    angle = np.sqrt(square)
+    a = np.sinc(angle / np.pi)
+    b = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
+    cross = np.cross(theta, vectors)
+    along = (theta * vectors).sum(axis=1, keepdims=True)
+    turned: FloatArray = vectors + a * cross + b * (along * theta - square * vectors)
+    return turned

@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Internal force and tangent stiffness of the workpiece: the bridge from the Model's arrays to the kernels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from presswork import _core
+from presswork.body.shells import ShellFailed, ShellMechanics
+from presswork.fields.contact_stress import ContactForces
+from presswork.fields.solid_fields import cell_fields, effective_stress, point_fields
+from presswork.interaction.loads import AppliedLoads, evaluate_loads
+from presswork.interaction.supports import Supports
+from presswork.law.umat import open_umat
+from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
+from presswork.outcome import Step
+from presswork.state import State
+from presswork.timing import Timing
+
+
+def make_mechanics(model: Model, timing: Timing) -> Mechanics | ShellMechanics:
+    """Return what evaluates a model's cells."""
+    return ShellMechanics(model, timing) if model.analysis == "shell" else Mechanics(model, timing)
+
+
+@dataclass(frozen=True)
+class TurnedInsideOut:
+    """A cell that the trial displacement has turned inside out; the increment must be cut."""
+
+    block: int
+    cell: int
+
+    def __str__(self) -> str:
+        return f"cell {self.cell} of block {self.block} turned inside out"
+
+
+@dataclass(frozen=True)
+class PassedThrough:
+    """Bodies whose surfaces the trial displacement has moved through each other; the increment must be cut."""
+
+    contact: str
+
+    def __str__(self) -> str:
+        return f"surfaces of contact {self.contact!r} passed through each other"
+
+
+_CUT = {_core.UmatStatus.not_finite: 0.5, _core.UmatStatus.overrun: 0.0, _core.UmatStatus.stopped: 0.0}
+"""By what an increment is cut; 0 gives up."""
+_STATUS = {
+    _core.UmatStatus.smaller: "asks for a smaller increment (PNEWDT)",
+    _core.UmatStatus.not_finite: "gives a stress or tangent that is no number",
+    _core.UmatStatus.overrun: "writes beyond its state variables",
+    _core.UmatStatus.stopped: "stops the analysis (XIT)",
+}
+
+
+@dataclass(frozen=True)
+class LawFailed:
+    """A law from a shared library that refused the trial displacement; the increment must be cut."""
+
+    block: int
+    cell: int
+    status: _core.UmatStatus
+    step_factor: float
+    """By which to cut."""
+
+    @property
+    def is_final(self) -> bool:
+        """Whether the law has said what to do, so that a shorter correction is not to be tried."""
+        return self.status != _core.UmatStatus.not_finite
+
+    def __str__(self) -> str:
+        return f"the UMAT {_STATUS[self.status]} in cell {self.cell} of block {self.block}"
+
+
+BadGuess = TurnedInsideOut | PassedThrough | ShellFailed | LawFailed
+
+
+def factor_of(bad: BadGuess) -> float:
+    """Return by what to cut an increment with such a guess."""
+    return bad.step_factor if isinstance(bad, LawFailed) else 0.5
+
+
+def make_law(material: Material, solver: SolverSettings) -> _core.VonMises | _core.Umat:
+    """Return the compiled material law, or open the library that has it."""
+    if material.umat is not None:
+        return open_umat(material.umat)
+    assert material.hardening is not None
+    consistent = solver.tangent == "consistent" or solver.terms.modulus == "consistent"
+    return _core.VonMises(
+        material.young,
+        material.poisson,
+        _core.HardeningLaw[material.hardening.law],
+        [float(p) for p in material.hardening.parameters],
+        integrator=_core.Integrator[solver.integrator],
+        substeps=solver.substeps,
+        modulus=_core.Modulus.consistent if consistent else _core.Modulus.continuum,
+    )
+
+
+def make_point_settings(solver: SolverSettings) -> _core.PointSettings:
+    """Return the kernels' settings of kinematics and tangent."""
+    return _core.PointSettings(
+        measure=_core.StrainMeasure[solver.strain_measure],
+        tangent=_core.TangentKind[solver.tangent],
+        green_lagrange_matrix=solver.terms.strain_matrix == "Bbar",
+        k_e=solver.terms.k_e,
+        k_u=solver.terms.k_u,
+        k_v=solver.terms.k_v,
+        small_displacements=solver.is_small,
+    )
+
+
+NOISE = 1e-8
+"""Strain across the workpiece whose forces are taken for round-off where no larger ones have been."""
+
+
+class Mechanics:
+    """Evaluates all cells of the model over one increment and assembles the result."""
+
+    freedoms = 2
+
+    def __init__(self, model: Model, timing: Timing) -> None:
+        self._model = model
+        self._timing = timing
+        self._settings = make_point_settings(model.solver)
+        laws = [make_law(m, model.solver) for m in model.materials]
+        self._laws = [laws[b.material] for b in model.mesh.blocks]
+        self._first_cell = np.cumsum([0, *(len(b.connectivity) for b in model.mesh.blocks)])
+        self._when = _core.UmatPlace()
+        self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in model.mesh.blocks]
+        self.assembler = self._make_assembler(None)
+        self._couplings: IntArray | None = None
+        self.supports = Supports(model)
+        self.length = np.ones(2)
+        """What each freedom is multiplied by to make it a length [mm]."""
+        self._force: list[FloatArray] = []
+        self._stiffness: list[FloatArray] = []
+        for connectivity in self._connectivity:
+            cells, nodes = connectivity.shape
+            packs = -(-cells // _core.pack_width)
+            self._force.append(np.zeros((packs, 2 * nodes, _core.pack_width)))
+            self._stiffness.append(np.zeros((packs, 2 * nodes, 2 * nodes, _core.pack_width)))
+
+    def _make_assembler(self, couplings: IntArray | None) -> _core.Assembler:
+        n_points = len(self._model.mesh.points)
+        return _core.Assembler(n_points, self._connectivity, self._model.solver.symmetric, couplings)
+
+    def couple(self, couplings: IntArray) -> None:
+        """Let the matrix hold these node pairs (n, 2) beside those of the cells; a change makes a new assembler."""
+        if self._couplings is None or not np.array_equal(couplings, self._couplings):
+            self._couplings = couplings
+            self.assembler = self._make_assembler(couplings)
+
+    def at_rest(self, n_candidates: int, n_slots: int) -> State:
+        """Return the State before the first increment."""
+        return State.at_rest(self._model, n_candidates, n_slots)
+
+    def begin_increment(self, state_n: State, step: Step) -> None:
+        """Keep which increment this is, for laws that ask."""
+        duration = self._model.stages[step.stage].duration
+        self._when = _core.UmatPlace(
+            stage=step.stage + 1,
+            increment=int(state_n.progress[3]) + 1,
+            stage_time=step.fraction_n * duration,
+            time=float(state_n.progress[0]),
+            dt=(step.fraction - step.fraction_n) * duration,
+        )
+
+    def settle(self, state_n: State, trial: State) -> None:
+        """Bring a converged trial state's other arrays up to its displacement: solids have none."""
+
+    def end_stage(self, state: State, next_stage: int) -> None:
+        """Prepare a converged state for the next stage: solids need nothing, their loads end with the stage."""
+
+    def apply_loads(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> AppliedLoads:
+        """Return the loads at a fraction of a stage, `increment` (n_points, 2) after state_n."""
+        points = self._model.mesh.points
+        if self._model.solver.is_small:
+            dead = evaluate_loads(self._model, points, stage, fraction)
+            return AppliedLoads(dead.force, dead.pairs[:0], dead.blocks[:0])
+        return evaluate_loads(self._model, points + (state_n.displacement + increment), stage, fraction)
+
+    def force_of_round_off(self) -> float:
+        """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
+        model = self._model
+        size = float(np.ptp(model.mesh.points, axis=0).max())
+        axisymmetric = model.analysis == "axisymmetric"
+        thickness = 2 * np.pi * float(model.mesh.points[:, 0].max()) if axisymmetric else model.depth
+        return NOISE * max(m.young for m in model.materials) * size * thickness
+
+    def evaluate(
+        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 0.0
+    ) -> FloatArray | TurnedInsideOut | LawFailed:
+        """Return the internal nodal force (n_points, 2) [N] after `increment` (n_points, 2) [mm] from state_n.
+
+        dt: of no use here: the laws of solids that ask for time have it from begin_increment.
+
+        Fills the trial state's stress, history and volumes and, if asked, the element stiffnesses. Does not touch
+        state_n.
+        """
+        started = perf_counter()
+        model = self._model
+        points = model.mesh.points
+        if not model.solver.is_small:
+            points = points + state_n.displacement
+        for i, block in enumerate(model.mesh.blocks):
+            fault = _core.UmatFault()
+            failed = _core.evaluate_block(
+                block.element,
+                self._connectivity[i],
+                points,
+                increment,
+                self._laws[i],
+                self._settings,
+                axisymmetric=model.analysis == "axisymmetric",
+                depth=model.depth,
+                hourglass_fraction=model.solver.hourglass_stiffness,
+                stress_n=state_n.stress[i],
+                eqps_n=state_n.eqps[i],
+                hourglass_n=state_n.hourglass[i],
+                stress=trial.stress[i],
+                eqps=trial.eqps[i],
+                hourglass=trial.hourglass[i],
+                volume=trial.volume[i],
+                force=self._force[i],
+                stiffness=self._stiffness[i] if with_stiffness else None,
+                symmetric=model.solver.symmetric,
+                user_n=state_n.user[i],
+                user=trial.user[i],
+                first_cell=int(self._first_cell[i]),
+                when=self._when,
+                fault=fault,
+            )
+            if failed >= 0:
+                self._timing.add("assembly", started)
+                return TurnedInsideOut(i, failed)
+            if fault.status != _core.UmatStatus.done:
+                self._timing.add("assembly", started)
+                return LawFailed(i, fault.cell, fault.status, _CUT.get(fault.status, fault.step_factor))
+        force: FloatArray = self.assembler.assemble_vector(self._force)
+        self._timing.add("assembly", started)
+        return force
+
+    def assemble_stiffness(self, turned: MaskArray, frames: FloatArray, data: FloatArray) -> None:
+        """Fill `data` (nnz) with the stiffness of the last evaluation; turned nodes use their own frames."""
+        started = perf_counter()
+        self.assembler.assemble_matrix(self._stiffness, turned, frames, data)
+        self._timing.add("assembly", started)
+
+    def nodal_flow_stress(self, state: State) -> FloatArray:
+        """Return the mean flow stress of the cells round each node (n_points,) [MPa]."""
+        total, count = np.zeros(len(self._model.mesh.points)), np.zeros(len(self._model.mesh.points))
+        for i, connectivity in enumerate(self._connectivity):
+            flow = self._flow_stress_now(i, state).mean(axis=1)
+            for column in connectivity.T:
+                total += np.bincount(column, flow, minlength=len(total))
+                count += np.bincount(column, minlength=len(total))
+        return total / np.maximum(count, 1)
+
+    def _flow_stress_now(self, block: int, state: State) -> FloatArray:
+        """Return the flow stress at the points; of a UMAT, which does not tell it, the effective stress."""
+        if isinstance(self._laws[block], _core.Umat):
+            return effective_stress(state.stress[block])
+        return self.flow_stress(block, state.eqps[block])
+
+    def flow_stress(self, block: int, eqps: FloatArray) -> FloatArray:
+        """Return the flow stress [MPa] at equivalent plastic strains of any shape."""
+        law = self._laws[block]
+        assert isinstance(law, _core.VonMises)
+        flow, _ = law.flow_stress(np.ascontiguousarray(eqps).ravel())
+        result: FloatArray = flow.reshape(eqps.shape)
+        return result
+
+    def cell_fields(self, state: State) -> dict[str, FloatArray]:
+        """Return the fields that are saved of the cells."""
+        return cell_fields(self._model, state)
+
+    def point_fields(
+        self, state: State, contact: ContactForces, between_bodies: tuple[FloatArray, FloatArray] | None
+    ) -> dict[str, FloatArray]:
+        """Return the fields that are saved of the nodes."""
+        return point_fields(self._model, state, contact, self.nodal_flow_stress(state), between_bodies)
+
+    def extremes(self, state: State) -> dict[str, FloatArray]:
+        """Return the values whose extremes the summary tells."""
+        stress = np.concatenate([s.reshape(-1, 4) for s in state.stress])
+        return {
+            "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.eqps]),
+            "effective_stress": effective_stress(stress),
+            "hydrostatic_stress": stress[:, :3].mean(axis=1),
+            "displacement": np.linalg.norm(state.displacement, axis=1),
+        }
+
+    def elastic_dilatation(self, state: State) -> float:
+        """Return the volume gained elastically [mm3]."""
+        bulk = [self._model.materials[b.material] for b in self._model.mesh.blocks]
+        return sum(
+            float((s[..., :3].sum(axis=-1) * (1 - 2 * m.poisson) / m.young * v).sum())
+            for m, s, v in zip(bulk, state.stress, state.volume, strict=True)
+        )
+
+    def elastic_energy(self, state: State) -> float:
+        """Return the energy stored elastically [N mm]."""
+        total = 0.0
+        for block, stress, volume in zip(self._model.mesh.blocks, state.stress, state.volume, strict=True):
+            material = self._model.materials[block.material]
+            if material.umat is not None:
+                continue  # told with the plastic work
+            trace = stress[..., :3].sum(axis=-1)
+            square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * stress[..., 3] ** 2
+            density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * material.young)
+            total += float((density * volume).sum())
+        return total
+
+    def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
+        """Return the plastic work of one increment [N mm], by the trapezoidal rule on the flow stress.
+
+        Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
+        """
+        total = 0.0
+        for i in range(len(trial.eqps)):
+            if trial.user[i].shape[2]:
+                work = trial.user[i][..., _core.umat_history_work - _core.umat_history_size]
+                total += float((work * trial.volume[i]).sum())
+                continue
+            mean_flow = 0.5 * (self.flow_stress(i, state_n.eqps[i]) + self.flow_stress(i, trial.eqps[i]))
+            total += float((mean_flow * (trial.eqps[i] - state_n.eqps[i]) * trial.volume[i]).sum())
+        return total

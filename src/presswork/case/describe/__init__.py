@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model in words, for `presswork check`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+
+import numpy as np
+
+from presswork import model
+from presswork.case.describe.explicit import describe_explicit
+from presswork.case.describe.material import describe_material
+from presswork.case.describe.onestep import describe_onestep
+from presswork.case.describe.shell import describe_sheet, describe_sheet_loads
+from presswork.case.describe.stamping import describe_stamping
+from presswork.geometry.crossing import bound_segments
+from presswork.memory import available_memory, estimate_memory
+from presswork.model_onestep import OneStepModel
+from presswork.model_stamping import AnyModel, StampingModel
+
+_ELEMENTS: dict[str, str] = {
+    "tri3": "3-node triangles, constant strain",
+    "tri6_6pt": "6-node triangles, 6-point rule",
+    "tri6_7pt": "6-node triangles, 7-point rule",
+    "quad4": "4-node quadrilaterals, full integration",
+    "quad4_fbar": "4-node quadrilaterals, F-bar",
+    "quad4_1pt": "4-node quadrilaterals, one point with hourglass control",
+    "quad8": "8-node quadrilaterals, 3 x 3 points",
+    "quad8_2x2": "8-node quadrilaterals, 2 x 2 points",
+    "quad9": "9-node quadrilaterals, 3 x 3 points",
+    "quad9_2x2": "9-node quadrilaterals, 2 x 2 points",
+}
+
+
+def describe(problem: AnyModel | OneStepModel) -> str:
+    """Describe a Model in words, a line per fact, with an estimate of what computing it takes."""
+    if isinstance(problem, OneStepModel):
+        return "\n".join([problem.title, *describe_onestep(problem)])
+    if isinstance(problem, StampingModel):
+        return "\n".join([problem.title, *describe_stamping(problem), _describe_memory(problem)])
+    lines = [problem.title, *_describe_body(problem)]
+    lines += [f"material {material.name}: {describe_material(material)}" for material in problem.materials]
+    lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.tools]
+    lines += [f"contact {contact.name}: {_describe_contact(problem, contact)}" for contact in problem.contacts]
+    lines += [_describe_support(support, problem.mesh) for support in problem.supports]
+    for number, stage in enumerate(problem.stages, 1):
+        lines += [
+            f'stage {number} "{stage.name}", {stage.duration:g} s:',
+            *(f"  {line}" for line in _describe_stage(stage)),
+        ]
+    if problem.explicit is not None:
+        return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
+    lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
+    lines += [f"output: {_describe_settings(problem.output, model.OutputSettings())}"]
+    lines += list(_warn_of_steps(problem))
+    lines += [_describe_memory(problem)]
+    return "\n".join(lines)
+
+
+def _describe_body(problem: model.Model) -> Iterator[str]:
+    mesh = problem.mesh
+    if problem.analysis == "shell":
+        yield from describe_sheet(problem)
+        return
+    depth = f", depth {problem.depth:g} mm" if problem.analysis == "plane_strain" else " (x is the radius, y the axis)"
+    yield f"analysis: {problem.analysis.replace('_', ' ')}{depth}"
+    whole = model.Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks)))
+    for body in problem.bodies or (whole,):
+        points = mesh.points[body.points.start : body.points.stop]
+        low, high = points.min(axis=0), points.max(axis=0)
+        yield f"{body.name}: x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm"
+        for block in mesh.blocks[body.blocks.start : body.blocks.stop]:
+            material = problem.materials[block.material].name
+            yield f"elements: {len(block.connectivity)} {block.element} ({_ELEMENTS[block.element]}) of {material}"
+    n_points = len(mesh.points)
+    yield f"nodes: {n_points}, freedoms: {2 * n_points} before supports, boundary edges: {len(mesh.boundary_edges)}"
+    yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
+    yield f"edge sets: {', '.join(f'{name} ({len(edges)})' for name, edges in sorted(mesh.edge_sets.items()))}"
+
+
+def _describe_tool(tool: model.Tool) -> str:
+    n_arcs = int(np.count_nonzero(tool.segments[:, 6]))
+    counts = [(len(tool.segments) - n_arcs, "line"), (n_arcs, "arc")]
+    shape = " and ".join(f"{count} {word}{'s' if count > 1 else ''}" for count, word in counts if count)
+    mirrors = [axis for axis, mirrored in zip("xy", tool.mirrored_across, strict=True) if mirrored]
+    twice = f", whole tool mirrored across the symmetry plane normal to {' and '.join(mirrors)}" if mirrors else ""
+    start, end = tool.segments[0, :2], tool.segments[-1, 2:4]
+    spring = ""
+    if tool.spring:
+        x, y = tool.spring.direction
+        spring = f", gives along ({x:g}, {y:g}) with {tool.spring.preload:g} N + {tool.spring.stiffness:g} N/mm"
+    low, high = bound_segments(tool.segments)
+    extent = f"x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm"
+    ends = f"from ({start[0]:g}, {start[1]:g}) to ({end[0]:g}, {end[1]:g})"
+    return f"{shape} {ends}, {extent}, {tool.contact}{_describe_friction(tool)}{twice}{spring}"
+
+
+def _describe_friction(tool: model.Tool) -> str:
+    """Name the friction of a tool, every value of one that varies."""
+    laws = {"shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu")}
+    values = [(symbol, np.unique(getattr(tool, symbol))) for symbol in laws.get(tool.contact, ())]
+    return "".join(f", {symbol} = {' and '.join(f'{value:g}' for value in found)}" for symbol, found in values)
+
+
+def _describe_contact(problem: model.Model, contact: model.BodyContact) -> str:
+    first, second = (problem.bodies[i].name for i in contact.between)
+    friction = [f"{name} = {value:g}" for name, value in (("m", contact.m), ("mu", contact.mu)) if value]
+    law = ", ".join([contact.contact, *friction])
+    if first == second:
+        return f"{first} with itself, {law}"
+    return f"{first} with {second}, {law}; pressure on the nodes of {problem.bodies[contact.slave].name}"
+
+
+def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
+    names = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
+    fixed = " and ".join(name for name, fix in zip(names, support.fix, strict=False) if fix)
+    return f"support: {fixed} held on {support.node_set} ({len(mesh.node_sets[support.node_set])} nodes)"
+
+
+def _describe_stage(stage: model.Stage) -> Iterator[str]:
+    for name, motion in stage.tool_motion.items():
+        if motion.force is not None:
+            x, y = motion.direction
+            yield f"tool {name} pushes along ({x:g}, {y:g}), with {motion.force:g} N at the end"
+        if any(motion.move):
+            yield f"tool {name} moves by ({motion.move[0]:g}, {motion.move[1]:g}) mm"
+        if motion.turn:
+            yield f"tool {name} turns by {np.degrees(motion.turn):g} degrees counter-clockwise"
+    for entry in stage.prescribed:
+        if entry.component < 3:
+            yield f"{entry.node_set} moves by {entry.value:g} mm along {'xyz'[entry.component]}"
+        else:
+            yield f"{entry.node_set} turns by {np.degrees(entry.value):g} degrees about {'xyz'[entry.component - 3]}"
+    for force in stage.forces:
+        yield f"{_describe_force(force.force)} on {force.node_set}"
+    yield from describe_sheet_loads(stage)
+    for edge in stage.edge_forces:
+        unit = "MPa" if len(edge.force) == 2 else "N/mm"
+        yield f"force ({', '.join(f'{f:g}' for f in edge.force)}) {unit} along {edge.edge_set}"
+    for pressure in stage.pressures:
+        yield f"pressure {pressure.value:g} MPa on {pressure.edge_set}"
+
+
+def _describe_force(components: tuple[float, ...]) -> str:
+    """A force, and a moment if there are six components."""
+    text = f"force ({', '.join(f'{f:g}' for f in components[:3])}) N"
+    return text + (f" and moment ({', '.join(f'{m:g}' for m in components[3:])}) N mm" if any(components[3:]) else "")
+
+
+def _describe_settings(settings: object, default: object) -> str:
+    """Name the settings that differ from their defaults."""
+    differing = [
+        f"{entry.name} = {getattr(settings, entry.name)}"
+        for entry in fields(settings)  # type: ignore[arg-type]
+        if getattr(settings, entry.name) != getattr(default, entry.name)
+    ]
+    return ", ".join(differing) or "defaults"
+
+
+def _warn_of_steps(problem: model.Model) -> Iterator[str]:
+    """Say that fewer steps may be saved than were asked for."""
+    output, largest = problem.output, problem.solver.max_increment
+    if not output.every and output.is_closer_than(largest):
+        yield (
+            f"note: output.steps = {output.steps} a stage lie closer together than solver.max_increment = {largest:g}: "
+            "each is saved at the end of the increment that passes it, several as one; for all of them set "
+            f"solver.max_increment = {1 / output.steps:g}"
+        )
+
+
+def _describe_memory(problem: AnyModel) -> str:
+    """Say how much memory the problem takes, beside what is free here."""
+    needed, there = estimate_memory(problem), available_memory()
+    return f"memory: about {needed / 1e6:,.0f} MB (an estimate) of {there / 1e6:,.0f} MB that are free on this machine"

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a sheet material's forming limit to its curve, and to what a part's strains are judged by."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from presswork.case.errors import CaseError, Problem
+from presswork.case.material.forming_limit.curves import (
+    curve_from_points,
+    keeler_curve,
+    scale_with_thickness,
+    swift_hill_curve,
+)
+from presswork.case.material.forming_limit.marciniak import marciniak_kuczynski_curve
+from presswork.case.material.laws import KeelerLimit, PointsLimit, SwiftHillLimit
+from presswork.case.material.sheet import SheetLaws
+from presswork.case.material.yield_function import r_value
+from presswork.formability import Formability, FormingLimitCurve
+from presswork.model import Material
+
+SAME_THICKNESS = 0.02
+"""Relative difference of thickness up to which a forming limit is that of the blank."""
+_ALUMINIUM = 120e3
+"""Young's modulus below which a sheet is no steel [MPa]."""
+
+
+def build_curve(material: SheetLaws, thickness: float | None = None) -> FormingLimitCurve:
+    """Find the forming limit curve that a material asks for.
+
+    thickness: of the sheet that it is for [mm]; without it that of the sheet that was tested. Raises CaseError; also if
+    the material asks for no curve.
+    """
+    limit = material.forming_limit
+    if limit is None:
+        remedy = "add [material.forming_limit] with law = keeler, points, swift_hill or marciniak_kuczynski"
+        raise CaseError([Problem("forming_limit", "missing table", remedy)], "material")
+    if isinstance(limit, KeelerLimit):
+        own = thickness if limit.thickness is None else limit.thickness
+        if own is None:
+            remedy = "give forming_limit.thickness, or --thickness"
+            raise CaseError([Problem("thickness", "Keeler's curve needs the sheet's thickness", remedy)], "material")
+        return keeler_curve(own, limit.n)
+    if isinstance(limit, PointsLimit):
+        measured = curve_from_points(limit.points)
+        if limit.scaling == "none" or limit.thickness is None or thickness is None:
+            return measured
+        return scale_with_thickness(measured, limit.thickness, thickness)
+    if material.kinematic is not None:
+        text = f"{limit.law} knows isotropic hardening alone, and this material has back stresses"
+        raise CaseError([Problem("forming_limit.law", text, "give keeler or points")], "material")
+    function, law = material.yield_function.build(), material.build_law()
+    if isinstance(limit, SwiftHillLimit):
+        return swift_hill_curve(function, law)
+    return marciniak_kuczynski_curve(function, law, imperfection=limit.imperfection)
+
+
+def build_sheets(
+    materials: Mapping[str, SheetLaws], used: str, thickness: float, source: Path | None
+) -> tuple[Material, ...]:
+    """Return a case's materials for the Model; that which the sheet is of with what its strains are judged by.
+
+    Raises CaseError.
+    """
+    try:
+        judged = build_formability(materials[used], f"materials.{used}", thickness)
+    except CaseError as error:
+        raise CaseError(error.problems, source) from None
+    return tuple(
+        dataclasses.replace(sheet.to_model(name), formability=judged if name == used else Formability())
+        for name, sheet in materials.items()
+    )
+
+
+def build_formability(material: SheetLaws, key: str, thickness: float) -> Formability:
+    """Return what strains of a material are judged by; without a forming limit it has no curve.
+
+    key: of the material in the case, for errors. thickness: of the blank [mm]. Raises CaseError.
+    """
+    r = mean_r_value(material)
+    limit = material.forming_limit
+    if limit is None:
+        return Formability(r=r)
+    try:
+        curve = build_curve(material, thickness)
+    except CaseError as error:
+        raise CaseError([dataclasses.replace(p, key=_place(key, p.key, limit)) for p in error.problems]) from None
+    usual = 0.08 if material.young < _ALUMINIUM else 0.1
+    margin = usual if limit.safety_margin is None else limit.safety_margin
+    return Formability(curve, margin, r, _note_of_thickness(limit, key, thickness))
+
+
+def _note_of_thickness(limit: object, key: str, thickness: float) -> str:
+    """Say it where the limit is that of a sheet of another thickness."""
+    remedy = ""
+    if isinstance(limit, KeelerLimit):
+        remedy = f"leave {key}.forming_limit.thickness out for the blank's own"
+    elif isinstance(limit, PointsLimit) and limit.scaling == "none":
+        remedy = f'set {key}.forming_limit.scaling = "keeler", or give a curve of this thickness'
+    own = getattr(limit, "thickness", None)
+    if not remedy or own is None or abs(own - thickness) <= SAME_THICKNESS * thickness:
+        return ""
+    return f"the forming limit is that of a sheet of {own:g} mm, and the blank is {thickness:g} mm thick: {remedy}"
+
+
+def mean_r_value(material: SheetLaws) -> float:
+    """Return the normal anisotropy (r00 + 2 r45 + r90)/4 of a material's yield function."""
+    r00, r45, r90 = r_value(material.yield_function.build(), np.radians([0.0, 45.0, 90.0]))
+    return float(r00 + 2 * r45 + r90) / 4
+
+
+def _place(material: str, key: str, limit: object) -> str:
+    """Return the key in the case of a problem's key: most are of the table of the limit."""
+    if not key or hasattr(limit, key):
+        return f"{material}.forming_limit.{key}".rstrip(".")
+    return f"{material}.{key}"

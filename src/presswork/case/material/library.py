@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Material files: one sheet a TOML file, with the source of every number. Those that ship lie in material/data.
+
+name = "..."            summary = "..."            thickness = 1.0 (optional, of the sheet that was tested [mm])
+[material]              as in a case: young, poisson, yield_function, hardening
+[sources]               key = "where the numbers under it come from"; "all" stands for every other key
+[assumed]               key = "what was assumed and why" (optional)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.material.sheet import SheetLaws, check_sheet_material
+from presswork.case.reader import read_toml
+
+FOLDER = Path(__file__).parents[2] / "material" / "data"
+
+
+@dataclass(frozen=True)
+class NamedSheet:
+    """A sheet material with its name and the sources of its numbers."""
+
+    key: str
+    """Name of the file without its ending."""
+    name: str
+    summary: str
+    thickness: float | None
+    """Thickness of the sheet that was tested [mm]."""
+    material: SheetLaws
+    sources: Mapping[str, str]
+    """Where the numbers come from, by key."""
+    assumed: Mapping[str, str]
+    """What was assumed, by key."""
+
+
+def list_sheets() -> list[NamedSheet]:
+    """Read every material file that ships, by name of the file."""
+    return [read_sheet(path) for path in sorted(FOLDER.glob("*.toml"))]
+
+
+def list_keys() -> list[str]:
+    """Return the names of the materials that ship."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def find_sheet(name: str, folder: Path | None = None) -> NamedSheet:
+    """Read a material that ships by its key, or a user's file by its path, from `folder` on. Raises CaseError."""
+    if name.endswith(".toml"):
+        return read_sheet((folder or Path()) / name)
+    if name not in list_keys():
+        remedy = f"{suggest(name, list_keys(), 'materials')}; or the path of a file of your own, which ends with .toml"
+        problem = Problem("", f"`{name}` is no material of the library", remedy)
+        raise CaseError([problem], "materials")
+    return read_sheet(FOLDER / f"{name}.toml")
+
+
+def read_sheet(path: Path) -> NamedSheet:
+    """Read a material file. Raises CaseError with every problem found."""
+    data, _ = read_toml(path)
+    problems: list[Problem] = []
+    known = {"name", "summary", "thickness", "material", "sources", "assumed"}
+    for key in data:
+        if key not in known:
+            problems.append(Problem(key, "unknown key", suggest(key, known, "keys here")))
+    name = _text(data, "name", "what the sheet is called", problems)
+    summary = _text(data, "summary", "one line that says what it is", problems)
+    thickness = data.get("thickness")
+    if thickness is not None and not (isinstance(thickness, int | float) and thickness > 0):
+        problems.append(Problem("thickness", "expected a thickness > 0", "in mm", thickness))
+    sources = _texts(data, "sources", problems)
+    assumed = _texts(data, "assumed", problems)
+    table: Any = data.get("material")
+    material = None
+    if isinstance(table, dict):
+        try:
+            material = check_sheet_material(table)
+        except CaseError as error:
+            problems.extend(
+                Problem(f"material.{p.key}" if p.key else "material", p.expected, p.remedy, p.value)
+                for p in error.problems
+            )
+        for key in table:
+            if "all" not in sources and key not in sources and key not in assumed:
+                remedy = (
+                    'say it under [sources], or under [assumed] why it was assumed; all = "..." stands for every key'
+                )
+                problems.append(Problem(f"material.{key}", "nothing says where it comes from", remedy))
+    else:
+        problems.append(Problem("material", "missing table", "young, poisson, yield_function, hardening"))
+    if problems or material is None:
+        raise CaseError(problems, path)
+    return NamedSheet(path.stem, name, summary, thickness, material, sources, assumed)
+
+
+def _text(data: Mapping[str, Any], key: str, meaning: str, problems: list[Problem]) -> str:
+    value = data.get(key)
+    if isinstance(value, str) and value.strip():
+        return value
+    problems.append(Problem(key, "expected a text in quotes", f"{meaning}"))
+    return ""
+
+
+def _texts(data: Mapping[str, Any], key: str, problems: list[Problem]) -> dict[str, str]:
+    value = data.get(key, {})
+    if isinstance(value, dict) and all(isinstance(text, str) for text in value.values()):
+        return value
+    problems.append(Problem(key, "expected a table of texts", f"[{key}] with lines such as young = '...'"))
+    return {}

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A material whose law is a compiled Abaqus UMAT: its table in a case, and its trial before anything is computed."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from pydantic import Field
+
+from presswork import model
+from presswork.case.errors import Problem
+from presswork.case.part import Part
+from presswork.case.settings import Whole
+from presswork.case.units import Number
+from presswork.law.umat import try_umat
+
+_FAULTS = {
+    "not_finite": (
+        "its first call gives stresses or a tangent that are no numbers",
+        "it may read more than the {n_props} props given, or need more than {n_state} state variables",
+    ),
+    "overrun": (
+        "it writes beyond its {n_state} state variables",
+        "give state_variables as its *DEPVAR says",
+    ),
+    "stopped": ("it stops (XIT) at its first call", "look at its own message; check props"),
+}
+
+
+class UmatMaterial(Part):
+    """A material law from a shared library with Abaqus's interface UMAT."""
+
+    umat: str = Field(description="the shared library (.so) with the routine UMAT, relative to the case")
+    props: tuple[Number, ...] = Field(
+        default=(), description="PROPS, in mm, s, MPa: as the routine wants them, without units"
+    )
+    state_variables: Whole = Field(default=0, ge=0, description="NSTATV, as *DEPVAR says")
+    plastic_strain: Whole | None = Field(
+        default=None, ge=1, description="which state variable, from 1, is the equivalent plastic strain"
+    )
+    jacobian: model.UmatJacobian = Field(
+        default="stress_increment",
+        description="what DDSDDE is: stress_increment, d(stress increment)/d(strain increment), or jaumann_kirchhoff, "
+        "of laws of the whole deformation gradient",
+    )
+    thread_safe: bool = Field(
+        default=False, description="whether several threads may call the routine at once; most Fortran routines may not"
+    )
+
+
+def build_umat(
+    name: str, material: UmatMaterial, folder: Path, *, run_user_code: bool = True
+) -> model.Material | Problem:
+    """Open and try the library of a material; return the Model's, with the elastic constants that it shows.
+
+    run_user_code: without it the library is not opened, and the constants are nan.
+    """
+    key = f"materials.{name}"
+    path = (folder / material.umat).resolve()
+    if not path.is_file():
+        remedy = f"no such file: {path}; `presswork material compile law.f` makes one"
+        return Problem(f"{key}.umat", "cannot be opened", remedy, material.umat)
+    n_state, n_props = material.state_variables, len(material.props)
+    if (material.plastic_strain or 0) > n_state:
+        fault = f"there are only {n_state} state variables"
+        return Problem(f"{key}.plastic_strain", fault, "count from 1", material.plastic_strain)
+    law = model.Umat(
+        str(path), material.props, n_state, material.jacobian, material.thread_safe, material.plastic_strain or 0
+    )
+    if not run_user_code:
+        return model.Material(name, math.nan, math.nan, hardening=None, umat=law)
+    trial = try_umat(law)
+    if trial.fault:
+        remedy = "compile it with `presswork material compile`"
+        return Problem(f"{key}.umat", f"cannot be used: {trial.fault}", remedy, material.umat)
+    if trial.status in _FAULTS:
+        fault, remedy = (text.format(n_props=n_props, n_state=n_state) for text in _FAULTS[trial.status])
+        return Problem(f"{key}.umat", fault, remedy, material.umat)
+    tangent = np.array(trial.tangent)
+    shear, bulk = float(tangent[3, 3]), float(tangent[:3, :3].mean())
+    if trial.status != "done" or not (shear > 0.0 and bulk > 0.0):
+        fault = "its first call, at a strain of one millionth, gives no tangent (DDSDDE) of a solid"
+        return Problem(f"{key}.umat", fault, f"check the {n_props} props and their units (MPa, mm, s)", material.umat)
+    young = 9.0 * bulk * shear / (3.0 * bulk + shear)
+    return model.Material(name, young, young / (2.0 * shear) - 1.0, hardening=None, umat=law)

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Yield functions of sheets: their keys, their parameters, and the check that the surface is convex and closed.
+
+Formulas: docs/theory/sheet_material.md. r-values and stresses belong to tension at 0, 45 and 90 degrees from the
+rolling direction; the equivalent stress is the yield stress along the rolling direction.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from presswork import _core, model
+from presswork.case.part import Part
+from presswork.case.units import Number, fault
+from presswork.law.sheet_law import make_yield_function
+from presswork.model import FloatArray
+
+RValue = Annotated[Number, Field(gt=0, lt=100, description="width strain over thickness strain in tension")]
+Exponent = Annotated[Literal[6, 8], Field(description="exponent of the yield function: 6 for steel, 8 for aluminium")]
+Ratio = Annotated[Number, Field(gt=0, description="yield stress over that along the rolling direction")]
+_R_VALUE = "width strain over thickness strain in tension at {} degrees from the rolling direction"
+_RATIO = "yield stress {} over that along the rolling direction"
+
+
+class VonMisesYield(Part):
+    """The isotropic yield function of von Mises."""
+
+    law: Literal["von_mises"] = "von_mises"
+
+    def to_model(self) -> None:
+        """Return what stands for von Mises in the Model."""
+
+    def build(self) -> _core.YieldFunction:
+        """Return the compiled function."""
+        return make_yield_function(None)
+
+
+class Hill1948(Part):
+    """Hill's quadratic yield function, from r-values or from yield stresses."""
+
+    law: Literal["hill1948"] = "hill1948"
+    r00: RValue | None = Field(default=None, description=_R_VALUE.format(0))
+    r45: RValue | None = Field(default=None, description=_R_VALUE.format(45))
+    r90: RValue | None = Field(default=None, description=_R_VALUE.format(90))
+    stress_45: Ratio | None = Field(default=None, description=_RATIO.format("at 45 degrees"))
+    stress_90: Ratio | None = Field(default=None, description=_RATIO.format("at 90 degrees"))
+    stress_biaxial: Ratio | None = Field(default=None, description=_RATIO.format("in equibiaxial tension"))
+    L: Number = Field(default=1.5, gt=0, description="parameter of the shear yz, in three dimensions")
+    M: Number = Field(default=1.5, gt=0, description="parameter of the shear zx, in three dimensions")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        r_values, stresses = ("r00", "r45", "r90"), ("stress_45", "stress_90", "stress_biaxial")
+        given = [name for name in r_values + stresses if getattr(self, name) is not None]
+        wanted = stresses if given and given[0] in stresses else r_values
+        remedy = "give r00, r45 and r90, or stress_45, stress_90 and stress_biaxial"
+        for name in wanted:
+            if name not in given:
+                raise fault("missing key", remedy, key=name)
+        if len(given) > 3:
+            raise fault(f"{', '.join(given)} are two ways of saying it", remedy, key=given[-1])
+        check_surface(self.build(), "stress_biaxial" if wanted is stresses else "r00")
+        return self
+
+    def hill_parameters(self) -> tuple[float, ...]:
+        """Return F, G, H, L, M, N; G + H = 1."""
+        if self.r00 is not None and self.r45 is not None and self.r90 is not None:
+            H = self.r00 / (1 + self.r00)
+            G = 1 - H
+            F = H / self.r90
+            return (F, G, H, self.L, self.M, (self.r45 + 0.5) * (F + G))
+        assert self.stress_45 is not None
+        assert self.stress_90 is not None
+        assert self.stress_biaxial is not None
+        x, y, z = 1.0, self.stress_90**-2, self.stress_biaxial**-2  # G + H, F + H, F + G
+        F, G, H = 0.5 * (y + z - x), 0.5 * (x + z - y), 0.5 * (x + y - z)
+        return (F, G, H, self.L, self.M, 0.5 * (4 * self.stress_45**-2 - z))
+
+    def to_model(self) -> model.YieldFunction:
+        """Return the Model's yield function."""
+        return model.YieldFunction("hill1948", self.hill_parameters())
+
+    def build(self) -> _core.YieldFunction:
+        """Return the compiled function."""
+        return make_yield_function(self.to_model())
+
+
+class Barlat1989(Part):
+    """The yield function of Barlat and Lian (1989), from r-values."""
+
+    law: Literal["barlat1989"] = "barlat1989"
+    r00: RValue
+    r45: RValue
+    r90: RValue
+    exponent: Exponent
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        check_surface(self.build(), "r00")
+        return self
+
+    def coefficients(self) -> tuple[float, float, float, float]:
+        """Return a, c, h, p. p is where the r-value at 45 degrees is r45."""
+        from scipy.optimize import brentq  # slow to import
+
+        x, y = self.r00 / (1 + self.r00), self.r90 / (1 + self.r90)
+        c = 2 * math.sqrt(x * y)
+        h = math.sqrt(x / y)
+        a = 2 - c
+
+        def miss(p: float) -> float:
+            function = _core.YieldFunction.barlat1989(a, c, h, p, self.exponent)
+            return float(r_value(function, np.array([math.pi / 4]))[0]) - self.r45
+
+        return a, c, h, float(brentq(miss, 1e-2, 1e2, xtol=1e-14, rtol=1e-14))
+
+    def to_model(self) -> model.YieldFunction:
+        """Return the Model's yield function."""
+        return model.YieldFunction("barlat1989", self.coefficients(), self.exponent)
+
+    def build(self) -> _core.YieldFunction:
+        """Return the compiled function."""
+        return make_yield_function(self.to_model())
+
+
+class Yld2000(Part):
+    """Yld2000-2d of Barlat et al. (2003), from its eight parameters."""
+
+    law: Literal["yld2000"] = "yld2000"
+    alpha: tuple[Number, ...] = Field(min_length=8, max_length=8, description="alpha 1 to 8")
+    exponent: Exponent
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        check_surface(self.build(), "alpha")
+        return self
+
+    def to_model(self) -> model.YieldFunction:
+        """Return the Model's yield function."""
+        return model.YieldFunction("yld2000", self.alpha, self.exponent)
+
+    def build(self) -> _core.YieldFunction:
+        """Return the compiled function."""
+        return make_yield_function(self.to_model())
+
+
+YieldFunction = Annotated[VonMisesYield | Hill1948 | Barlat1989 | Yld2000, Field(discriminator="law")]
+
+
+def tension(angle: FloatArray) -> FloatArray:
+    """Return unit tension at angles [rad] from the rolling direction, shape (n, 3): xx, yy, xy."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(np.stack([c * c, s * s, s * c], axis=-1))
+
+
+def r_value(function: _core.YieldFunction, angle: FloatArray) -> FloatArray:
+    """Return width strain over thickness strain in tension at angles [rad], shape (n,)."""
+    gradient = function.evaluate(tension(angle))[1]
+    width = (gradient * tension(angle + np.pi / 2)).sum(axis=1)
+    return np.asarray(-width / (gradient[:, 0] + gradient[:, 1]))
+
+
+def check_surface(function: _core.YieldFunction, key: str, n: int = 4000) -> None:
+    """Refuse a yield surface that is not closed or not convex.
+
+    Over n directions of stress, spread evenly: the equivalent stress of a unit stress must be above 0.02, and no
+    eigenvalue of the Hessian below zero. Raises the schema's error at `key`.
+    """
+    i = np.arange(n) + 0.5
+    z, turn = 1 - 2 * i / n, np.pi * (1 + math.sqrt(5)) * i
+    radius = np.sqrt(1 - z * z)
+    stress = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
+    value, _, hessian = function.evaluate(stress)
+    remedy = "check the data: a typing error, or a set of parameters for another formulation"
+    if not np.isfinite(value).all() or value.min() < 0.02:
+        raise fault("the yield surface is not closed: some stress never yields", remedy, key=key)
+    bend = np.linalg.eigvalsh(hessian)[:, 0] * value
+    if bend.min() < -1e-6 * np.abs(hessian).max():
+        raise fault("the yield surface is not convex", remedy, key=key)

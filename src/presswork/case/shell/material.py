@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The material of a sheet in a case: its laws given there, or taken from the library or from a material file."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import Field, GetJsonSchemaHandler, ValidationInfo, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
+
+from presswork.case.errors import CaseError
+from presswork.case.material.library import find_sheet, list_keys
+from presswork.case.material.sheet import SheetLaws
+from presswork.case.solid.explicit import HEAVIEST, LIGHTEST, require_density
+from presswork.case.units import Density, fault
+
+logger = logging.getLogger(__name__)
+
+WAVE_SPEED = 5.1e6
+"""Of a bar of steel, aluminium, magnesium or titanium, within 4 % [mm/s]."""
+COMPUTED = ("swift_hill", "marciniak_kuczynski")
+"""Forming limits that are computed from the other laws of the sheet, which must harden isotropically."""
+
+
+class ShellMaterial(SheetLaws):
+    """Laws of an elastic-plastic sheet; x, laid into the sheet, is the rolling direction."""
+
+    library: str | None = Field(
+        default=None,
+        description='name of a material of the library, or "my_steel.toml", a material file beside the case; keys '
+        "given beside it replace its own",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_from_library(cls, data: Any, info: ValidationInfo) -> Any:
+        if not (isinstance(data, dict) and isinstance(data.get("library"), str)):
+            return data
+        source = info.context.get("source") if isinstance(info.context, dict) else None
+        try:
+            sheet = find_sheet(data["library"], Path(source).parent if source else None)
+        except CaseError as error:
+            said = "; ".join(f"{problem}" for problem in error.problems)
+            raise fault(said, "`presswork materials` lists the library", key="library") from None
+        taken = sheet.material.model_dump()
+        limit = taken["forming_limit"]
+        if data.get("kinematic") is not None and "forming_limit" not in data and limit and limit["law"] in COMPUTED:
+            taken["forming_limit"] = None
+            logger.warning(
+                "library = %s: its forming limit is computed for isotropic hardening, and the case adds back stresses: "
+                "none is taken; give forming_limit = keeler or points",
+                data["library"],
+            )
+        return {**taken, **data}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Require the laws only where no library gives them."""
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        required = schema.pop("required", [])
+        schema["if"], schema["else"] = {"required": ["library"]}, {"required": required}
+        return schema
+
+
+class HeavyShellMaterial(ShellMaterial):
+    """A sheet material with its density."""
+
+    density: Density | None = Field(
+        default=None,
+        description='density [t/mm^3], e.g. "7850 kg/m^3"; without it: that of a metal with this Young\'s modulus in '
+        "which sound runs at 5.1 km/s, as in steel, aluminium, magnesium and titanium",
+    )
+
+    @model_validator(mode="after")
+    def _check_density(self) -> Self:
+        require_density(self.density)
+        return self
+
+    def find_density(self) -> float:
+        """Return the density given, or that of a common metal with this Young's modulus [t/mm3]."""
+        return self.young / WAVE_SPEED**2 if self.density is None else self.density
+
+    def is_metal(self) -> bool:
+        """Whether the density found is that of a metal."""
+        return LIGHTEST < self.find_density() < HEAVIEST
+
+
+def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:
+    """Return a case's data in which a material that only the library knows is among the materials.
+
+    part: the table that names the material.
+    """
+    piece, materials = data.get(part), data.get("materials", {})
+    name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
+    if not isinstance(materials, Mapping) or not isinstance(name, str) or name in materials or name not in list_keys():
+        return dict(data)
+    return {**data, "materials": {**materials, name: {"library": name}}}

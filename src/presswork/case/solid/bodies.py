@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model's bodies from a case's: meshes, and how the bodies touch each other."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import numpy as np
+
+from presswork import model
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.solid import schema
+from presswork.case.solid.grid import grid_lines
+from presswork.case.solid.workpiece import Rectangle, Workpiece
+from presswork.case.units import LENGTH, unit_factor
+from presswork.mesh import MeshError, mesh_rectangle, read_mesh
+from presswork.mesh.joined import join_meshes
+
+logger = logging.getLogger(__name__)
+
+WORKPIECE = "workpiece"
+OVERLAP = 0.01
+"""Of the mean boundary edge: how deep a node may lie in another body at the start, as it does between arcs of chords.
+It is pushed out in the first increment."""
+SAME_SIZE = 0.9
+"""Mean edges that differ by less than this ratio count as equally fine: then the softer body is the slave."""
+
+
+def list_bodies(case: schema.Case) -> dict[str, tuple[str, Workpiece]]:
+    """Return every body of the case by its name, the workpiece first, with the key that describes it."""
+    others = {name: (f"bodies.{name}", body) for name, body in case.bodies.items()}
+    return {WORKPIECE: ("workpiece", case.workpiece), **others}
+
+
+def build_bodies(case: schema.Case) -> tuple[model.Mesh, tuple[model.Body, ...]]:
+    """Mesh all bodies into one mesh; raises CaseError for a mesh file that cannot be read."""
+    bodies = list_bodies(case)
+    return join_meshes({name: _build_mesh(case, key, body) for name, (key, body) in bodies.items()})
+
+
+def _build_mesh(case: schema.Case, key: str, body: Workpiece) -> model.Mesh:
+    """Mesh a body, or read its mesh."""
+    material = list(case.materials).index(body.material)
+    if isinstance(body.mesh, Rectangle):
+        x_lines, y_lines = grid_lines(body.mesh)
+        return mesh_rectangle(x_lines, y_lines, element=body.element, pattern=body.mesh.pattern, material=material)
+    folder = case.source.parent if case.source is not None else Path()
+    scale = unit_factor(body.mesh.unit, LENGTH)
+    try:
+        mesh, notes = read_mesh(folder / body.mesh.path, element=body.element, scale=scale, material=material)
+    except MeshError as error:
+        problem = Problem(f"{key}.mesh.path", error.fault, error.remedy, body.mesh.path)
+        raise CaseError([problem], case.source) from error
+    for note in notes:
+        logger.warning("%s.mesh.path = %s: %s", key, body.mesh.path, note)
+    return mesh
+
+
+def check_bodies(case: schema.Case) -> list[Problem]:
+    """Return the problems of bodies and contacts that show without their meshes."""
+    bodies = list_bodies(case)
+    problems = []
+    for name in case.bodies:
+        if name == WORKPIECE or "." in name or name in case.tools:
+            reason = "has a dot in it" if "." in name else "is taken already"
+            problems.append(Problem(f"bodies.{name}", f"this name {reason}", "give the body another"))
+    quadratic = {name: not body.element.startswith(("tri3", "quad4")) for name, (_, body) in bodies.items()}
+    for name, (key, body) in bodies.items():
+        if quadratic[name] != quadratic[WORKPIECE]:
+            problems.append(
+                Problem(
+                    f"{key}.element",
+                    f"linear and quadratic elements do not go together in one case: the workpiece has "
+                    f"{case.workpiece.element}",
+                    "take elements with as many nodes an edge for all bodies",
+                    body.element,
+                )
+            )
+    pairs: dict[frozenset[str], str] = {}
+    for name, contact in case.contacts.items():
+        key = f"contacts.{name}.between"
+        unknown = [body for body in contact.between if body not in bodies]
+        problems += [Problem(key, f"no such body: {body}", suggest(body, bodies, "bodies")) for body in unknown]
+        if name in case.tools:
+            problems.append(Problem(f"contacts.{name}", "a tool has this name", "give the contact another"))
+        earlier = pairs.setdefault(frozenset(contact.between), name)
+        if earlier != name:
+            fault = f"the contact {earlier} is between the same bodies"
+            problems.append(Problem(key, fault, "leave one of them out", list(contact.between)))
+    touched = {body for contact in case.contacts.values() for body in contact.between}
+    for name in case.bodies:
+        if name not in touched:
+            remedy = f'add [contacts.NAME] with between = ["workpiece", "{name}"], or leave the body out'
+            problems.append(Problem(f"bodies.{name}", "no contact names this body: it would touch nothing", remedy))
+    return problems
+
+
+def build_contacts(
+    case: schema.Case, mesh: model.Mesh, bodies: tuple[model.Body, ...], materials: tuple[model.Material, ...]
+) -> tuple[tuple[model.BodyContact, ...], list[Problem]]:
+    """Return the contacts between bodies, and the problems of bodies that overlap or can never meet."""
+    number = {body.name: i for i, body in enumerate(bodies)}
+    contacts, problems = [], []
+    for name, contact in case.contacts.items():
+        first, second = (number[body] for body in contact.between)
+        slave = number[contact.slave] if contact.slave else _choose_slave(mesh, bodies, materials, first, second)
+        contacts.append(model.BodyContact(name, (first, second), slave, contact.contact, m=contact.m, mu=contact.mu))
+        if first != second:
+            problems += _check_apart(case, name, mesh, bodies[first], bodies[second])
+    return tuple(contacts), problems
+
+
+def _choose_slave(
+    mesh: model.Mesh, bodies: tuple[model.Body, ...], materials: tuple[model.Material, ...], first: int, second: int
+) -> int:
+    """Return the body with the finer boundary, or the softer one of two that are alike, or the first."""
+    sizes = [_mean_edge(mesh, bodies[i]) for i in (first, second)]
+    if min(sizes) < SAME_SIZE * max(sizes):
+        return (first, second)[int(np.argmin(sizes))]
+    young = [materials[mesh.blocks[bodies[i].blocks.start].material].young for i in (first, second)]
+    return second if young[1] < young[0] else first
+
+
+def _mean_edge(mesh: model.Mesh, body: model.Body) -> float:
+    edges = mesh.boundary_edges[body.owns(mesh.boundary_edges)]
+    return float(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1).mean())
+
+
+def _check_apart(
+    case: schema.Case, name: str, mesh: model.Mesh, first: model.Body, second: model.Body
+) -> list[Problem]:
+    """Return the problem of two bodies that overlap, or are too far from each other ever to meet."""
+    key = f"contacts.{name}.between"
+    edges = [mesh.boundary_edges[body.owns(mesh.boundary_edges)] for body in (first, second)]
+    tolerance = OVERLAP * min(_mean_edge(mesh, body) for body in (first, second))
+    nearest = np.inf
+    for own, other in ((edges[0], edges[1]), (edges[1], edges[0])):
+        nodes = np.unique(own[:, :2])
+        distance = measure_distance_to_body(mesh.points, nodes, other)
+        deepest = int(np.argmin(distance))
+        nearest = min(nearest, float(distance.min()))
+        if distance[deepest] < -tolerance:
+            x, y = mesh.points[nodes[deepest]]
+            fault = f"{first.name} and {second.name} overlap at the start, by {-distance[deepest]:.6g} mm"
+            return [Problem(key, f"{fault} at ({x:.6g}, {y:.6g})", "move one of them: they may touch, no more")]
+    reach = _measure_travel(case) + float(np.ptp(mesh.points[list(first.points)], axis=0).max())
+    if nearest > reach and not any(stage.force for stage in case.stages):
+        fault = f"{first.name} and {second.name} are {nearest:.6g} mm apart, farther than anything moves in this case"
+        return [Problem(key, fault, "bring them together, or leave the contact out")]
+    return []
+
+
+def _measure_travel(case: schema.Case) -> float:
+    """Return the sum of all motions of the case [mm]."""
+    tools = [motion.build().move for stage in case.stages for motion in stage.tools.values()]
+    nodes = [abs(entry.value) for stage in case.stages for entry in stage.displacement]
+    return float(sum(np.hypot(*move) for move in tools) + sum(nodes))
+
+
+def measure_distance_to_body(
+    points: model.FloatArray, nodes: model.IntArray, edges: model.IntArray
+) -> model.FloatArray:
+    """Return the distance of nodes from a closed boundary [mm], negative inside; edges have the body on the left."""
+    a, b = points[edges[:, 0]], points[edges[:, 1]]
+    along = b - a
+    result = np.empty(len(nodes))
+    for i, x in enumerate(points[nodes]):
+        part = np.clip(((x - a) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+        distance = np.linalg.norm(x - a - part[:, None] * along, axis=1)
+        # inside when a ray to the right crosses the boundary an odd number of times
+        above = (a[:, 1] > x[1]) != (b[:, 1] > x[1])
+        crossing = a[above, 0] + (x[1] - a[above, 1]) / along[above, 1] * along[above, 0]
+        inside = int((crossing > x[0]).sum()) % 2 == 1
+        result[i] = -distance.min() if inside else distance.min()
+    return result

@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a case to the Model: names resolved, the workpiece meshed, tools directed, everything checked.
+
+A boundary entry is a symmetry plane when it says so, or when it fixes one component only on an outermost straight side
+of the workpiece normal to that component. In plane strain a tool that reaches one is twice what is modelled.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from presswork import model
+from presswork.case.errors import CaseError, Problem
+from presswork.case.material.hardening import build_hardening
+from presswork.case.material.umat import UmatMaterial, build_umat
+from presswork.case.settings import build_output, build_solver
+from presswork.case.solid import schema
+from presswork.case.solid.bodies import build_bodies, build_contacts
+from presswork.case.solid.reach import check_reach, check_room
+from presswork.case.solid.references import check_references, check_sets
+from presswork.case.stamping.schema import RAMP
+from presswork.case.tools.builder import build_tool, check_motions, find_way
+from presswork.case.tools.cavity import check_cavity
+from presswork.mesh.edges import edge_areas
+
+logger = logging.getLogger(__name__)
+
+_AXES = ("x", "y")
+
+
+def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model.Model:
+    """Build the Model of a solid's case, as kinds.build_model says."""
+    _stop_at(check_references(case), case)
+    mesh, bodies = build_bodies(case)
+    problems = check_sets(case, mesh)
+    _stop_at(problems, case)
+    materials, problems = _build_materials(case, run_user_code)
+    _stop_at(problems, case)
+    contacts, problems = build_contacts(case, mesh, bodies, materials)
+    planes, plane_problems = _find_symmetry_planes(case, mesh, bodies)
+    problems += plane_problems
+    if case.analysis == "axisymmetric":
+        problems += _check_axis(case, mesh)
+    built = [
+        build_tool(name, tool, mesh, planes, _folder(case), find_way(case, name)) for name, tool in case.tools.items()
+    ]
+    problems += [tool for tool in built if isinstance(tool, Problem)]
+    tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
+    explicit = case.procedure == "explicit"
+    ring = case.analysis == "axisymmetric"
+
+    def area_of(edge_set: str) -> float:
+        thickness = None if ring else case.depth
+        return float(edge_areas(mesh.points, mesh.edge_sets[edge_set], thickness).sum())
+
+    stages = tuple(_build_stage(stage, area_of, explicit=explicit) for stage in case.stages)
+    problems = problems or check_motions(case, tools)
+    if not problems and case.workpiece.velocity is None:
+        problems = check_reach(tools, stages, mesh)
+    supports = tuple(
+        model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix), name) for name, entry in case.boundary.items()
+    )
+    problems = problems or check_room(tools, stages, supports, mesh)
+    _stop_at(problems, case)
+    found = model.Model(
+        title=case.title,
+        analysis=case.analysis,
+        depth=case.depth,
+        mesh=mesh,
+        materials=materials,
+        tools=tools,
+        supports=supports,
+        stages=stages,
+        solver=build_solver(
+            case.solver,
+            with_coulomb=any(t.contact.startswith("coulomb") for t in case.tools.values()),
+            with_body_contact=bool(contacts),
+        ),
+        output=build_output(case.output),
+        bodies=bodies,
+        contacts=contacts,
+        explicit=_build_explicit(case) if case.procedure == "explicit" else None,
+        limits=case.limits.build(),
+        case_text=case.text,
+    )
+    closing = check_cavity(found)
+    if case.limits.stop:
+        _stop_at(closing, case)
+    for problem in closing:
+        logger.warning("%s: %s", problem.key, problem.expected)
+    return found
+
+
+def _stop_at(problems: list[Problem], case: schema.Case) -> None:
+    if problems:
+        raise CaseError(problems, case.source)
+
+
+def _folder(case: schema.Case) -> Path:
+    """Return what paths in a case are relative to."""
+    return case.source.parent if case.source is not None else Path()
+
+
+def _build_materials(case: schema.Case, run_user_code: bool) -> tuple[tuple[model.Material, ...], list[Problem]]:
+    built = [
+        build_umat(name, material, _folder(case), run_user_code=run_user_code)
+        if isinstance(material, UmatMaterial)
+        else _build_material(name, material)
+        for name, material in case.materials.items()
+    ]
+    materials = tuple(material for material in built if isinstance(material, model.Material))
+    return materials, [problem for problem in built if isinstance(problem, Problem)]
+
+
+def _build_material(name: str, material: schema.Material) -> model.Material:
+    return model.Material(
+        name,
+        material.young,
+        material.poisson,
+        build_hardening(material.hardening),
+        rate=material.rate.to_model() if material.rate else None,
+        density=material.density or 0.0,
+        heating=material.heating.to_model() if material.heating else None,
+    )
+
+
+def _build_explicit(case: schema.Case) -> model.ExplicitSolid:
+    velocity = case.workpiece.velocity or (0.0, 0.0)
+    return model.ExplicitSolid(velocity=velocity, **case.explicit.model_dump())
+
+
+def _find_symmetry_planes(
+    case: schema.Case, mesh: model.Mesh, bodies: tuple[model.Body, ...]
+) -> tuple[tuple[model.FloatArray, model.FloatArray], list[Problem]]:
+    """Return the positions [mm] of the symmetry planes normal to x and y that count for tools, and problems."""
+    planes: tuple[list[float], list[float]] = ([], [])
+    problems = []
+    tolerance = 1e-6 * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    for name, entry in case.boundary.items():
+        fixed = sorted(set(entry.fix))
+        axis = _AXES.index(fixed[0])
+        nodes = mesh.node_sets[entry.set]
+        body = next(body for body in bodies if nodes[0] in body.points)
+        points = mesh.points[body.points.start : body.points.stop]
+        low, high = points.min(axis=0), points.max(axis=0)
+        coordinate = mesh.points[nodes, axis]
+        outermost = min(coordinate.min() - low[axis], high[axis] - coordinate.max()) < tolerance
+        on_line = np.abs(points[:, axis] - coordinate[0]) < tolerance
+        is_whole_side = len(nodes) > 1 and on_line.sum() == len(nodes)
+        if len(fixed) == 1 and np.ptp(coordinate) < tolerance and outermost and is_whole_side:
+            if entry.symmetry is not False:
+                planes[axis].append(float(coordinate.mean()))
+        elif entry.symmetry:
+            problems.append(
+                Problem(
+                    f"boundary.{name}.symmetry",
+                    f"the set `{entry.set}` with fix = {fixed} is no symmetry plane of the workpiece",
+                    "fix one component, on the whole of an outermost straight side normal to it, or leave symmetry out",
+                    True,
+                )
+            )
+    if case.analysis == "axisymmetric":
+        planes = ([], [])
+    return (np.array(planes[0]), np.array(planes[1])), problems
+
+
+def _check_axis(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of a workpiece about the axis x = 0."""
+    x = mesh.points[:, 0]
+    tolerance = 1e-6 * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    if x.min() < -tolerance:
+        return [
+            Problem(
+                "workpiece.mesh",
+                f"the workpiece reaches to x = {x.min():.6g} mm, but x is the radius in an axisymmetric analysis",
+                "model the half at x >= 0, with the axis at x = 0",
+            )
+        ]
+    fixed = [mesh.node_sets[entry.set] for entry in case.boundary.values() if "x" in entry.fix]
+    on_axis = np.flatnonzero(x < tolerance)
+    loose = np.setdiff1d(on_axis, np.concatenate(fixed)) if fixed else on_axis
+    if len(loose) == 0:
+        return []
+    return [
+        Problem(
+            "boundary",
+            f"{len(loose)} nodes on the axis of rotation (x = 0) are free to leave it",
+            'add [boundary.axis] with set = "left" and fix = ["x"]',
+        )
+    ]
+
+
+def _build_edge_force(entry: schema.EdgeForce, area: float) -> model.EdgeForce:
+    """Return a force per area; area: of the set [mm2]."""
+    if entry.value is not None:
+        return model.EdgeForce(entry.set, entry.value)
+    assert entry.total is not None
+    return model.EdgeForce(entry.set, (entry.total[0] / area, entry.total[1] / area))
+
+
+def _build_stage(stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool) -> model.Stage:
+    """Turn a case's stage into the Model's; area_of: gives the area of an edge set [mm2]."""
+    ramp = RAMP * stage.duration if stage.ramp is None else stage.ramp
+    return model.Stage(
+        name=stage.name,
+        duration=stage.duration,
+        ramp=ramp if explicit else 0.0,
+        tool_motion={name: motion.build() for name, motion in stage.tools.items()},
+        prescribed=tuple(
+            model.PrescribedDisplacement(entry.set, 0 if entry.component == "x" else 1, entry.value)
+            for entry in stage.displacement
+        ),
+        forces=tuple(model.PointForce(entry.set, entry.value) for entry in stage.force),
+        pressures=tuple(model.Pressure(entry.set, entry.value) for entry in stage.pressure),
+        edge_forces=tuple(_build_edge_force(entry, area_of(entry.set)) for entry in stage.edge_force),
+    )

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of a case across its tables: names that must exist elsewhere, and values that must go together."""
+
+from __future__ import annotations
+
+from presswork import model
+from presswork.case.errors import Problem, suggest
+from presswork.case.material.umat import UmatMaterial
+from presswork.case.settings import check_small_displacements
+from presswork.case.solid import schema
+from presswork.case.solid.bodies import check_bodies, list_bodies
+from presswork.case.solid.explicit_checks import check_procedure
+from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece
+from presswork.case.units import LENGTH, unit_factor
+from presswork.memory import available_memory, estimate_rectangle, explain_shortage
+from presswork.mesh import fitting_patterns
+
+MOST_CELLS = 20_000_000
+
+
+def check_references(case: schema.Case) -> list[Problem]:
+    """Return the problems that show without the mesh."""
+    problems = check_bodies(case) + check_procedure(case)
+    for key, body in list_bodies(case).values():
+        problems += _check_body(case, key, body)
+    if case.analysis == "axisymmetric" and case.depth != 1.0:
+        problems.append(
+            Problem(
+                "depth",
+                "an axisymmetric body has no depth: forces are those of the whole ring",
+                "leave it out",
+                case.depth,
+            )
+        )
+    elements = [body.element for _, body in list_bodies(case).values()]
+    if case.solver.strain_measure == "small" and "quad4_fbar" in elements:
+        problems.append(
+            Problem(
+                "solver.strain_measure",
+                "F-bar needs a strain whose trace is the change of volume, which the small strain's is not",
+                'take "log", or another element',
+                "small",
+            )
+        )
+    for name, entry in case.tools.items():
+        problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
+    problems += _check_umats(case) + _check_densities(case) + check_small_displacements(case.solver)
+    if case.solver.control == "arc_length":
+        fault = "arc length is for shells under loads alone"
+        problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
+    names = [stage.name for stage in case.stages]
+    unloads = case.workpiece.velocity is not None
+    for index, stage in enumerate(case.stages):
+        key = f"stages.{index}"
+        if stage.name in names[:index]:
+            problems.append(Problem(f"{key}.name", "two stages have this name", "give each its own", stage.name))
+        for tool in stage.tools:
+            if tool not in case.tools:
+                remedy = suggest(tool, case.tools, "tools")
+                problems.append(Problem(f"{key}.tools.{tool}", "no such tool", remedy))
+        problems += _check_forces(case, stage, key)
+        if not (_moves(stage) or unloads):
+            problems.append(
+                Problem(
+                    key,
+                    f'the stage "{stage.name}" moves nothing at all: no tool, no displacement, no load',
+                    f"add [stages.tools.NAME] with a stroke or move, or [[stages.displacement]]; "
+                    f"tools: {', '.join(case.tools) or 'none'}",
+                )
+            )
+        unloads = unloads or _is_loaded(stage)
+    return problems
+
+
+def _check_densities(case: schema.Case) -> list[Problem]:
+    """Return the problems of materials without mass where inertia acts."""
+    if case.solver.inertia == 0.0:
+        return []
+    problems = []
+    for name in sorted({body.material for _, body in list_bodies(case).values()} & set(case.materials)):
+        material = case.materials[name]
+        if isinstance(material, UmatMaterial):
+            fault = "a UMAT has no density, which inertia needs"
+            problems.append(Problem(f"materials.{name}.umat", fault, "leave solver.inertia out, or take hardening"))
+        elif material.density is None:
+            remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
+            problems.append(Problem(f"materials.{name}.density", "missing key", remedy))
+    return problems
+
+
+def _check_umats(case: schema.Case) -> list[Problem]:
+    """Return the problems of laws from shared libraries with elements and tangents that need a flow stress."""
+    users = {name for name, material in case.materials.items() if isinstance(material, UmatMaterial)}
+    problems = []
+    for _, (key, body) in list_bodies(case).items():
+        if body.material in users and body.element == "quad4_1pt":
+            fault = "its hourglass control needs a flow stress, which a UMAT does not tell"
+            problems.append(Problem(f"{key}.element", fault, "take quad4_fbar", body.element))
+    if users and case.solver.tangent == "thesis":
+        fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"
+        problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
+    return problems
+
+
+def _check_forces(case: schema.Case, stage: schema.Stage, key: str) -> list[Problem]:
+    """Return the problems of tools that a force pushes in a stage."""
+    problems = []
+    for name, motion in stage.tools.items():
+        tool = case.tools.get(name)
+        if motion.force is None or tool is None:
+            continue
+        if tool.spring is not None:
+            remedy = "remove the spring, or move the tool with a stroke and let the spring give the force"
+            problems.append(Problem(f"{key}.tools.{name}.force", "the tool rests on a spring", remedy, motion.force))
+        assert motion.direction is not None
+        if case.analysis == "axisymmetric" and motion.direction[0] != 0.0:
+            fault = "in axisymmetry a rigid tool can move along y only"
+            problems.append(Problem(f"{key}.tools.{name}.direction", fault, "take [0, 1] or [0, -1]", motion.direction))
+    return problems
+
+
+def _moves(stage: schema.Stage) -> bool:
+    """Say whether a stage changes anything; a force or pressure of zero counts, as it may unload."""
+    tools = any(motion.build() != model.ToolMotion() for motion in stage.tools.values())
+    return tools or any(entry.value != 0.0 for entry in stage.displacement) or _is_loaded(stage)
+
+
+def _is_loaded(stage: schema.Stage) -> bool:
+    return bool(stage.force or stage.edge_force or stage.pressure)
+
+
+def _check_unit(key: str, unit: str) -> list[Problem]:
+    try:
+        unit_factor(unit, LENGTH)
+    except ValueError as error:
+        return [Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit)]
+    return []
+
+
+def _check_body(case: schema.Case, key: str, body: Workpiece) -> list[Problem]:
+    problems = []
+    cells = body.mesh.cells if isinstance(body.mesh, Rectangle) else None
+    if cells and cells[0] * cells[1] > MOST_CELLS:
+        remedy = f"take no more than {MOST_CELLS:,} in all"
+        problems.append(Problem(f"{key}.mesh.cells", "more cells than memory will hold", remedy, list(cells)))
+    elif isinstance(body.mesh, Rectangle):
+        problems += check_cells(f"{key}.mesh", body.mesh, body.element, 0, explicit=case.procedure == "explicit")
+    if body.material not in case.materials:
+        remedy = suggest(body.material, case.materials, "materials")
+        problems.append(Problem(f"{key}.material", "no such material", remedy, body.material))
+    if isinstance(body.mesh, MeshFile):
+        problems += _check_unit(f"{key}.mesh.unit", body.mesh.unit)
+    elif body.mesh.pattern is not None:
+        fitting = fitting_patterns(body.element)
+        if body.mesh.pattern not in fitting:
+            shape = "triangles" if body.mesh.pattern != "quad" else "quadrilaterals"
+            problems.append(
+                Problem(
+                    f"{key}.mesh.pattern",
+                    f"this makes {shape}, which do not fit element = {body.element}",
+                    f"choose one of: {', '.join(fitting)}; or another element",
+                    body.mesh.pattern,
+                )
+            )
+    return problems
+
+
+def check_cells(key: str, mesh: Rectangle, element: model.ElementName, layers: int, *, explicit: bool) -> list[Problem]:
+    """Return a problem where the cells of a rectangle need more memory than there is. layers: of a shell, else 0."""
+    along = mesh.cells or [sum(zone.cells for zone in zones or ()) for zones in (mesh.zones_x, mesh.zones_y)]
+    cut = {"crossed": 4, "left": 2, "right": 2, "quad": 1}[mesh.pattern or fitting_patterns(element)[0]]
+    needed, there = (
+        estimate_rectangle(cut * along[0] * along[1], element, layers, explicit=explicit),
+        available_memory(),
+    )
+    if needed <= there:
+        return []
+    name = "cells" if mesh.cells else "zones_x"
+    fault, _, remedy = explain_shortage(needed, there).partition("; ")
+    return [Problem(f"{key}.{name}", fault, remedy, list(along))]
+
+
+def check_sets(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of set names, once the mesh is known."""
+    uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
+    for index, stage in enumerate(case.stages):
+        key = f"stages.{index}"
+        uses += [(f"{key}.displacement.{row}.set", entry.set, False) for row, entry in enumerate(stage.displacement)]
+        uses += [(f"{key}.force.{row}.set", load.set, False) for row, load in enumerate(stage.force)]
+        uses += [(f"{key}.edge_force.{row}.set", load.set, True) for row, load in enumerate(stage.edge_force)]
+        uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
+    return check_set_names(uses, mesh)
+
+
+def check_set_names(uses: list[tuple[str, str, bool]], mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of set names: uses are key, name and whether an edge set is meant."""
+    problems = []
+    for key, name, is_edge_set in uses:
+        what, known = ("edge sets", mesh.edge_sets) if is_edge_set else ("node sets", mesh.node_sets)
+        if name not in known:
+            problems.append(Problem(key, f"no such {what[:-1]}", suggest(name, known, what), name))
+        elif len(known[name]) == 0:
+            problems.append(Problem(key, f"the {what[:-1]} is empty", "choose another", name))
+    return problems

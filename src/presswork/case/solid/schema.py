@@ -1,0 +1,403 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The case: what the user says of a forming problem, from a TOML file or from Python with the same names.
+
+Lengths are mm, stresses MPa, forces N and times s where a plain number stands; a string with a unit is converted.
+Solver and output settings are in settings.py, hardening laws in hardening.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import (
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
+from pydantic.config import JsonDict
+
+from presswork import _core, model
+from presswork.case.case_file import CaseFile
+from presswork.case.limits import Limits
+from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
+from presswork.case.material.hardening import Hardening, build_hardening
+from presswork.case.material.laws import RateLaw
+from presswork.case.material.umat import UmatMaterial
+from presswork.case.names import Name, Title
+from presswork.case.part import Part, ShortForm
+from presswork.case.settings import Output, Solver
+from presswork.case.solid.contact import Contact, require_friction
+from presswork.case.solid.explicit import ExplicitSolver, Heating, require_density
+from presswork.case.solid.workpiece import Workpiece
+from presswork.case.units import (
+    Angle,
+    Density,
+    Direction,
+    Force,
+    ForceVector,
+    Length,
+    Number,
+    Place,
+    Point,
+    Stiffness,
+    Stress,
+    StressVector,
+    Time,
+    fault,
+)
+
+Axis = Literal["x", "y"]
+
+
+def require_direction(direction: tuple[float, float]) -> None:
+    """Refuse a direction of no length."""
+    if math.hypot(*direction) == 0.0:
+        raise fault("expected a direction that is not zero", "for instance [0, -1] for downwards", key="direction")
+
+
+def unit_vector(direction: tuple[float, float]) -> tuple[float, float]:
+    """Return a direction at length 1."""
+    length = math.hypot(*direction)
+    return direction[0] / length + 0.0, direction[1] / length + 0.0
+
+
+class Material(Part):
+    """Isotropic elasticity with von Mises plasticity."""
+
+    young: Stress = Field(gt=0, description="Young's modulus [MPa]")
+    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
+    hardening: Hardening = Field(description="flow stress against equivalent plastic strain")
+    density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
+    rate: RateLaw | None = Field(default=None, description="explicit: factor on the flow stress by strain rate")
+    heating: Heating | None = Field(
+        default=None, description="explicit: heating by plastic work, and the softening that it brings"
+    )
+
+    magnitudes: Magnitudes = Field(default="metal", description=DESCRIPTION)
+
+    @model_validator(mode="after")
+    def _check_magnitudes(self) -> Self:
+        require_density(self.density)
+        if self.magnitudes == "metal":
+            law = build_hardening(self.hardening)
+            parameters = [float(parameter) for parameter in law.parameters]
+            mises = _core.VonMises(self.young, self.poisson, _core.HardeningLaw[law.law], parameters)
+            require_metal(self.young, lambda strain: mises.flow_stress(strain)[0])
+        return self
+
+
+_MATERIALS: JsonDict = {"von_mises": "#/$defs/Material", "umat": "#/$defs/UmatMaterial"}
+
+
+def _kind_of_material(data: object) -> str:
+    """Tell a table with a UMAT from others."""
+    has_umat = "umat" in data if isinstance(data, dict) else isinstance(data, UmatMaterial)
+    return "umat" if has_umat else "von_mises"
+
+
+MaterialTable = Annotated[
+    Annotated[Material, Tag("von_mises")] | Annotated[UmatMaterial, Tag("umat")],
+    Discriminator(_kind_of_material),
+    Field(json_schema_extra={"discriminator": {"mapping": _MATERIALS}}),
+]
+
+
+class ProfilePoint(ShortForm):
+    """The next point of a tool's profile; short form [x, y]."""
+
+    short_form = ("to",)
+
+    to: Point = Field(description="the point [x, y] [mm]")
+    radius: Length = Field(default=0.0, ge=0, description="fillet that rounds the corner here [mm]")
+    centre: Point | None = Field(
+        default=None, description="the piece that ends here is an arc about this point [x, y] [mm]"
+    )
+    turn: Literal["left", "right"] | None = Field(
+        default=None, description="to which side that arc turns: left is counter-clockwise"
+    )
+    m: Number | None = Field(
+        default=None, ge=0.0, le=1.0, description="friction factor of the piece that ends here, instead of the tool's"
+    )
+    mu: Number | None = Field(
+        default=None, ge=0.0, description="coefficient of friction of the piece that ends here, instead of the tool's"
+    )
+
+    @model_validator(mode="after")
+    def _check_arc(self) -> Self:
+        if (self.centre is None) != (self.turn is None):
+            missing = "centre" if self.centre is None else "turn"
+            raise fault("missing key: an arc needs both centre and turn", 'for instance turn = "left"', key=missing)
+        return self
+
+
+class Spring(Part):
+    """A spring behind a tool, which stands at its stop until it is pushed with more than the preload."""
+
+    stiffness: Stiffness = Field(gt=0, description="of the whole tool [N/mm]")
+    preload: Force = Field(default=0.0, ge=0, description="push from which the tool gives way [N]")
+    direction: Direction = Field(description="direction [x, y] in which the tool gives way, of any length")
+
+    @model_validator(mode="after")
+    def _check_direction(self) -> Self:
+        require_direction(self.direction)
+        return self
+
+
+class Tool(Part):
+    """A rigid tool, given by its profile: points here, or a file."""
+
+    profile: tuple[ProfilePoint, ...] | None = Field(
+        default=None,
+        description="points [x, y], joined by lines; {to = [x, y], radius = 2} rounds a corner, "
+        '{to = [x, y], centre = [x, y], turn = "left"} ends an arc',
+    )
+    profile_file: str | None = Field(
+        default=None,
+        description="instead of profile: a text file of two columns, x and y, or a .dxf drawing, relative to the case",
+    )
+    unit: str | None = Field(
+        default=None, description="length unit of the file, e.g. mm, m, inch; default: a drawing's own, or else mm"
+    )
+    layer: str | None = Field(default=None, description="the layer of the drawing that holds the profile")
+    curve: Literal["polyline", "spline"] | None = Field(
+        default=None,
+        description="how points are joined: polyline, by lines (default for profile), or spline, by a smooth curve "
+        "between corners (default for a text file)",
+    )
+    corner_angle: Number = Field(
+        default=30.0, gt=0, lt=180, description="turn [degrees] above which a point of a spline stays a corner"
+    )
+    tolerance: Length | None = Field(
+        default=None,
+        gt=0,
+        description="how far the arcs of the profile may lie off the smooth curve [mm], and how far apart the ends of "
+        "a drawing's pieces; default: 1e-5 of the profile's extent",
+    )
+    contact: model.ContactLaw = Field(
+        description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped"
+    )
+    m: Number = Field(default=0.0, ge=0.0, le=1.0, description="friction factor of shear and coulomb_capped, 0 to 1")
+    mu: Number = Field(default=0.0, ge=0.0, description="coefficient of friction of coulomb and coulomb_capped")
+    closed: bool = Field(default=False, description="join the last point to the first")
+    free_side: Literal["auto", "left", "right"] = Field(
+        default="auto",
+        description="the side of the profile, as drawn, on which the tool's metal is not; auto: where the workpiece is",
+    )
+    mirrored: tuple[Axis, ...] | None = Field(
+        default=None,
+        description="plane strain: the whole tool is this one and its mirror image along x | y, so that its force "
+        "counts twice; without it: wherever the profile reaches a symmetry plane",
+    )
+    centre: Point | None = Field(
+        default=None,
+        description="the point [x, y] about which the tool turns, and its torque is taken [mm]; without it: the centre "
+        "that all its arcs share, as of a roll",
+    )
+    position: Place | None = Field(
+        default=None,
+        description="where the origin of the profile, as drawn, starts [x, y] [mm], centre included; touch: it is "
+        "moved from there along its first motion until it touches the workpiece",
+    )
+    spring: Spring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
+
+    @model_validator(mode="after")
+    def _check_friction(self) -> Self:
+        pieces = [
+            f"profile.{index}.{key}"
+            for index, point in enumerate(self.profile or ())
+            for key in ("m", "mu")
+            if getattr(point, key) is not None
+        ]
+        require_friction(self, self.contact, pieces)
+        return self
+
+    @model_validator(mode="after")
+    def _check_profile(self) -> Self:
+        if self.profile is None:
+            self._check_file()
+            return self
+        if self.profile_file is not None:
+            raise fault("profile stands beside profile_file", "give one of them", key="profile_file")
+        for key in ("unit", "layer"):
+            if getattr(self, key) is not None:
+                raise fault("has no meaning without profile_file", "remove it", key=key)
+        least = 3 if self.closed else 2
+        if len(self.profile) < least:
+            kind = "a closed" if self.closed else "a"
+            raise fault(
+                f"{kind} profile needs at least {least} points", "for instance [[0, 15], [30, 15]]", key="profile"
+            )
+        ends_meet = len(self.profile) > 3 and self.profile[0].to == self.profile[-1].to
+        if self.profile[0].centre is not None and (ends_meet or not self.closed):
+            raise fault("the first point of an open profile ends no arc", "start with [x, y]", key="profile")
+        self._check_spline(self.curve == "spline")
+        for index, point in enumerate(self.profile):
+            if self.curve == "spline" and (point.radius or point.centre is not None):
+                remedy = 'give plain points, or leave curve = "spline" out'
+                raise fault("a spline takes no radius and no arc", remedy, key=f"profile.{index}")
+        return self
+
+    def _check_file(self) -> None:
+        if self.profile_file is None:
+            remedy = "give points [x, y], joined by lines, or profile_file"
+            raise fault("missing key", remedy, key="profile")
+        if not self.profile_file.lower().endswith(".dxf"):
+            if self.layer is not None:
+                raise fault("has no meaning with a text file", "remove it", key="layer")
+            self._check_spline(self.curve != "polyline")
+            return
+        for key in {"curve", "corner_angle"} & self.model_fields_set:
+            raise fault("has no meaning with a drawing, whose lines and arcs stay", "remove it", key=key)
+
+    def _check_spline(self, is_spline: bool) -> None:
+        for key in ("corner_angle", "tolerance"):
+            if key in self.model_fields_set and not is_spline:
+                raise fault('has a meaning with curve = "spline" only', "remove it", key=key)
+
+
+class Boundary(Part):
+    """Displacement components held at zero in every stage."""
+
+    set: str = Field(description="name of a node set")
+    fix: tuple[Axis, ...] = Field(min_length=1, description="components held at zero, out of x and y")
+    symmetry: bool | None = Field(
+        default=None,
+        description="whether this is a symmetry plane; without it: when it fixes one component only, on a straight "
+        "side of the workpiece normal to that component",
+    )
+
+
+class ToolMotion(Part):
+    """What a tool does over a stage: `move`, or `stroke` or `force` with `direction`; and `turn`."""
+
+    stroke: Length | None = Field(default=None, ge=0, description="distance travelled over the stage [mm]")
+    force: Force | None = Field(
+        default=None,
+        gt=0,
+        description="instead of a stroke: what the whole tool pushes with at the stage's end [N], reached linearly",
+    )
+    direction: Direction | None = Field(
+        default=None, description="direction [x, y] of the stroke or force, of any length"
+    )
+    move: Point | None = Field(default=None, description="displacement [x, y] over the stage [mm]")
+    turn: Angle = Field(
+        default=0.0, description="angle turned over the stage about the tool's centre, counter-clockwise [degree]"
+    )
+
+    @model_validator(mode="after")
+    def _check_one_way_of_moving(self) -> Self:
+        remedy = "give stroke or force, with direction; or move = [x, y]; or turn"
+        along = [name for name in ("stroke", "force") if getattr(self, name) is not None]
+        if self.move is not None and (along or self.direction is not None):
+            raise fault(f"move stands beside {(along or ['direction'])[0]}", remedy, key="move")
+        if len(along) == 2:
+            raise fault("force stands beside stroke", "a tool either travels or pushes in a stage", key="force")
+        if along and self.direction is None:
+            raise fault("missing key", remedy, key="direction")
+        if not along and (self.direction is not None or (self.move is None and not self.turn)):
+            raise fault("missing key", remedy, key="stroke")
+        if self.direction is not None:
+            require_direction(self.direction)
+        return self
+
+    def build(self) -> model.ToolMotion:
+        """Return the Model's motion."""
+        turn = math.radians(self.turn)
+        if self.force is not None:
+            assert self.direction is not None
+            return model.ToolMotion(turn=turn, force=self.force, direction=unit_vector(self.direction))
+        if self.stroke is not None:
+            assert self.direction is not None
+            x, y = unit_vector(self.direction)
+            return model.ToolMotion(move=(self.stroke * x + 0.0, self.stroke * y + 0.0), turn=turn)
+        return model.ToolMotion(move=self.move or (0.0, 0.0), turn=turn)
+
+
+class Displacement(Part):
+    """A displacement component that grows linearly over the stage."""
+
+    set: str = Field(description="name of a node set")
+    component: Axis = Field(description="x or y")
+    value: Length = Field(description="displacement over the stage [mm]")
+
+
+class NodeForce(Part):
+    """A total force, shared equally by the nodes of a set, reached linearly at the end of the stage.
+
+    Equal shares are even stress on few meshes only: edge_force is spread by area.
+    """
+
+    set: str = Field(description="name of a node set")
+    value: ForceVector = Field(description="force [x, y] [N], on the whole ring in axisymmetry")
+
+
+class EdgeForce(Part):
+    """A force of fixed direction on an edge set, spread by undeformed area, reached linearly at the stage's end."""
+
+    set: str = Field(description="name of an edge set")
+    value: StressVector | None = Field(default=None, description="force per undeformed area [x, y] [MPa]")
+    total: ForceVector | None = Field(
+        default=None,
+        description="instead of value: force on the whole set [x, y] [N], on the whole ring in axisymmetry",
+    )
+
+    @model_validator(mode="after")
+    def _check_one_value(self) -> Self:
+        if (self.value is None) == (self.total is None):
+            remedy = "for instance value = [0, 100] (MPa), or total = [0, 5000] (N)"
+            raise fault("give either value or total", remedy, key="value")
+        return self
+
+
+class Pressure(Part):
+    """A pressure that follows the surface, reached linearly at the end of the stage."""
+
+    set: str = Field(description="name of an edge set")
+    value: Stress = Field(description="pressure [MPa], positive into the body")
+
+
+class Stage(Part):
+    """A part of the process in which every motion and load is linear in time; explicit: motions start smoothly."""
+
+    name: Name = Field(description="name of the stage")
+    duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
+    ramp: Time | None = Field(
+        default=None,
+        ge=0,
+        description="explicit: time of the smooth start and of the smooth end of all that moves [s]; without it: a "
+        "tenth of the duration; 0: full velocity from the first cycle on, a blow",
+    )
+    tools: dict[str, ToolMotion] = Field(default={}, description="motion of each moving tool; the others stand still")
+    displacement: tuple[Displacement, ...] = Field(default=(), description="prescribed displacements")
+    force: tuple[NodeForce, ...] = Field(default=(), description="forces")
+    edge_force: tuple[EdgeForce, ...] = Field(default=(), description="forces along edges, spread by area")
+    pressure: tuple[Pressure, ...] = Field(default=(), description="pressures")
+
+
+class Case(CaseFile):
+    """A complete forming case. Raises CaseError, with every problem found, when it is not valid."""
+
+    title: Title = Field(description="what the case shows, in one line")
+    analysis: Literal["axisymmetric", "plane_strain"] = Field(
+        description="axisymmetric (x is the radius, y the axis) or plane_strain"
+    )
+    procedure: Literal["implicit", "explicit"] = Field(
+        default="implicit",
+        description="implicit: equilibrium after every increment; explicit: dynamics in small steps, for impacts",
+    )
+    depth: Length = Field(default=1.0, gt=0, description="plane strain: extent normal to the plane [mm]")
+    workpiece: Workpiece = Field(description="the body that is formed")
+    materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
+    tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
+    bodies: dict[Name, Workpiece] = Field(default={}, description="further deformable bodies by name")
+    contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
+    boundary: dict[Name, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
+    stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")
+    solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
+    explicit: ExplicitSolver = Field(
+        default=ExplicitSolver(), description="how the explicit procedure steps through time"
+    )
+    output: Output = Field(default=Output(), description="what is saved, and when")
+    limits: Limits = Field(default=Limits(), description="beyond which a run stops")

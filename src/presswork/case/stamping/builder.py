@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a stamping's case to its Model: names resolved, the blank meshed, tools drawn and placed, everything checked."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from math import cos, radians, sin
+from pathlib import Path
+
+import numpy as np
+
+from presswork import model
+from presswork.case.errors import CaseError, Problem
+from presswork.case.material.forming_limit.build import build_sheets
+from presswork.case.shell.schema import FREEDOMS, HOLDS
+from presswork.case.solid.references import check_set_names
+from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing
+from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank
+from presswork.case.stamping.checks import (
+    MOST_CELLS,
+    check_fit,
+    check_names,
+    check_speeds,
+    check_target_step,
+    check_tools,
+    check_ways,
+    explain_too_many,
+)
+from presswork.case.stamping.clashes import check_clashes
+from presswork.case.stamping.place import build_tools
+from presswork.case.stamping.plan_line import LineFile, draw_line
+from presswork.case.stamping.schema import RAMP, VELOCITY, StampingCase, StampingStage
+from presswork.case.units import LENGTH, unit_factor
+from presswork.geometry.polygon import polygon_area
+from presswork.mesh import MeshError
+from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.cut import check_meets
+from presswork.mesh.outlined_blank import mesh_outlined_blank
+from presswork.mesh.readers import read_raw
+from presswork.mesh.shells import read_shell_mesh
+from presswork.model_stamping import (
+    ExplicitSettings,
+    Refinement,
+    Springback,
+    StampingModel,
+    StampingOutput,
+    ToolAction,
+    TrimLine,
+)
+from presswork.model_stamping import StampingStage as StageModel
+
+logger = logging.getLogger(__name__)
+
+IMPLICIT_ELEMENTS: dict[int, model.ElementName] = {3: "shell3_mitc_plus", 4: "shell4_mitc"}
+"""By number of nodes."""
+SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
+
+
+def build_stamping_model(case: StampingCase) -> StampingModel:
+    """Build the Model of a stamping; raises CaseError with every problem of the first kind that is found."""
+    _stop_at(check_names(case) + check_bead_stages(case), case)
+    _stop_at(check_tools(case) + check_ways(case), case)
+    stages = tuple(build_stage(stage) for stage in case.stages)
+    _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
+    mesh = _build_mesh(case)
+    uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
+    for index, stage in enumerate(case.stages):
+        uses += [(f"stages.{index}.displacement.{i}.set", e.set, False) for i, e in enumerate(stage.displacement)]
+    _stop_at(check_set_names(uses, mesh), case)
+    tools, problems = build_tools(case, mesh)
+    _stop_at(problems, case)
+    _stop_at(check_fit(case, mesh, tools), case)
+    _stop_at(check_clashes(case, mesh, tools), case)
+    beads, problems = build_beads(case, mesh, tools)
+    _stop_at(problems, case)
+    _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
+    trim, problems = _build_trim(case, mesh)
+    _stop_at(problems, case)
+    blank = case.blank
+    angle = radians(blank.rolling_direction)
+    symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
+    supports = [
+        model.Support(name, tuple(freedom in HOLDS[name] for freedom in FREEDOMS), name)
+        for name, is_cut in zip(SYMMETRY_SETS, symmetry, strict=True)
+        if is_cut
+    ]
+    return StampingModel(
+        title=case.title,
+        procedure=case.procedure,
+        mesh=mesh,
+        rolling_direction=(cos(angle), sin(angle), 0.0),
+        materials=tuple(
+            replace(sheet, density=case.materials[sheet.name].find_density())
+            for sheet in build_sheets(case.materials, case.blank.material, case.blank.thickness, case.source)
+        ),
+        tools=tools,
+        symmetry=symmetry,
+        supports=(*supports, *(entry.build(name) for name, entry in case.boundary.items())),
+        stages=stages,
+        explicit=ExplicitSettings(**case.explicit.model_dump()),
+        implicit=case.implicit.build(),
+        output=StampingOutput(**case.output.model_dump()),
+        beads=beads,
+        trim=trim,
+        springback=Springback(**case.springback.model_dump()) if case.springback else None,
+        refinement=Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
+        limits=case.limits.build(),
+        case_text=case.text,
+    )
+
+
+def _stop_at(problems: list[Problem], case: StampingCase) -> None:
+    if problems:
+        raise CaseError(problems, case.source)
+
+
+def _build_mesh(case: StampingCase) -> model.Mesh:
+    """Mesh the blank, or read its mesh."""
+    blank = case.blank
+    section = model.Section(blank.thickness, blank.points, blank.rule)
+    material = list(case.materials).index(blank.material)
+    symmetry = ["x" in blank.symmetry, "y" in blank.symmetry]
+    if isinstance(blank, BlankFile):
+        return _read_mesh(case, blank, section, material, symmetry)
+    if isinstance(blank, OutlinedBlank):
+        mesh = _mesh_outline(case, blank, symmetry)
+    elif isinstance(blank, CircularBlank):
+        mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry, triangles=blank.cells == "triangles")
+    else:
+        mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry, triangles=blank.cells == "triangles")
+    return dress_blank(mesh, _elements(case), section, material)
+
+
+def _elements(case: StampingCase) -> dict[int, model.ElementName]:
+    """Return the elements that the case takes, by their number of nodes."""
+    return {3: "shell3_one_point", 4: case.explicit.element} if case.procedure == "explicit" else IMPLICIT_ELEMENTS
+
+
+def _mesh_outline(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]) -> model.Mesh:
+    """Read the outline of a blank, and mesh what lies in it."""
+    folder = case.source.parent if case.source is not None else Path()
+    file = LineFile(shape="file", path=blank.path, unit=blank.unit, layer=blank.layer)
+    line = draw_line(file, "blank", folder)
+    if isinstance(line, Problem):
+        raise CaseError([line], case.source)
+    n_cells = abs(polygon_area(line)) / blank.element_size**2 / 2 ** sum(symmetry)
+    if n_cells > MOST_CELLS:
+        raise CaseError([explain_too_many(n_cells, blank.element_size)], case.source)
+    try:
+        return mesh_outlined_blank(line, blank.element_size, symmetry, triangles=blank.cells == "triangles")
+    except MeshError as error:
+        raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
+
+
+def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[TrimLine, ...], list[Problem]]:
+    """Draw or read the trim lines, and hold them against the blank, beyond which no part reaches."""
+    folder = case.source.parent if case.source is not None else Path()
+    lines, problems = [], []
+    for name, trim in case.trim.items():
+        polygon = draw_line(trim, f"trim.{name}", folder)
+        if isinstance(polygon, Problem):
+            problems.append(polygon)
+            continue
+        try:
+            check_meets(mesh.points, polygon, trim.keep)
+        except MeshError as error:
+            problems.append(Problem(f"trim.{name}", error.fault.replace("the sheet", "the blank"), error.remedy))
+        lines.append(TrimLine(name, polygon, trim.keep))
+    return tuple(lines), problems
+
+
+def _read_mesh(
+    case: StampingCase, blank: BlankFile, section: model.Section, material: int, symmetry: list[bool]
+) -> model.Mesh:
+    """Read the mesh of a blank, and find its nodes in the symmetry planes."""
+    path = (case.source.parent if case.source is not None else Path()) / blank.path
+    try:
+        kinds = set(read_raw(path).cells)
+        if kinds not in ({"quad4"}, {"tri3"}):
+            raise MeshError(
+                f"the cells are neither quadrilaterals alone nor triangles alone: {', '.join(sorted(kinds))}",
+                "mesh with 4-node cells, or with 3-node cells",
+            )
+        element = IMPLICIT_ELEMENTS[4 if kinds == {"quad4"} else 3]
+        scale = unit_factor(blank.unit, LENGTH)
+        mesh, notes = read_shell_mesh(path, element=element, section=section, scale=scale, material=material)
+    except MeshError as error:
+        raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
+    for note in notes:
+        logger.warning("blank.path = %s: %s", blank.path, note)
+    tolerance = 1e-6 * float(np.ptp(mesh.points, axis=0).max())
+    node_sets = dict(mesh.node_sets)
+    outline = mesh.boundary_edges
+    for axis, name in enumerate(SYMMETRY_SETS):
+        if not symmetry[axis]:
+            continue
+        at = mesh.points[:, axis]
+        node_sets[name] = np.flatnonzero(np.abs(at) <= tolerance).astype(np.int32)
+        if at.min() < -tolerance or len(node_sets[name]) < 2:
+            fault = f"the mesh does not end at the symmetry plane {'xy'[axis]} = 0: it reaches from {at.min():g} mm"
+            raise CaseError([Problem("blank.symmetry", fault, "cut the mesh there", blank.symmetry)], case.source)
+        outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
+    node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
+    return dress_blank(replace(mesh, node_sets=node_sets), _elements(case), section, material)
+
+
+def build_stage(stage: StampingStage) -> StageModel:
+    """Turn a case's stage into the Model's."""
+    moved = [action.stroke for action in stage.tools.values() if action.stroke is not None]
+    moved += [e.value for e in stage.displacement]
+    farthest = max((abs(m) for m in moved), default=0.0)
+    if stage.duration is not None:
+        duration = stage.duration
+        ramp = RAMP * duration if stage.ramp is None else stage.ramp
+    else:
+        way = farthest / (stage.velocity or VELOCITY)  # its time at full speed
+        ramp = way * RAMP / (1 - RAMP) if stage.ramp is None else stage.ramp
+        duration = way + ramp
+    way = max((abs(a.stroke) for a in stage.tools.values() if a.stroke), default=0.0)
+    actions = {}
+    for name, action in stage.tools.items():
+        force = None
+        if isinstance(action.force, tuple):
+            rows = np.array(action.force, dtype=float)
+            force = np.column_stack([rows[:, 0] / way, rows[:, 1]])
+        elif action.force is not None:
+            force = np.array([[0.0, action.force]])
+        actions[name] = ToolAction(action.stroke or 0.0, force)
+    prescribed = [(e.set, FREEDOMS.index(e.component), e.value) for e in stage.displacement]
+    return StageModel(
+        name=stage.name,
+        duration=duration,
+        ramp=ramp,
+        actions=actions,
+        prescribed=tuple(model.PrescribedDisplacement(*entry) for entry in prescribed),  # type: ignore[arg-type]
+    )

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of a stamping before anything is computed: names, and whether blank, tools and motions fit together."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from presswork.case.errors import Problem, suggest
+from presswork.case.material.library import list_keys
+from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
+from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage, TrimFile
+from presswork.case.stamping.shapes import clearance
+from presswork.case.stamping.tools import DrawnTool, ToolFile
+from presswork.case.units import LENGTH, unit_factor
+from presswork.mesh.tool_file import TriangulatedTool
+from presswork.model import FloatArray, Mesh
+from presswork.model_stamping import StampingStage as StageModel
+from presswork.model_stamping import StampingTool
+
+MOST_CELLS = 5_000_000
+KINDS = ("punch", "die", "holder")
+THINNEST = 0.002
+"""[mm] Foil of aluminium is rolled down to 0.004 mm."""
+CLEAR = 0.01
+"""Part of the thickness by which a tool may start in the blank."""
+FASTEST = 0.1
+"""Part of the wave speed at which tools may move."""
+
+
+def check_names(case: StampingCase) -> list[Problem]:
+    """Return the problems of names, units and stages that show without geometry."""
+    problems = []
+    if case.blank.material not in case.materials:
+        remedy = suggest(case.blank.material, [*case.materials, *list_keys()], "materials, of the case and the library")
+        problems.append(Problem("blank.material", "no such material", remedy, case.blank.material))
+    if case.blank.thickness < THINNEST:
+        fault, remedy = "thinner than any rolled metal", 'plain numbers are mm: 0.8, or "0.8 mm"'
+        problems.append(Problem("blank.thickness", fault, remedy, case.blank.thickness))
+    if isinstance(case.blank, RectangularBlank | CircularBlank):
+        problems += _check_element_size(case.blank)
+    units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
+    if isinstance(case.blank, BlankFile | OutlinedBlank) and case.blank.unit is not None:
+        units["blank.unit"] = case.blank.unit
+    units |= {f"trim.{n}.unit": t.unit for n, t in case.trim.items() if isinstance(t, TrimFile) and t.unit is not None}
+    for key, unit in units.items():
+        try:
+            unit_factor(unit, LENGTH)
+        except ValueError as error:
+            problems.append(Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit))
+    if case.blank.refine is not None and case.procedure == "implicit":
+        fault, remedy = "only the explicit procedure splits shells", "leave it out, or give a smaller element_size"
+        problems.append(Problem("blank.refine", fault, remedy))
+    elif case.blank.refine is not None and case.explicit.element != "shell4_one_point":
+        fault, remedy = "these shells cannot be split", 'take "shell4_one_point", or leave blank.refine out'
+        problems.append(Problem("explicit.element", fault, remedy, case.explicit.element))
+    names = [stage.name for stage in case.stages]
+    for index, stage in enumerate(case.stages):
+        key = f"stages.{index}"
+        if stage.name in names[:index]:
+            problems.append(Problem(f"{key}.name", "two stages have this name", "give each its own", stage.name))
+        problems += [
+            Problem(f"{key}.tools.{tool}", "no such tool", suggest(tool, case.tools, "tools"))
+            for tool in stage.tools
+            if tool not in case.tools
+        ]
+        problems += _check_timing(key, stage)
+    return problems
+
+
+def _check_element_size(blank: RectangularBlank | CircularBlank) -> list[Problem]:
+    """Return the problems of too many elements, and of too large ones."""
+    problems, most, largest = [], max(blank.half_size()), float(np.max(blank.element_size))
+    n_cells = 4 * float(np.prod(np.divide(blank.half_size(), blank.element_size))) / 2 ** len(set(blank.symmetry))
+    if n_cells > MOST_CELLS:
+        problems.append(explain_too_many(n_cells, float(np.min(blank.element_size))))
+    if largest > most:
+        fault = f"larger than half of the blank, {most:g} mm"
+        problems.append(Problem("blank.element_size", fault, "make it smaller", largest))
+    return problems
+
+
+def explain_too_many(n_cells: float, element_size: float) -> Problem:
+    """Return the problem of a blank of too many elements."""
+    fault = f"about {n_cells:.2g} elements, more than memory will hold"
+    return Problem("blank.element_size", fault, "make it larger", element_size)
+
+
+def _check_timing(key: str, stage: StampingStage) -> list[Problem]:
+    """Return the problems of a stage's motions in time."""
+    strokes = [abs(a.stroke) for a in stage.tools.values() if a.stroke]
+    farthest = max([*strokes, *(abs(e.value) for e in stage.displacement)], default=0.0)
+    problems = []
+    for name, action in stage.tools.items():
+        if isinstance(action.force, tuple) and not strokes:
+            fault, remedy = "a table over the stroke, but no tool moves in this stage", "give one force"
+            problems.append(Problem(f"{key}.tools.{name}.force", fault, remedy))
+    if farthest == 0.0 and stage.duration is None:
+        remedy = "give a tool a stroke ([stages.tools.NAME]), or the stage a duration"
+        problems.append(Problem(key, f'nothing moves in the stage "{stage.name}", so its duration is unknown', remedy))
+    elif stage.ramp is not None:
+        speed = stage.velocity or VELOCITY
+        longest = 0.5 * stage.duration if stage.duration is not None else farthest / speed
+        if stage.ramp > longest * (1 + 1e-12):
+            what = f"{stage.duration:g} s" if stage.duration is not None else f"{farthest:g} mm at {speed:g} mm/s"
+            fault = f"the smooth start and end do not fit into {what}"
+            problems.append(Problem(f"{key}.ramp", fault, f"take at most {longest:.3g} s", stage.ramp))
+    return problems
+
+
+def check_tools(case: StampingCase) -> list[Problem]:
+    """Return the problems of tools beside each other and beside the blank."""
+    problems = []
+    thickness = case.blank.thickness
+    for name, tool in case.tools.items():
+        key = f"tools.{name}"
+        for axis, plane in enumerate("xy"):
+            off = tool.position[axis] if tool.position is not None else 0.0
+            if plane in case.blank.symmetry and off != 0.0 and not isinstance(tool, ToolFile):
+                fault = f"the tool's middle does not lie in the symmetry plane {plane} = 0"
+                remedy = f"set its {plane} to 0, or leave {plane} out of blank.symmetry"
+                problems.append(Problem(f"{key}.position", fault, remedy, list(tool.position or ())))
+        if name in KINDS and tool.kind != name:
+            fault, remedy = f"the tool is called {name}, but is a {tool.kind}", "mend its kind, or give it another name"
+            problems.append(Problem(f"{key}.kind", fault, remedy, tool.kind))
+        if tool.gap is not None and tool.gap < thickness:
+            fault = f"the gap is smaller than the blank's thickness of {thickness:g} mm"
+            problems.append(Problem(f"{key}.gap", fault, "make it at least that, or push the holder", tool.gap))
+        if tool.gap is not None and not any(other.kind == "die" for other in case.tools.values()):
+            problems.append(Problem(f"{key}.gap", "there is no die to keep a gap to", "add one", tool.gap))
+        first = case.stages[0].tools.get(name)
+        if tool.gap is not None and first is not None and first.force is not None:
+            fault = "the holder is to stand at this distance from the die, and to be pushed by a force from the start"
+            problems.append(Problem(f"{key}.gap", fault, "give the gap or the force", tool.gap))
+    drawn = {name: tool for name, tool in case.tools.items() if isinstance(tool, DrawnTool)}
+    for punch_name, punch in drawn.items():
+        for die_name, die in drawn.items():
+            if punch.kind != "punch" or die.kind == "punch":
+                continue
+            gap = clearance(punch, die)
+            least = thickness if die.kind == "die" else 0.0
+            if gap < least * (1 - 1e-9) or gap < 0:
+                problems.append(_explain_clearance(punch_name, die_name, die.kind, gap, thickness))
+    moved = {name for stage in case.stages for name, action in stage.tools.items() if action.stroke is not None}
+    for index, stage in enumerate(case.stages):
+        for name, action in stage.tools.items():
+            if action.force is not None and name in moved and case.procedure == "implicit":
+                fault = "the implicit procedure cannot move a tool in one stage and push it in another"
+                remedy = 'give it strokes or forces alone, or take procedure = "explicit"'
+                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, remedy))
+            opposite = "die" if case.tools[name].kind != "die" else "holder"
+            if action.force is not None and not any(t.kind == opposite for t in case.tools.values()):
+                fault = f"the {case.tools[name].kind} is pushed, but no {opposite} lies on the other side of the blank"
+                problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, f"add a {opposite}"))
+    return problems
+
+
+def _explain_clearance(punch: str, die: str, kind: str, gap: float, thickness: float) -> Problem:
+    if gap < 0:
+        text = f"the clearance is negative: {punch} is {-gap:.4g} mm larger than the opening of {die}"
+        swapped = "; or are their kinds swapped?"
+    else:
+        swapped = ""
+        text = f"the clearance of {gap:.4g} mm between {punch} and {die} is less than the blank's {thickness:g} mm"
+    return Problem(f"tools.{punch}", text, f"make the punch smaller or the opening of the {kind} larger{swapped}")
+
+
+def check_ways(case: StampingCase) -> list[Problem]:
+    """Return a problem for each tool laid on the blank whose strokes only take it away from there."""
+    problems = []
+    for name, tool in case.tools.items():
+        if tool.position is not None:
+            continue
+        strokes = [stage.tools[name].stroke or 0.0 if name in stage.tools else 0.0 for stage in case.stages]
+        first = next((index for index, stroke in enumerate(strokes) if stroke), None)
+        if first is None or max(itertools.accumulate(strokes)) > 0:
+            continue
+        if tool.kind != "punch" and first > 0:  # it has held the blank while others worked, and lets it go
+            continue
+        away, toward = ("down", "up") if tool.kind == "die" else ("up", "down")
+        fault = f"the {tool.kind} only moves {away}, away from the blank"
+        remedy = f"strokes of a {tool.kind} count {toward}: write stroke = {-strokes[first]:g}"
+        problems.append(Problem(f"stages.{first}.tools.{name}.stroke", fault, remedy, strokes[first]))
+    return problems
+
+
+def check_target_step(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Problem]:
+    """Return a problem where the time step asked for is longer than the smooth start of a stage."""
+    target = case.explicit.target_step
+    if target is None or not stages:
+        return []
+    shortest = min(stages, key=lambda stage: stage.ramp)
+    if target <= shortest.ramp:
+        return []
+    fault = f'longer than the smooth start of the stage "{shortest.name}", {shortest.ramp:.3g} s'
+    return [Problem("explicit.target_step", fault, "take a few times the step without it, about 1 us", target)]
+
+
+def check_speeds(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Problem]:
+    """Return the problems of explicit stages in which something moves too fast for the sheet to follow."""
+    if case.procedure != "explicit":
+        return []
+    material = case.materials[case.blank.material]
+    sound = float(np.sqrt(material.young / material.find_density()))
+    problems = []
+    for index, (given, stage) in enumerate(zip(case.stages, stages, strict=True)):
+        ways = [abs(action.stroke) for action in stage.actions.values() if action.force is None]
+        farthest = max([*ways, *(abs(each.value) for each in stage.prescribed)], default=0.0)
+        speed = farthest / (stage.duration - stage.ramp)
+        if speed <= FASTEST * sound:
+            continue
+        key = "duration" if given.duration is not None else "velocity"
+        fault = f"{farthest:.4g} mm at {speed:.3g} mm/s: waves in the sheet, of {sound:.2g} mm/s, cannot spread it"
+        remedy = 'plain numbers are mm/s and s; "2 m/s" is usual, and slow enough for inertia to be small'
+        problems.append(Problem(f"stages.{index}.{key}", fault, remedy, getattr(given, key)))
+    return problems
+
+
+def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+    """Return the problems of the meshed blank and the placed tools."""
+    problems = []
+    corner = mesh.points[:, :2]
+    placed = {tool.name: tool for tool in tools}
+    for name, tool in case.tools.items():
+        if isinstance(tool, ToolFile):
+            problems += _check_extent(tool, placed[name], corner)
+            continue
+        width = getattr(tool, "face_width", None)
+        if width is None:
+            continue
+        half = np.array(tool.half_size()) + width
+        beyond = np.abs(corner) - half
+        if isinstance(case.blank, CircularBlank | OutlinedBlank) and tool.shape == "round":
+            beyond = np.linalg.norm(corner, axis=1, keepdims=True) - half[:1]
+        if beyond.max() > 1e-9:
+            text = f"the blank is larger than the {tool.kind}: it reaches {beyond.max():.4g} mm beyond its face"
+            problems.append(
+                Problem(f"tools.{name}.face_width", text, "make the face wider or the blank smaller", width)
+            )
+    return problems + [problem for tool in tools if (problem := _check_clear(case, mesh, tool)) is not None]
+
+
+def _check_extent(tool: ToolFile, placed: StampingTool, corner: FloatArray) -> list[Problem]:
+    """Return a problem where the blank reaches beyond a die or holder from a file, seen from above."""
+    assert isinstance(placed.shape, TriangulatedTool)
+    if tool.kind == "punch":
+        return []
+    points = placed.shape.points[:, :2] + np.array(placed.position[:2])
+    beyond = float(np.maximum(points.min(axis=0) - corner, corner - points.max(axis=0)).max())
+    if beyond <= 1e-6 * float(np.ptp(points, axis=0).max()):
+        return []
+    text = f"the blank is larger than the {tool.kind}: it reaches {beyond:.4g} mm beyond it"
+    return [Problem(f"tools.{placed.name}.path", text, "make the blank smaller, or check unit and position", tool.path)]
+
+
+def _check_clear(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where the tool starts in the blank."""
+    half = 0.5 * case.blank.thickness
+    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0] - half
+    worst = int(np.argmin(gap))
+    if gap[worst] >= -CLEAR * case.blank.thickness:
+        return None
+    x, y, z = mesh.points[worst]
+    text = (
+        f"the tool starts in the blank: {int((gap < 0).sum())} nodes lie in it, half the thickness counted, the "
+        f"deepest {-gap[worst]:.4g} mm at ({x:.4g}, {y:.4g}, {z:.4g})"
+    )
+    given = case.tools[tool.name].position
+    key = f"tools.{tool.name}.position" if given is not None else f"tools.{tool.name}"
+    return Problem(key, text, "move it off, or leave position out: then it just touches the blank", _written(given))
+
+
+def _written(position: tuple[float, float, float] | None) -> list[float] | None:
+    """Return a position as a case file has it."""
+    return None if position is None else list(position)

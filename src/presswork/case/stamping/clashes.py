@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the tools of a stamping can do what the stages ask: hold the sheet, close on it, and miss each other."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+
+import numpy as np
+
+from presswork.case.errors import Problem
+from presswork.case.stamping.schema import StampingCase
+from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
+from presswork.geometry.swept_tool import SweptTool
+from presswork.law.sheet_law import make_sheet_law
+from presswork.mesh.flange import find_held_area
+from presswork.mesh.tool_clearance import Closing, find_closing
+from presswork.mesh.tool_file import TriangulatedTool
+from presswork.model import Mesh
+from presswork.model_stamping import StampingTool
+
+logger = logging.getLogger(__name__)
+
+IDLE = 2.0
+"""Thicknesses between die and holder from which on it holds nothing."""
+LOOSE = 5e-4
+"""Part of the sheet's yield stress as a holder's pressure: less than a tenth of what is usual, about 1 %."""
+SQUEEZED = 0.9
+"""Part of the thickness to which a holder may be moved towards the die."""
+CLOSED = 0.95
+"""Part of the thickness that must be left between punch and die: shells are not squeezed thinner, and neither rolled
+sheet nor the facets of tools are truer."""
+STEP = 0.5
+"""Part of the thickness by which tools from files advance as they are held against each other."""
+DRAWN_WITHIN = 0.02
+"""Part of the thickness by which the points of drawn tools may be off there."""
+SKEW = 0.01
+"""Part of its width by which a tool from a file may be off a symmetry plane."""
+
+
+def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+    """Return the problems of placed tools with blank, forces, symmetry planes and each other."""
+    problems = [p for tool in tools for p in (_check_symmetry(case, tool), _check_laid(case, mesh, tool)) if p]
+    if problems:
+        return problems
+    problems = [*_check_holders(case, tools), *_check_forces(case, mesh, tools)]
+    problems += [p for tool in tools if (p := _check_pushed(case, mesh, tool))]
+    problems += [p for tool in tools if (p := _check_reach(case, mesh, tool))]
+    moved = {tool.name: _strokes(case, tool.name) for tool in tools}
+    for one, other in itertools.permutations(tools, 2):
+        if (one.kind, other.kind) in (("punch", "die"), ("punch", "holder")):
+            problem = _check_pair(case, one, other, moved)
+            if problem and case.limits.stop:
+                problems.append(problem)
+            elif problem:
+                logger.warning("%s: %s", problem.key, problem.expected)
+    return problems
+
+
+def _strokes(case: StampingCase, name: str) -> list[float]:
+    """Return how far a tool has moved along its way at the end of each stage [mm]; a pushed one not at all."""
+    each = [stage.tools[name].stroke or 0.0 if name in stage.tools else 0.0 for stage in case.stages]
+    return list(itertools.accumulate(each))
+
+
+def _is_pushed(case: StampingCase, name: str) -> bool:
+    return any(name in s.tools and s.tools[name].force is not None for s in case.stages)
+
+
+def _check_symmetry(case: StampingCase, tool: StampingTool) -> Problem | None:
+    """Return a problem where a symmetry plane of the blank is none of a tool from a file."""
+    if not isinstance(tool.shape, TriangulatedTool):
+        return None
+    points = tool.shape.points + np.asarray(tool.position)
+    for axis, plane in enumerate("xy"):
+        low, high = float(points[:, axis].min()), float(points[:, axis].max())
+        tolerance = SKEW * (high - low)
+        if plane in case.blank.symmetry and low < -tolerance and abs(low + high) > tolerance:
+            fault = (
+                f"the tool is not symmetric about the plane {plane} = 0: it spans {plane} = {low:.4g} to {high:.4g} mm"
+            )
+            remedy = f"move it there by position, or leave {plane} out of blank.symmetry"
+            return Problem(f"tools.{tool.name}", fault, remedy)
+    return None
+
+
+def _check_laid(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where the blank lies in the opening of a die or holder, not on its face."""
+    drawn = case.tools[tool.name]
+    if not isinstance(drawn, RoundTool | RectangularTool | StripTool) or tool.kind == "punch":
+        return None
+    away = np.abs(mesh.points[:, :2] - np.array(tool.position[:2]))
+    half = np.array(drawn.half_size())
+    beyond = np.linalg.norm(away, axis=1) - half[0] if isinstance(drawn, RoundTool) else (away - half).max(axis=1)
+    if beyond.max() > 0.0:
+        return None
+    verb = "falls through the opening of" if tool.kind == "die" else "is smaller than the opening of"
+    fault = f"the blank {verb} {tool.name}, by {-float(beyond.max()):.4g} mm"
+    size = {"round": "diameter", "rectangular": "size", "strip": "width"}[drawn.shape]
+    return Problem(
+        f"tools.{tool.name}.{size}", fault, "make the blank larger or the opening smaller", getattr(drawn, size)
+    )
+
+
+def _height(tool: StampingTool) -> float:
+    """Return where the working face of a die or holder stands at the start [mm]."""
+    face = 0.0
+    if isinstance(tool.shape, TriangulatedTool):
+        z = tool.shape.points[:, 2]
+        face = float(z.max() if tool.kind == "die" else z.min())
+    return tool.position[2] + face
+
+
+def _check_pushed(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where a tool that is pushed starts away from the blank."""
+    if not _is_pushed(case, tool.name):
+        return None
+    gap = _gap(case, mesh, tool)
+    if gap <= case.blank.thickness:
+        return None
+    fault = f"the tool is pushed by a force, but starts {gap:.4g} mm off the blank, which it would hit"
+    remedy = "leave position out: then it just touches the blank"
+    given = case.tools[tool.name].position
+    return Problem(f"tools.{tool.name}.position", fault, remedy, list(given) if given is not None else None)
+
+
+def _check_reach(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+    """Return a problem where a tool placed off the blank never comes to it, whatever moves."""
+    given = case.tools[tool.name].position
+    if given is None or any(_is_pushed(case, name) for name in (tool.name, *_names_of(case, "die"))):
+        return None
+    gap = _gap(case, mesh, tool)
+    ways = {name: max([0.0, *_strokes(case, name)]) for name in case.tools}
+    lifted = sum(abs(e.value) for s in case.stages for e in s.displacement if e.component == "z")
+    if gap <= sum(ways.values()) + lifted:
+        return None
+    fault = f"the {tool.kind} starts {gap:.4g} mm off the blank and moves {ways[tool.name]:.4g} mm: it never touches it"
+    remedy = "leave position out: then it just touches the blank; or give it a longer stroke"
+    return Problem(f"tools.{tool.name}.position", fault, remedy, list(given))
+
+
+def _names_of(case: StampingCase, kind: str) -> list[str]:
+    return [name for name, tool in case.tools.items() if tool.kind == kind]
+
+
+def _gap(case: StampingCase, mesh: Mesh, tool: StampingTool) -> float:
+    """Return what lies between a tool and the blank's surface at the start [mm]."""
+    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0]
+    return float(gap.min()) - 0.5 * case.blank.thickness
+
+
+def _check_holders(case: StampingCase, tools: tuple[StampingTool, ...]) -> list[Problem]:
+    """Return the problems of holders that strokes or their place keep off the sheet, or press through it."""
+    thickness = case.blank.thickness
+    problems = []
+    for holder, die in itertools.product(tools, tools):
+        if (holder.kind, die.kind) != ("holder", "die") or _is_pushed(case, holder.name) or _is_pushed(case, die.name):
+            continue
+        apart = _height(holder) - _height(die)
+        drawn = case.tools[holder.name]
+        place = f"tools.{holder.name}." + ("gap" if drawn.gap is not None else "position")
+        gaps = apart - np.array([0.0, *_strokes(case, holder.name)]) - np.array([0.0, *_strokes(case, die.name)])
+        if gaps.min() < SQUEEZED * thickness * (1 - 1e-9):
+            index = max(int(np.argmin(gaps)) - 1, 0)
+            fault = f"the holder comes within {gaps.min():.4g} mm of the die, and the blank has {thickness:g} mm"
+            key = holder.name if holder.name in case.stages[index].tools else die.name
+            remedy = "shorten the stroke, or push the holder with a force"
+            problems.append(Problem(f"stages.{index}.tools.{key}.stroke", fault, remedy))
+        elif gaps.min() > IDLE * thickness:
+            fault = f"the holder never comes nearer to the die than {gaps.min():.4g} mm: it holds nothing"
+            remedy = f"push it by a force, take a gap near {thickness:g} mm, or leave the holder out"
+            problems.append(Problem(place if drawn.gap or drawn.position else f"tools.{holder.name}", fault, remedy))
+    return problems
+
+
+def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+    """Return the problems of holder forces that press nothing, or press the sheet flat."""
+    problems = []
+    sheet = case.materials[case.blank.material].to_model(case.blank.material)
+    strength = float(make_sheet_law(sheet).flow_stress(np.zeros(1))[0][0])
+    for holder in (t for t in tools if t.kind == "holder"):
+        area = find_held_area(mesh, holder.shape.surface(), holder.position) * 2 ** len(set(case.blank.symmetry))
+        for index, stage in enumerate(case.stages):
+            action = stage.tools.get(holder.name)
+            if action is None or action.force is None:
+                continue
+            forces = [row[1] for row in action.force] if isinstance(action.force, tuple) else [action.force]
+            key = f"stages.{index}.tools.{holder.name}.force"
+            if max(forces) == 0.0:
+                fault = "the holder is pushed by no force: it cannot close on the sheet"
+                problems.append(Problem(key, fault, "give a force, or a gap to the die", max(forces)))
+            elif area > 0 and max(forces) / area > strength:
+                fault = (
+                    f"the holder would press the flange with {max(forces) / area:.4g} MPa; the sheet yields at "
+                    f"{strength:.4g} MPa"
+                )
+                problems.append(Problem(key, fault, 'plain numbers are N; a few MPa are usual: "10 kN"', max(forces)))
+            elif area > 0 and max(forces) / area < LOOSE * strength:
+                text = "%s = %g: presses the flange with %.2g MPa: it will wrinkle unless the sheet is thick; "
+                text += "1 to 3 MPa are usual for mild steel, and plain numbers are N"
+                logger.warning(text, key, max(forces), max(forces) / area)
+    return problems
+
+
+def _check_pair(
+    case: StampingCase, one: StampingTool, other: StampingTool, moved: dict[str, list[float]]
+) -> Problem | None:
+    """Return a problem where two tools, at least one from a file, close on each other or on the sheet between them."""
+    closing = find_closing_stroke(one, other, case.blank.thickness)
+    if closing is None or _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
+        return None
+    along = float(np.dot(other.way, one.way))
+    before = {tool.name: 0.0 for tool in (one, other)}
+    for index, _ in enumerate(case.stages):
+        after = {tool.name: moved[tool.name][index] for tool in (one, other)}
+        start, end = (ways[one.name] - along * ways[other.name] for ways in (before, after))
+        if end <= closing.travel:
+            before = after
+            continue
+        part = (closing.travel - start) / (end - start)
+        way = {name: before[name] + part * (after[name] - before[name]) for name in before}
+        mover = one.name if one.name in case.stages[index].tools else other.name
+        x, y, z = closing.place + np.asarray(other.position) + way[other.name] * np.asarray(other.way)
+        beyond = end - closing.travel
+        room = "strikes" if other.kind != "die" else f"leaves less than the blank's {case.blank.thickness:g} mm to"
+        fault = (
+            f"after {abs(way[one.name]):.4g} mm of stroke {one.name} {room} {other.name} at ({x:.4g}, {y:.4g}, "
+            f"{z:.4g}) mm, and goes {beyond:.3g} mm further"
+        )
+        remedy = (
+            f"shorten the stroke to {way[mover] - before[mover]:.4g}, or see that {one.name} and {other.name} fit and "
+            "are not swapped; limits.stop = false lets it run all the same"
+        )
+        return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, after[mover] - before[mover])
+    return None
+
+
+def find_closing_stroke(one: StampingTool, other: StampingTool, thickness: float) -> Closing | None:
+    """Return after how much of its way a tool closes on another, or on the sheet between it and a die.
+
+    None where it never does, and for two drawn tools: their clearances in the plan are exact, and openings go right
+    through.
+    """
+    if isinstance(one.shape, SweptTool) and isinstance(other.shape, SweptTool):
+        return None
+    room = CLOSED * thickness if other.kind == "die" else 0.0
+    between, way = np.subtract(one.position, other.position), np.array(one.way)
+    return find_closing(one.shape, other.shape, between, way, DRAWN_WITHIN * thickness, room, STEP * thickness)

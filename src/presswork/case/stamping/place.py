@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the tools of a stamping stand at the start: drawn or read, and placed so that they just touch the blank."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import numpy as np
+
+from presswork.case.errors import Problem
+from presswork.case.stamping.schema import StampingCase
+from presswork.case.stamping.shapes import draw_shape
+from presswork.case.stamping.tools import Tool, ToolFile
+from presswork.case.units import LENGTH, unit_factor
+from presswork.geometry.swept_tool import SweptTool
+from presswork.mesh import MeshError
+from presswork.mesh.tool_file import TriangulatedTool, read_tool
+from presswork.model import FloatArray, Mesh
+from presswork.model_stamping import StampingTool
+
+logger = logging.getLogger(__name__)
+
+BEYOND = 1.5
+"""Times the blank's radius: as far as a face reaches that is given no width."""
+
+
+def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[StampingTool, ...], list[Problem]]:
+    """Draw, read and place the tools."""
+    radius = float(np.linalg.norm(mesh.points[:, :2], axis=1).max())
+    strokes = [abs(a.stroke) for stage in case.stages for a in stage.tools.values() if a.stroke]
+    depth = sum(strokes) + 10.0 * case.blank.thickness
+    folder = case.source.parent if case.source is not None else Path()
+    tools, problems = [], []
+    for name, tool in case.tools.items():
+        shape = _make_shape(name, tool, depth, radius, folder)
+        if isinstance(shape, Problem):
+            problems.append(shape)
+            continue
+        position = _place(name, tool, shape, case, mesh)
+        if isinstance(position, Problem):
+            problems.append(position)
+            continue
+        way = (0.0, 0.0, 1.0 if tool.kind == "die" else -1.0)
+        tools.append(StampingTool(name, tool.kind, shape, position, tool.mu, way))
+    return tuple(tools), problems
+
+
+def _make_shape(
+    name: str, tool: Tool, depth: float, radius: float, folder: Path
+) -> SweptTool | TriangulatedTool | Problem:
+    """Draw or read a tool. depth: of its walls [mm]. radius: of the blank [mm]."""
+    if not isinstance(tool, ToolFile):
+        width = getattr(tool, "face_width", None)
+        return draw_shape(tool, depth, BEYOND * radius if width is None else width)
+    facing = (0.0, 0.0, 1.0 if tool.kind == "die" else -1.0)
+    try:
+        scale = unit_factor(tool.unit, LENGTH)
+        read, notes = read_tool(folder / tool.path, scale=scale, facing=facing, usual_size=2.0 * radius)
+    except MeshError as error:
+        return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
+    for note in notes:
+        logger.warning("tools.%s.path = %s: %s", name, tool.path, note)
+    return read
+
+
+def _place(
+    name: str, tool: Tool, shape: SweptTool | TriangulatedTool, case: StampingCase, mesh: Mesh
+) -> tuple[float, float, float] | Problem:
+    """Return where the tool's origin starts."""
+    if tool.position is not None:
+        return tool.position
+    z = mesh.points[:, 2]
+    if np.ptp(z) > 1e-6 * case.blank.thickness:
+        remedy = f"give tools.{name}.position = [x, y, z]"
+        return Problem(f"tools.{name}", "the blank is not flat, so the tool cannot be laid on it", remedy)
+    side = -1.0 if tool.kind == "die" else 1.0
+    height = float(z[0]) + side * 0.5 * case.blank.thickness - _face(tool, shape)
+    if tool.gap is not None:
+        height += tool.gap - case.blank.thickness
+    return (0.0, 0.0, height)
+
+
+def _face(tool: Tool, shape: SweptTool | TriangulatedTool) -> float:
+    """Return how high the working face lies over the tool's origin."""
+    if isinstance(shape, SweptTool):
+        return 0.0
+    z: FloatArray = shape.points[:, 2]
+    return float(z.max() if tool.kind == "die" else z.min())

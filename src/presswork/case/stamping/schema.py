@@ -1,0 +1,266 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The case of a stamping: a blank, tools in space, and what the tools do. Units as in schema.py."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from presswork import model_stamping
+from presswork.case.case_file import CaseFile
+from presswork.case.limits import Limits
+from presswork.case.names import Name, Title
+from presswork.case.part import Part
+from presswork.case.shell.material import HeavyShellMaterial, add_library_materials
+from presswork.case.shell.schema import ShellBoundary, ShellDisplacement
+from presswork.case.stamping.bead import Bead
+from presswork.case.stamping.blank import Blank
+from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
+from presswork.case.stamping.tools import Tool
+from presswork.case.units import Force, Length, LineForce, Number, Rate, Time, Velocity, fault
+from presswork.model import ExplicitElement, SolverSettings
+
+VELOCITY = 2000.0
+"""Of what moves farthest where a stage says nothing [mm/s]."""
+RAMP = 0.1
+"""Part of a stage that starts it smoothly, and part that ends it, where it says nothing."""
+
+_EXPLICIT = model_stamping.ExplicitSettings()
+_SPRINGBACK = model_stamping.Springback()
+_OUTPUT = model_stamping.StampingOutput()
+_SOLVER = SolverSettings()
+Whole = Annotated[int, Field(strict=True, ge=1)]
+
+
+class StampingMaterial(HeavyShellMaterial):
+    """A sheet material that has a density in every case."""
+
+    @model_validator(mode="after")
+    def _check_young(self) -> Self:
+        if not self.is_metal():
+            raise fault("Young's modulus of no metal", 'plain numbers are MPa: "210 GPa" is 210e3', key="young")
+        return self
+
+
+ForceRow = tuple[Length, Force]
+
+
+class ToolAction(Part):
+    """What a tool does in a stage."""
+
+    stroke: Length | None = Field(
+        default=None, description="moves so far: punch and holder down, die up; negative: back [mm]"
+    )
+    force: Force | tuple[ForceRow, ...] | None = Field(
+        default=None,
+        description="instead: pushes with this force on the whole part [N], or a table of rows [stroke of the punch in "
+        "this stage, force]",
+    )
+
+    @model_validator(mode="after")
+    def _check_one_action(self) -> Self:
+        if (self.stroke is None) == (self.force is None):
+            raise fault("give either stroke or force", "for instance stroke = 25", key="stroke")
+        rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
+        if not rows or min(force for _, force in rows) < 0:
+            raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
+        if any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
+            raise fault("the strokes of the table do not increase", "sort its rows", key="force")
+        return self
+
+
+class StampingStage(Part):
+    """A part of the process; all that moves starts and stops smoothly with it."""
+
+    name: Name = Field(description="name of the stage")
+    tools: dict[str, ToolAction] = Field(default={}, description="what each tool does; one not named stands still")
+    displacement: tuple[ShellDisplacement, ...] = Field(default=(), description="prescribed displacements of the blank")
+    velocity: Velocity | None = Field(
+        default=None,
+        gt=0,
+        description="largest velocity of what moves farthest [mm/s]; without it and without duration: 2 m/s, a hundred "
+        "times a press's, at which inertia is still small (see the energies)",
+    )
+    duration: Time | None = Field(default=None, gt=0, description="instead of velocity: how long the stage takes [s]")
+    ramp: Time | None = Field(
+        default=None, gt=0, description="time of the smooth start and of the smooth end [s]; without it: a tenth"
+    )
+
+    @model_validator(mode="after")
+    def _check_one_way_of_timing(self) -> Self:
+        if self.velocity is not None and self.duration is not None:
+            raise fault("velocity and duration both time the stage", "give one of them", key="duration")
+        return self
+
+
+class StampingBead(Bead):
+    """A drawbead between die and holder."""
+
+    closing_force: LineForce = Field(
+        default=0.0,
+        ge=0,
+        description="what closing it takes per length [N/mm]: so much of the holder's force does not press the sheet",
+    )
+    stages: tuple[str, ...] | None = Field(
+        default=None,
+        min_length=1,
+        description="names of the stages in which die and holder are closed on it; without it: those in which no "
+        "stroke moves the holder to or from the die",
+    )
+
+
+class Explicit(Part):
+    """How the explicit procedure computes shells and steps through time."""
+
+    element: ExplicitElement = Field(
+        default=_EXPLICIT.element,
+        description="shells of the blank: one point in their plane, or fully integrated at about three times the cost",
+    )
+    target_step: Time | None = Field(
+        default=None,
+        gt=0,
+        description="time step to reach by adding mass to elements that need a shorter one [s]; without it: no mass is "
+        "added. Kinetic energy, in the history, says how far one may go",
+    )
+    safety: Number = Field(default=_EXPLICIT.safety, gt=0, le=1, description="time step over its stable bound")
+    damping: Rate = Field(default=_EXPLICIT.damping, ge=0, description="mass damping [1/s]")
+    precision: Literal["double", "single"] = Field(
+        default=_EXPLICIT.precision, description="single: about half the time and memory, seven digits"
+    )
+    contact_points: Literal["nodes", "edges"] = Field(
+        default=_EXPLICIT.contact_points,
+        description="what of the blank touches tools: nodes alone, or edges between them, too, where a tool's "
+        "radius is less than the longest edge",
+    )
+
+
+class Springback(Part):
+    """The formed part let go, after the last stage: tools and boundaries away, symmetry planes kept."""
+
+    increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
+
+
+class _Trim(Part):
+    """A line that the formed part is cut along after the last stage, seen along z."""
+
+    keep: Literal["inside", "outside"] = Field(
+        default="inside", description="which side of the line stays: inside; or outside, which cuts a hole"
+    )
+
+
+class RectangularTrim(_Trim, RectangularLine):
+    """A rectangle with sides along x and y."""
+
+
+class CircularTrim(_Trim, CircularLine):
+    """A circle."""
+
+
+class PolygonTrim(_Trim, PolygonLine):
+    """A polygon, whose corners may be rounded."""
+
+
+class TrimFile(_Trim, LineFile):
+    """A line from a file."""
+
+
+Trim = Annotated[RectangularTrim | CircularTrim | PolygonTrim | TrimFile, Field(discriminator="shape")]
+
+
+class Implicit(Part):
+    """How the implicit procedure goes through a stage and iterates; increments are fractions of the stage."""
+
+    initial_increment: Number = Field(default=0.001, gt=0, le=1, description="first increment")
+    min_increment: Number = Field(default=1e-6, gt=0, le=1, description="smallest increment, below which it gives up")
+    max_increment: Number = Field(default=0.02, gt=0, le=1, description="largest increment")
+    max_iterations: Whole = Field(default=25, description="iterations before an increment is cut back")
+    force_tolerance: Number = Field(
+        default=_SOLVER.force_tolerance, gt=0, lt=1, description="largest out-of-balance over largest nodal force"
+    )
+    displacement_tolerance: Number = Field(
+        default=_SOLVER.displacement_tolerance, gt=0, lt=1, description="largest correction over largest displacement"
+    )
+    contact_stiffness: Number = Field(
+        default=_SOLVER.contact_stiffness,
+        gt=0,
+        le=1,
+        description="of contact with the tools over that of the sheet across its thickness; the sheet sinks in by "
+        "pressure thickness/(contact_stiffness E)",
+    )
+
+    inertia: Number = Field(
+        default=_SOLVER.inertia,
+        ge=0,
+        description="mass over the sheet's, in the time of the stages: steadies what nothing holds and what snaps",
+    )
+    damping: Rate = Field(default=_SOLVER.damping, ge=0, description="of this mass [1/s]")
+
+    @model_validator(mode="after")
+    def _check_increments(self) -> Self:
+        if not self.min_increment <= self.initial_increment <= self.max_increment:
+            bounds = f"min_increment ({self.min_increment:g}) and max_increment ({self.max_increment:g})"
+            raise fault(f"not between {bounds}", "choose it between them", key="initial_increment")
+        return self
+
+    @model_validator(mode="after")
+    def _check_damping(self) -> Self:
+        if self.damping and not self.inertia:
+            raise fault("damps a mass, but inertia is 0", "add inertia = 1, the sheet's own mass", key="damping")
+        return self
+
+    def build(self) -> SolverSettings:
+        """Return the Model's settings; contact's tangent is not symmetric, and shells do without a line search."""
+        return SolverSettings(**self.model_dump(), symmetric=False, line_search=False)
+
+
+class StampingOutput(Part):
+    """What is saved, and when."""
+
+    steps: Whole = Field(default=_OUTPUT.steps, description="saved steps of each stage")
+    rows: Whole = Field(
+        default=_OUTPUT.rows, description="explicit: rows of history.csv for each stage; implicit: one an increment"
+    )
+    checkpoint_every: Whole = Field(default=_OUTPUT.checkpoint_every, description="rows between checkpoints")
+
+    @model_validator(mode="after")
+    def _check_steps(self) -> Self:
+        if self.steps > self.rows:
+            raise fault(f"expected no more than rows = {self.rows}", "a step is saved where a row is", key="steps")
+        return self
+
+
+class StampingCase(CaseFile):
+    """A complete case of a stamping. Raises CaseError, with every problem found, when it is not valid."""
+
+    title: Title = Field(description="what the case shows, in one line")
+    analysis: Literal["stamping"] = Field(description="stamping")
+    procedure: Literal["explicit", "implicit"] = Field(
+        default="explicit",
+        description="explicit: dynamics in small steps of time; implicit: equilibrium after every increment",
+    )
+    blank: Blank = Field(description="the sheet that is formed")
+    materials: dict[Name, StampingMaterial] = Field(default={}, description="materials by name")
+    tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
+    beads: tuple[StampingBead, ...] = Field(default=(), description="drawbeads")
+    boundary: dict[Name, ShellBoundary] = Field(
+        default={}, description="what holds the blank beside the tools, by name"
+    )
+    stages: tuple[StampingStage, ...] = Field(min_length=1, description="the process, stage by stage")
+    explicit: Explicit = Field(default=Explicit(), description="how the explicit procedure steps through time")
+    trim: dict[Name, Trim] = Field(
+        default={}, description="lines that the part is cut along after the last stage, by name, one after the other"
+    )
+    springback: Springback | None = Field(
+        default=None,
+        description="an empty table lets the part go after the last stage and the trimming, by the implicit procedure",
+    )
+    implicit: Implicit = Field(default=Implicit(), description="how the implicit procedure goes and iterates")
+    output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")
+    limits: Limits = Field(default=Limits(), description="beyond which a run stops")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _prepare(cls, data: Any) -> Any:
+        return add_library_materials(data, "blank") if isinstance(data, dict) else data

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a drawn tool's dimensions to its surface, and the clearance between two."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.case.stamping.tools import DrawnTool, HemisphericalTool, RectangularTool, RoundTool
+from presswork.geometry.swept_tool import SweptTool, draw_die, draw_hemispherical_punch, draw_holder, draw_punch
+
+
+def draw_shape(tool: DrawnTool, depth: float, face_width: float) -> SweptTool:
+    """Return the surface of a drawn tool.
+
+    depth: height of its wall beyond the radius [mm]. face_width: of a die or holder [mm].
+    """
+    half = tool.half_size()
+    if isinstance(tool, HemisphericalTool):
+        return draw_hemispherical_punch(half[0], half[0] + depth)
+    radius = tool.edge_radius
+    corner = tool.corner_radius if isinstance(tool, RectangularTool) else min(half)
+    if tool.kind == "punch":
+        return draw_punch(half, corner, radius, radius + depth)
+    if tool.kind == "die":
+        return draw_die(half, corner, radius, width=face_width, depth=radius + depth)
+    return draw_holder(half, corner, radius, width=face_width, height=radius + depth)
+
+
+def clearance(punch: DrawnTool, die: DrawnTool) -> float:
+    """Return the smallest distance between the walls of a punch and a die about the same axis [mm]."""
+    outer, inner = die.half_size(), punch.half_size()
+    gaps = [o - i for o, i in zip(outer, inner, strict=True) if not np.isinf(o)]
+    return min(_corner_gap(punch, die), *gaps)
+
+
+def _corner_gap(punch: DrawnTool, die: DrawnTool) -> float:
+    """Return the distance of the walls along the diagonal of the corners; infinite where one has none."""
+    corners = []
+    for tool in (punch, die):
+        if isinstance(tool, RectangularTool):
+            corners.append((*tool.half_size(), tool.corner_radius))
+        elif isinstance(tool, RoundTool | HemisphericalTool):
+            corners.append((*tool.half_size(), tool.half_size()[0]))
+        else:
+            return float("inf")
+    (inner_x, inner_y, inner_r), (outer_x, outer_y, outer_r) = corners
+    # from the die's corner centre to the farthest point of the punch's corner
+    away = np.hypot(inner_x - inner_r - outer_x + outer_r, inner_y - inner_r - outer_y + outer_r)
+    ahead = inner_x - inner_r > outer_x - outer_r and inner_y - inner_r > outer_y - outer_r
+    return float(outer_r - inner_r - away) if ahead else float("inf")

@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Model's tools from a case's: the profile directed with the workpiece on its left, clear of the workpiece."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from presswork.case.errors import Problem
+from presswork.case.solid import schema
+from presswork.case.tools.profile import (
+    CENTRE,
+    TURN,
+    Outline,
+    ProfileError,
+    draw_outline,
+    measure_distance,
+    reverse_segments,
+    sample_points,
+)
+from presswork.case.tools.profile_file import read_outline
+from presswork.geometry.chain import ProfileFileError
+from presswork.geometry.crossing import find_crossing
+from presswork.model import FloatArray, Mesh, Spring, Tool
+
+TOUCHING = 1e-9
+"""Of the size of the workpiece: the gap of a tool that is moved to touch it."""
+MOST_STEPS = 2000
+"""Steps on its way there: one for a flat tool, more the more it slides along the workpiece."""
+TOLERANCE = 1e-6
+"""Of the size of the workpiece: how deep a node may lie in a tool at the start."""
+
+
+def build_tool(
+    name: str,
+    tool: schema.Tool,
+    mesh: Mesh,
+    symmetry_planes: tuple[FloatArray, FloatArray],
+    folder: Path,
+    way: tuple[float, float] = (0.0, 0.0),
+) -> Tool | Problem:
+    """Build a tool, or say why it cannot be.
+
+    symmetry_planes: positions [mm] of the symmetry planes normal to x and to y; both empty in axisymmetry. folder: what
+    the path of a profile file is relative to. way: direction of the tool's first motion, zero where it has none.
+    """
+    outline = _draw(name, tool, folder)
+    if isinstance(outline, Problem):
+        return outline
+    problem = _check_crossing(name, tool, outline)
+    if problem is not None:
+        return problem
+    nodes = mesh.points[np.unique(mesh.boundary_edges)]
+    place = _find_place(name, tool, outline.segments, nodes, np.array(way))
+    if isinstance(place, Problem):
+        return place
+    segments = shift_segments(outline.segments, place)
+    m, mu = np.where(np.isnan(outline.m), tool.m, outline.m), np.where(np.isnan(outline.mu), tool.mu, outline.mu)
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    backwards = tool.free_side == "right"
+    if tool.free_side == "auto":
+        balance = _weigh_sides(nodes, segments)
+        if abs(balance) < 1e-9 * size:
+            return Problem(
+                f"tools.{name}.free_side",
+                "the workpiece does not say which side of the profile is free",
+                'set free_side = "left" or "right", seen along the profile as drawn',
+                tool.free_side,
+            )
+        backwards = balance < 0.0
+    if backwards:
+        segments, m, mu = reverse_segments(segments), m[::-1].copy(), mu[::-1].copy()
+    problem = _check_clear(_key(name, tool), nodes, segments, TOLERANCE * size)
+    if problem is not None:
+        return problem
+    mirrored = _find_mirrors(segments, symmetry_planes, TOLERANCE * size)
+    if tool.mirrored is not None:
+        mirrored = ("x" in tool.mirrored, "y" in tool.mirrored)
+    spring = None
+    if tool.spring:
+        direction = schema.unit_vector(tool.spring.direction)
+        spring = Spring(tool.spring.stiffness, tool.spring.preload, direction)
+    centre = find_centre(segments) or (0.0, 0.0)
+    if tool.centre is not None:
+        centre = (tool.centre[0] + float(place[0]), tool.centre[1] + float(place[1]))
+    return Tool(name, segments, tool.contact, m=m, mu=mu, mirrored_across=mirrored, centre=centre, spring=spring)
+
+
+def shift_segments(segments: FloatArray, place: FloatArray) -> FloatArray:
+    """Return a profile moved by `place` [mm]; centres of arcs move along."""
+    shifted = segments.copy()
+    shifted[:, 0:4] += np.tile(place, 2)
+    shifted[:, 4:6] += np.where(segments[:, TURN : TURN + 1] != 0.0, place, 0.0)
+    return shifted
+
+
+def _find_place(
+    name: str, tool: schema.Tool, segments: FloatArray, nodes: FloatArray, way: FloatArray
+) -> FloatArray | Problem:
+    """Return how far a tool is moved from where it is drawn to where it starts (2) [mm].
+
+    To touch, it goes along its way by the least distance of any node again and again: no node can come nearer.
+    """
+    if tool.position != "touch":
+        return np.array(tool.position or (0.0, 0.0))
+    key = f"tools.{name}.position"
+    if not way.any():
+        remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y]"
+        return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
+    corners = segments[:, 0:4].reshape(-1, 2)
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    farthest = size + float(np.linalg.norm(np.ptp(corners, axis=0)))
+    farthest += float(np.linalg.norm(corners.mean(axis=0) - nodes.mean(axis=0)))
+    gone = 0.0
+    for _ in range(MOST_STEPS):
+        gap = float(np.abs(measure_distance(nodes - gone * way, segments).distance).min())
+        if gap <= TOUCHING * size:
+            return np.asarray(gone * way)
+        gone += gap
+        if gone > farthest:
+            break
+    fault = f"along its first motion, ({way[0]:g}, {way[1]:g}), the tool passes the workpiece or never comes to it"
+    return Problem(key, fault, "draw it on the side that it comes from, or give position = [x, y]", "touch")
+
+
+def find_way(case: schema.Case, name: str) -> tuple[float, float]:
+    """Return the direction of a tool's first motion, of length 1; zero where it has none."""
+    for stage in case.stages:
+        motion = stage.tools[name].build() if name in stage.tools else None
+        x, y = (motion.direction if motion.force is not None else motion.move) if motion else (0.0, 0.0)
+        if x or y:
+            return schema.unit_vector((x, y))
+    return 0.0, 0.0
+
+
+def check_motions(case: schema.Case, tools: Sequence[Tool]) -> list[Problem]:
+    """Return the problems of motions that do not fit the tools."""
+    problems = []
+    for index, stage in enumerate(case.stages):
+        for tool in tools:
+            motion, key = stage.tools.get(tool.name), f"stages.{index}.tools.{tool.name}"
+            if motion is None:
+                continue
+            if motion.turn and case.tools[tool.name].centre is None and find_centre(tool.segments) is None:
+                remedy = f"set tools.{tool.name}.centre = [x, y]"
+                problems.append(Problem(f"{key}.turn", "the tool turns, but about which point?", remedy, motion.turn))
+            if motion.turn and case.analysis == "axisymmetric":
+                remedy = "leave turn out, or take plane strain"
+                problems.append(Problem(f"{key}.turn", "a ring cannot turn in its plane", remedy, motion.turn))
+            across = motion.build().direction if motion.force is not None else (0.0, 0.0)
+            if any(part and mirrored for part, mirrored in zip(across, tool.mirrored_across, strict=True)):
+                remedy = "push along the symmetry plane, or set mirrored = []"
+                fault = "the tool and its mirror image cannot be pushed across their symmetry plane"
+                problems.append(Problem(f"{key}.direction", fault, remedy, list(across)))
+    return problems
+
+
+def find_centre(segments: FloatArray) -> tuple[float, float] | None:
+    """Return the centre that all the arcs of a profile share; None if there is none."""
+    centres = segments[segments[:, TURN] != 0.0][:, CENTRE]
+    if len(centres) == 0 or np.ptp(centres, axis=0).max() > 1e-6 * float(np.abs(segments).max()):
+        return None
+    return float(centres[0, 0]), float(centres[0, 1])
+
+
+def _key(name: str, tool: schema.Tool) -> str:
+    """Return the key that gives a tool's profile."""
+    return f"tools.{name}.{'profile' if tool.profile_file is None else 'profile_file'}"
+
+
+def _draw(name: str, tool: schema.Tool, folder: Path) -> Outline | Problem:
+    """Draw a tool's profile from its points or its file."""
+    if tool.profile_file is not None:
+        try:
+            return read_outline(folder / tool.profile_file, tool)
+        except ProfileFileError as error:
+            return Problem(_key(name, tool), error.fault, error.remedy, tool.profile_file)
+    assert tool.profile is not None
+    try:
+        return draw_outline(
+            tool.profile,
+            tool.closed,
+            spline=tool.curve == "spline",
+            corner_angle=tool.corner_angle,
+            tolerance=tool.tolerance,
+        )
+    except ProfileError as error:
+        value = tool.profile[error.point].to
+        return Problem(f"tools.{name}.profile.{error.point}", error.fault, error.remedy, list(value))
+
+
+def _check_crossing(name: str, tool: schema.Tool, outline: Outline) -> Problem | None:
+    """Return a problem when the profile crosses or touches itself."""
+    crossing = find_crossing(outline.segments)
+    if crossing is None:
+        return None
+    x, y = crossing.point
+    first, second = outline.pieces[crossing.first], outline.pieces[crossing.second]
+    return Problem(
+        _key(name, tool),
+        f"the profile crosses or touches itself at ({x:.6g}, {y:.6g}): {first} and {second} meet there",
+        "draw an outline without loops",
+    )
+
+
+def _weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:
+    """Return the mean signed distance [mm] of the workpiece: positive when it lies left of the profile.
+
+    Nodes nearest to an end of the profile count only when there are no others.
+    """
+    place = measure_distance(nodes, segments)
+    chosen = place.beside & (np.abs(place.distance) > 0.0)
+    return float(np.mean(place.distance[chosen] if chosen.any() else place.distance))
+
+
+def _check_clear(key: str, nodes: FloatArray, segments: FloatArray, tolerance: float) -> Problem | None:
+    """Return a problem when the tool starts inside the workpiece."""
+    place = measure_distance(nodes, segments)
+    inside = place.beside & (place.distance < -tolerance)
+    if not inside.any():
+        return None
+    deepest = int(np.argmin(np.where(inside, place.distance, np.inf)))
+    depth, (x, y) = -float(place.distance[deepest]), nodes[deepest]
+    away_x, away_y = -depth * place.outwards[deepest] + 0.0
+    return Problem(
+        key,
+        f"the tool starts inside the workpiece: {int(inside.sum())} boundary nodes lie in it, the deepest "
+        f"{depth:.6g} mm at ({x:.6g}, {y:.6g})",
+        f"move the tool by ({away_x:.6g}, {away_y:.6g}) mm, or set free_side if its metal is on the other side",
+    )
+
+
+def _find_mirrors(
+    segments: FloatArray, symmetry_planes: tuple[FloatArray, FloatArray], tolerance: float
+) -> tuple[bool, bool]:
+    """Say for x and y whether the profile reaches a symmetry plane, so that the whole tool is twice as large."""
+    samples = sample_points(segments)
+    low, high = samples.min(axis=0) - tolerance, samples.max(axis=0) + tolerance
+    reached = [
+        bool(((planes >= low[axis]) & (planes <= high[axis])).any()) for axis, planes in enumerate(symmetry_planes)
+    ]
+    return reached[0], reached[1]

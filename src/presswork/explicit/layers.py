@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Layers of an explicit run's shells: stress, what the law keeps, thickness; read, and begun with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from presswork import _core
+from presswork.explicit.input_checks import ExplicitError
+
+Array = npt.NDArray[np.float64]
+
+
+class LayersOfRun:
+    """What an explicit run knows of its shells through the thickness."""
+
+    _loop: _core.ShellLoop | _core.ShellLoopSingle
+    _elements: npt.NDArray[np.intp]
+    """Number, as given, of each shell in the order of the loop (n,)."""
+    _counts: list[int]
+    """Shells of each block."""
+    _fixed: npt.NDArray[np.uint8]
+
+    def _by_element(self, inside: Array) -> Array:
+        out = np.empty_like(inside)
+        out[self._elements] = inside
+        return out
+
+    def _of_blocks(self, values: Callable[[int], Array]) -> Array:
+        parts = [values(block) for block in range(len(self._counts))]
+        if parts[0].ndim == 4 and parts[0].shape[1] > 1:  # the one point of triangles stands for all
+            parts = [np.broadcast_to(part, (len(part), *parts[0].shape[1:])) for part in parts]
+        return np.concatenate(parts)
+
+    @property
+    def stress(self) -> Array:
+        """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up; means in the plane."""
+        return np.asarray(self.stress_at_points.mean(axis=1))
+
+    @property
+    def stress_at_points(self) -> Array:
+        """Stress (n, q, n_points, 3) at the q points in the plane, in the order of the implicit shells of 2 x 2."""
+        return self._by_element(self._of_blocks(self._loop.stress))
+
+    @property
+    def equivalent_plastic_strain(self) -> Array:
+        """Equivalent plastic strain (n, n_points)."""
+        return np.asarray(self.history[:, :, 0])
+
+    @property
+    def history(self) -> Array:
+        """What the law keeps at each layer (n, n_points, n_history), equivalent plastic strain first; means also."""
+        return np.asarray(self.history_at_points.mean(axis=1))
+
+    @property
+    def history_at_points(self) -> Array:
+        """What the law keeps at the q points in the plane (n, q, n_points, n_history)."""
+        return self._by_element(self._of_blocks(self._loop.history))
+
+    def set_layers(self, stress: npt.ArrayLike, history: npt.ArrayLike) -> None:
+        """Begin with stress and history in the form of these properties; internal forces follow from them.
+
+        Both at the layers (n, n_points, ...), for all points in the plane, or at each of them (n, q, n_points, ...).
+        """
+        s, kept = (np.asarray(given, dtype=float) for given in (stress, history))
+        for name, given, own in (("stress", s, self.stress_at_points), ("history", kept, self.history_at_points)):
+            if given.shape not in (own.shape, own.shape[:1] + own.shape[2:]):
+                raise ExplicitError(f"{name} has shape {given.shape}: these shells have {own.shape}")
+        sums = np.stack([s[..., 0] + s[..., 1], s[..., 0] - s[..., 1], s[..., 2]], axis=-1)
+        rows = np.concatenate([sums, kept], axis=-1)[self._elements]
+        if rows.ndim == 3:
+            rows = rows[:, None]
+        position, velocity, states, forces, *work = self._loop.dump()
+        for block, part in enumerate(np.split(rows, np.cumsum(self._counts)[:-1])):
+            shape = self._loop.history(block).shape[:3]
+            of_block = part.mean(axis=1, keepdims=True) if shape[1] == 1 else part
+            layers = np.broadcast_to(of_block, (*shape, part.shape[-1])).reshape(shape[0], -1)
+            states[block][:, -layers.shape[1] :] = layers  # an element's layers come last
+        self._loop.restore(position, velocity, states, forces, *work)
+        forces = self._loop.trial_force(np.zeros(self._fixed.shape))
+        self._loop.restore(position, velocity, states, forces, *work)
+
+    @property
+    def thickness(self) -> Array:
+        """Thickness (n) [mm]."""
+        return self._by_element(self._of_blocks(self._loop.thickness))

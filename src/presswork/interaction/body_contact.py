@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact of deformable bodies with each other and with themselves: mortar, penalty with augmented Lagrange.
+
+Each end of a slave edge is a slot. Its pressure follows from the mean gap of the edges beside it, weighted by the
+slot's shape function, and from the multiplier that the converged increment before has left:
+
+    p = max(0, multiplier - stiffness gap)
+
+so what an increment leaves of penetration is what its change of pressure takes. An increment that leaves more than
+PENETRATION of an edge takes over the multipliers and iterates on. Shear follows in the same way from the slip, by
+return mapping. The kernels are in cpp/contact; docs/theory/contact.md has the formulas.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork import _core
+from presswork.body.shells import ShellMechanics
+from presswork.body.solids import Mechanics, PassedThrough
+from presswork.interaction.body_interface import MARGIN, REACH, TOUCHING, Interface
+from presswork.model import BodyContact, FloatArray, IntArray, MaskArray, Model
+from presswork.state import FRICTION, State
+
+PENETRATION = 1e-3
+"""Of the slave edge's length: more than that of gap or slip at nodes that push or stick takes another iteration."""
+MAX_CHANGES = 4
+"""Changes after which a slot keeps contact until the increment ends."""
+RELEASE = 1e-3
+"""A slot that may change no more may pull with no more than this part of the largest pressure."""
+STICKS = 1
+"""Status of a slot that sticks."""
+
+
+@dataclass(frozen=True)
+class BodyForces:
+    """Of the bodies on each other: nodal force (n_points, 2) [N], stiffness as node pairs (n, 2), blocks (n, 2, 2)."""
+
+    force: FloatArray
+    pairs: IntArray
+    blocks: FloatArray
+    pressure: FloatArray
+    """(n_slots,) [MPa]."""
+    shear: FloatArray
+    gap: FloatArray
+    slip: FloatArray
+    status: MaskArray
+    details: tuple[_core.InterfaceResult, ...]
+
+    @staticmethod
+    def none(shape: tuple[int, ...]) -> BodyForces:
+        """Return no forces at all, of the shape of the displacement, for a model without contact of bodies."""
+        empty = np.zeros(0)
+        return BodyForces(
+            np.zeros(shape), np.zeros((0, 2), dtype=np.int32), np.zeros((0, 2, 2)),
+            empty, empty, empty, empty, np.zeros(0, dtype=np.uint8), (),
+        )  # fmt: skip
+
+
+class BodyContacts:
+    """All contacts between bodies of one run; what persists lies in the State."""
+
+    def __init__(self, model: Model, mechanics: Mechanics | ShellMechanics) -> None:
+        self._model = model
+        self._mechanics = mechanics
+        self.interfaces: list[Interface] = []
+        self.n_slots = 0
+        for contact in model.contacts:
+            self.interfaces.append(Interface(model, contact, self.n_slots))
+            self.n_slots += len(self.interfaces[-1].nodes)
+        self._edge = np.concatenate([np.zeros(0), *(np.full(len(i.nodes), i.edge) for i in self.interfaces)])
+        self._budget = 0.5 * (MARGIN - REACH) * min((i.mean_edge for i in self.interfaces), default=0.0)
+        self._nodes = np.unique(np.concatenate([np.zeros((0,), dtype=np.int32), *(
+            np.concatenate([i.slave.ravel(), i.master.ravel()]) for i in self.interfaces)]))  # fmt: skip
+        self._searched_at: FloatArray | None = None
+        self._shear_flow = np.zeros(len(model.mesh.points))
+        self._held = np.zeros(self.n_slots, dtype=np.uint8)
+        self._believed = np.zeros(self.n_slots)
+        self._credible = np.concatenate([np.zeros(0), *(np.full(len(i.nodes), i.credible) for i in self.interfaces)])
+        self._changes = np.zeros(self.n_slots, dtype=np.int64)
+        self.n_unsettled = 0
+        """Slots that may change no more in this increment, and pull."""
+
+    def begin_increment(self, state_n: State) -> None:
+        """Take contact and shear flow stress [MPa] as they are at the start of the increment."""
+        self.n_unsettled = 0
+        self._held = (state_n.interface_pressure > 0).astype(np.uint8)
+        self._believed = state_n.interface_pressure.copy()
+        self._changes = np.zeros(self.n_slots, dtype=np.int64)
+        if any(i.contact.contact in ("shear", "coulomb_capped") for i in self.interfaces):
+            self._shear_flow = self._mechanics.nodal_flow_stress(state_n) / np.sqrt(3.0)
+
+    def _follow(self, trial: State, displacement: FloatArray) -> None:
+        """Look for candidates again where nodes have moved too far since; they depend on trial alone."""
+        moved = np.abs(displacement[self._nodes] - trial.search_displacement[self._nodes]).max(initial=0.0)
+        if moved > self._budget:
+            trial.search_displacement = displacement.copy()
+        if self._searched_at is not None and np.array_equal(self._searched_at, trial.search_displacement):
+            return
+        self._searched_at = trial.search_displacement.copy()
+        points = np.ascontiguousarray(self._model.mesh.points + trial.search_displacement)
+        couplings = np.concatenate([interface.search(points) for interface in self.interfaces])
+        assert isinstance(self._mechanics, Mechanics), "bodies in contact are solids"
+        self._mechanics.couple(np.ascontiguousarray(np.unique(couplings, axis=0), dtype=np.int32))
+
+    def evaluate(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
+        """Return the forces of the bodies on each other at a guess."""
+        if not self.interfaces:
+            return BodyForces.none(displacement.shape)
+        self._follow(trial, displacement)
+        points = self._model.mesh.points
+        x, x_n = points + displacement, points + state_n.displacement
+        results = []
+        for interface in self.interfaces:
+            found = interface.evaluate(state_n, trial, x_n, x, self._shear_flow, self._held, self._believed)
+            if found.too_deep:
+                return PassedThrough(interface.contact.name)
+            results.append(found)
+        return BodyForces(
+            force=np.sum([r.force for r in results], axis=0),
+            pairs=np.concatenate([r.pairs for r in results]),
+            blocks=np.concatenate([r.blocks for r in results]),
+            pressure=np.concatenate([r.pressure for r in results]),
+            shear=np.concatenate([r.shear for r in results]),
+            gap=np.concatenate([r.gap for r in results]),
+            slip=np.concatenate([r.slip for r in results]),
+            status=np.concatenate([r.status for r in results]),
+            details=tuple(results),
+        )
+
+    def predict(self, found: BodyForces, change: FloatArray) -> None:
+        """Take the pressures that a change of the nodes (n_points, 2) [mm] leads to where all goes by the tangent.
+
+        They are what the iteration believes in: the penalty makes of the curvature that a change has passed by, a
+        micrometre or so, pressures beyond all bounds, and a tangent or a friction made of those leads nowhere.
+        """
+        for interface, result in zip(self.interfaces, found.details, strict=True):
+            slot, node = np.asarray(result.slope_places).T
+            rise = np.zeros(len(interface.nodes))
+            np.add.at(rise, slot, (np.asarray(result.pressure_slopes) * change[node]).sum(axis=1))
+            self._believed[interface.places] = np.asarray(result.pressure) + rise
+
+    def update(self, found: BodyForces, *, near: bool) -> int:
+        """Take hold of slots that penetrate and, near equilibrium, let go of those that pull; return the changes."""
+        before = self._held.copy()
+        fresh = (found.pressure > 0) & (before == 0)
+        self._believed[fresh] = np.minimum(found.pressure, self._credible)[fresh]
+        self._held[found.pressure > 0] = 1
+        self._held[found.pressure == 0] = 0
+        if near:
+            pulls = found.pressure < 0
+            self._held[pulls & (self._changes < MAX_CHANGES)] = 0
+            strongly = found.pressure < -RELEASE * found.pressure.max(initial=0.0)
+            self.n_unsettled = int((strongly & (self._changes >= MAX_CHANGES)).sum())
+        changed = before != self._held
+        self._changes[changed] += 1
+        return int(changed.sum())
+
+    def touching(self, state: State) -> list[tuple[BodyContact, FloatArray]]:
+        """Return each contact whose surfaces touch, with the directions (n, 2) in which they hold each other."""
+        found = self.evaluate(state, state, state.displacement)
+        assert isinstance(found, BodyForces)  # nothing has moved
+        held = []
+        for interface, result in zip(self.interfaces, found.details, strict=True):
+            near = np.asarray(result.gap) <= 10 * TOUCHING * interface.mean_edge
+            edges = interface.slave[near[interface.slots].all(axis=1)]
+            along = self._model.mesh.points[edges[:, 1]] - self._model.mesh.points[edges[:, 0]]
+            along /= np.linalg.norm(along, axis=1)[:, None]
+            normal = np.column_stack([along[:, 1], -along[:, 0]])
+            rubs = interface.contact.contact != "frictionless"
+            held.append((interface.contact, np.concatenate([normal, along]) if rubs else normal))
+        return held
+
+    def _at_rest(self, state: State) -> tuple[_core.InterfaceResult, ...]:
+        """Return what a converged state's multipliers do, gaps and slips left out."""
+        if not self.interfaces:
+            return ()
+        points = self._model.mesh.points + state.displacement
+        self._follow(state, state.displacement)
+        return tuple(interface.apply(state, points) for interface in self.interfaces)
+
+    def total_forces(self, state: State) -> dict[str, FloatArray]:
+        """Return the force of the first body of each contact on the second (2,) [N]."""
+        forces = {}
+        for interface, result in zip(self.interfaces, self._at_rest(state), strict=True):
+            contact = interface.contact
+            forces[contact.name] = np.array(result.master_force) * (1 if contact.slave == contact.between[0] else -1)
+        return forces
+
+    def nodal_stress(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Return pressure and shear (n_points,) [MPa], as those of tools: shear along the boundary, body on the right.
+
+        At the ends of slave edges they are those of the slots, at their mid-sides the mean of the ends; at the master's
+        nodes the nodal force over the node's share of the surface in contact.
+        """
+        n = len(self._model.mesh.points)
+        pressure, shear = np.zeros(n), np.zeros(n)
+        for interface, result in zip(self.interfaces, self._at_rest(state), strict=True):
+            area = np.asarray(result.area)
+            touched = np.asarray(result.push) > 0
+            safe = np.where(area > 1e-9 * area.max(initial=0.0), area, np.inf)
+            pressure[touched] = (np.asarray(result.push) / safe)[touched]
+            shear[touched] = -(np.asarray(result.drag) / safe)[touched]
+            own, own_shear = state.interface_pressure[interface.places], state.interface_shear[interface.places]
+            pushes = own > 0
+            pressure[interface.nodes[pushes]], shear[interface.nodes[pushes]] = own[pushes], -own_shear[pushes]
+            if interface.slave.shape[1] == 3:
+                middle = interface.slave[:, 2]
+                both = pushes[interface.slots].any(axis=1)
+                pressure[middle[both]] = own[interface.slots].mean(axis=1)[both]
+                shear[middle[both]] = -own_shear[interface.slots].mean(axis=1)[both]
+        return pressure, shear
+
+    def augment(self, trial: State, found: BodyForces) -> bool:
+        """Take over the multipliers if bodies penetrate, or slip where they stick, by more than is allowed."""
+        pushes, sticks = found.pressure > 0, found.status == STICKS
+        excess = max(
+            float(np.abs(found.gap[pushes] / self._edge[pushes]).max(initial=0.0)),
+            float(np.abs(found.slip[sticks] / self._edge[sticks]).max(initial=0.0)),
+        )
+        if excess <= PENETRATION:
+            return False
+        trial.interface_pressure, trial.interface_shear = found.pressure, found.shear
+        return True
+
+    def settle(self, state_n: State, trial: State, found: BodyForces) -> None:
+        """Keep what the next increment starts from, and add the work that friction has taken."""
+        if not self.interfaces:
+            return
+        trial.interface_pressure, trial.interface_shear = found.pressure, found.shear
+        trial.interface_slip = np.where(found.status == STICKS, found.slip, 0.0)
+        trial.interface_force = found.force
+        if any(i.contact.contact != "frictionless" for i in self.interfaces):
+            points = self._model.mesh.points + trial.displacement
+            trial.interface_friction = found.force - sum(i.push(trial, points) for i in self.interfaces)
+            friction = state_n.interface_friction + trial.interface_friction
+            trial.work[FRICTION] -= 0.5 * float((friction * trial.increment).sum())

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tools whose place follows from a force: pushed with a given force, or resting on a spring.
+
+Each has one freedom more, its travel q along a direction d, and one equation more: the workpiece's force P on the tool,
+
+    P . d = -F (force-controlled),    P . d = preload + stiffness q (on a spring, when off its stop at q = 0).
+
+The nodes that the tool holds follow it: u = u_a + V q, V the motion that contact prescribes for each mm of travel. The
+matrix of the workpiece is factorised as ever; the response b to V costs one substitution for each such tool, and a
+system of as many equations as there are such tools couples them (a bordered system, solved by its Schur complement).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from presswork.interaction.friction import FrictionForces
+from presswork.interaction.tool_contact import Constraints, Contact
+from presswork.model import FloatArray, Model
+from presswork.state import State
+
+MAX_CHANGES = 4
+"""Times that a spring-backed tool may leave or reach its stop in an increment."""
+
+
+@dataclass(frozen=True)
+class Floating:
+    """The tools that float at a guess, and what each lacks for equilibrium."""
+
+    tools: list[int]
+    directions: FloatArray
+    """Unit vectors (n, 2)."""
+    missing: FloatArray
+    """P . d minus what it must be, as modelled (n,) [N]."""
+    stiffness: FloatArray
+    """Of their springs (n,) [N/mm]."""
+    motions: list[Constraints]
+    """What the held nodes do for each mm of travel."""
+
+
+class LostWorkpieceError(Exception):
+    """A tool that a force pushes touches nothing: nothing balances the force."""
+
+
+class FloatingTools:
+    """The floating tools of one run; what persists is State.tool_travel and State.tool_gives."""
+
+    def __init__(self, model: Model, contact: Contact) -> None:
+        self._model = model
+        self._contact = contact
+        self.is_needed = any(t.spring for t in model.tools) or any(
+            m.force is not None for s in model.stages for m in s.tool_motion.values()
+        )
+        self._share = np.array([0.5 ** sum(t.mirrored_across) for t in model.tools])  # modelled part of the whole
+        self._changes = np.zeros(len(model.tools), dtype=np.int64)
+
+    def begin_increment(self) -> None:
+        """Forget the changes of the increment before."""
+        self._changes[:] = 0
+
+    def pushed(self, stage: int) -> dict[int, tuple[FloatArray, float]]:
+        """Return direction and final force [N], as modelled, of the tools that a force pushes in a stage."""
+        motions = self._model.stages[stage].tool_motion
+        return {
+            t: (np.asarray(motion.direction), motion.force * float(self._share[t]))
+            for t, tool in enumerate(self._model.tools)
+            if (motion := motions.get(tool.name)) is not None and motion.force is not None
+        }
+
+    def evaluate(
+        self, trial: State, reaction: FloatArray, friction: FrictionForces | None, supports: Constraints, stage: int,
+        fraction: float, *, near: bool,
+    ) -> tuple[Floating, int]:  # fmt: skip
+        """Return what floats at a guess, and how many springs have left or reached their stops.
+
+        `reaction` (n_points, 2) [N] on the nodes; the nodes' constraints are taken from the contact of `trial`.
+        """
+        tools: list[int] = []
+        directions, missing, stiffness, motions = [], [], [], []
+        changes = 0
+        pushed = self.pushed(stage)
+        for t, tool in enumerate(self._model.tools):
+            if t in pushed:
+                direction, final = pushed[t]
+                start = -float(trial.tool_force_start[t] @ direction)
+                demand, k = -((1.0 - fraction) * start + fraction * final), 0.0
+            elif tool.spring is not None:
+                direction = np.asarray(tool.spring.direction)
+                k = tool.spring.stiffness * float(self._share[t])
+                demand = tool.spring.preload * float(self._share[t]) + k * float(trial.tool_travel[t] @ direction)
+            else:
+                continue
+            motion = self._contact.follow(trial, t, direction, supports)
+            lacks = self._force_along(t, direction, motion, reaction, friction) - demand
+            if t not in pushed:
+                changes += self._leave_or_reach_stop(trial, t, direction, lacks, near=near)
+                if not trial.tool_gives[t]:
+                    continue
+            tools.append(t)
+            directions.append(direction)
+            missing.append(lacks)
+            stiffness.append(k)
+            motions.append(motion)
+        shape = np.array(directions).reshape(-1, 2)
+        return Floating(tools, shape, np.array(missing), np.array(stiffness), motions), changes
+
+    def _force_along(
+        self, tool: int, direction: FloatArray, motion: Constraints, reaction: FloatArray,
+        friction: FrictionForces | None,
+    ) -> float:  # fmt: skip
+        """Return the workpiece's force on a tool along a direction [N]."""
+        local = np.where(motion.turned[:, None] == 1, np.einsum("nij,nj->ni", motion.frames, reaction), reaction)
+        force = -float((motion.value * local).sum())
+        if friction is not None:
+            own = friction.tools == tool
+            force -= float((friction.tangent[own] @ direction) @ friction.force[own])
+        return force
+
+    def _leave_or_reach_stop(self, trial: State, t: int, direction: FloatArray, lacks: float, *, near: bool) -> int:
+        """Let a spring give when it is pushed with more than its preload, and stop it where it began."""
+        travel = float(trial.tool_travel[t] @ direction)
+        if not near or self._changes[t] >= MAX_CHANGES:
+            return 0
+        if trial.tool_gives[t] and travel < 0.0:
+            trial.tool_displacement[t] -= travel * direction
+            trial.tool_travel[t] -= travel * direction
+            trial.tool_gives[t] = 0
+        elif not trial.tool_gives[t] and lacks > 0.0:
+            trial.tool_gives[t] = 1
+        else:
+            return 0
+        self._changes[t] += 1
+        return 1
+
+    def correct(
+        self, floating: Floating, friction: FrictionForces | None, matrix: sp.csr_matrix, correction: FloatArray,
+        respond: Callable[[FloatArray, FloatArray], FloatArray],
+    ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+        """Return the correction with the tools' travel in it, and that travel (n,) [mm].
+
+        correction: with the tools held fast (n_points, 2), as everything here in the nodes' own frames. matrix: before
+        constraints. respond: solves for prescribed values (n_points, 2) and a right-hand side (n_points, 2).
+        Raises LostWorkpieceError if no travel can balance a tool.
+        """
+        n = len(floating.tools)
+        responses, pulls = [], []
+        for t, direction, motion in zip(floating.tools, floating.directions, floating.motions, strict=True):
+            pull = np.zeros_like(correction)  # d (friction on the nodes) / d travel
+            if friction is not None:
+                own = friction.tools == t
+                pull[friction.nodes[own], 1] = friction.stiffness[own] * (friction.tangent[own] @ direction)
+            pulls.append(pull)
+            responses.append(respond(motion.value, pull))
+        schur, rest = np.zeros((n, n)), np.zeros(n)
+        for i, motion in enumerate(floating.motions):
+            row = np.asarray(matrix.T @ motion.value.ravel()).reshape(-1, 2) - pulls[i]
+            rest[i] = floating.missing[i] - float((row * correction).sum())
+            for j in range(n):
+                schur[i, j] = float((row * responses[j]).sum())
+            schur[i, i] += floating.stiffness[i]
+            if friction is not None:
+                own = friction.tools == floating.tools[i]
+                along = friction.tangent[own] @ floating.directions[i]
+                schur[i, i] += float((friction.stiffness[own] * along**2).sum())
+        if n and np.abs(np.diag(schur)).min() == 0.0:
+            lost = self._model.tools[floating.tools[int(np.abs(np.diag(schur)).argmin())]].name
+            raise LostWorkpieceError(f"the tool {lost!r} is pushed by a force, but touches nothing that would hold it")
+        travel = np.asarray(np.linalg.solve(schur, rest), dtype=np.float64)
+        for response, q in zip(responses, travel, strict=True):
+            correction = correction + q * response
+        return correction, travel
+
+    def move(self, trial: State, floating: Floating, travel: FloatArray) -> None:
+        """Move the floating tools."""
+        for t, direction, q in zip(floating.tools, floating.directions, travel, strict=True):
+            trial.tool_travel[t] += q * direction
+            trial.tool_displacement[t] += q * direction

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Friction of held nodes: the laws, and what they add to the residual and to the tangent.
+
+A node in contact hangs on its tool by a stiff tangential spring: over an increment its friction changes by -k_t times
+the slip, from T_n. Where that exceeds what the law allows, the node slides and T = T_max against the slip (return
+mapping with a small elastic slip). The force is kept and not the spring's length, so that a change of the node's area
+is no jump. k_t = k A' / the elastic slip, A' the node's share of all edges beside it, in contact or not: a lone node in
+contact rubs too. T_max by law, A the node's share of the surface in contact and k = flow stress / sqrt(3) at the start
+of the increment:
+
+    shear m k A        coulomb mu N        coulomb_capped min(mu N, m k A)
+
+The converged answer is the same whatever the tangent; settings.friction_tangent chooses it:
+
+    return_mapping   k_t where the node hangs, nothing where it slides, and Coulomb's dependence on N (unsymmetric);
+                     where it slides the other way than an iteration before, the chord between both: with nothing
+                     Newton's method would throw it to and fro for ever
+    bond             where it slides, a soft spring too (after the bond element of Cheng 1995, chapter 3): the full
+                     friction stress over the slip of the increment before, softened
+    residual         nothing: friction in the residual only
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.fields.contact_stress import edge_shares
+from presswork.interaction.tool_contact import Contact
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
+from presswork.state import FRICTION, SLIDING, State
+
+ELASTIC_SLIP = 2e-3
+"""Slip at which the spring reaches k A, as a part of the shortest boundary edge."""
+BOND_SOFTENING = 0.1
+"""Of the bond's stiffness (thesis: 0.05 to 0.15)."""
+
+
+@dataclass(frozen=True)
+class FrictionForces:
+    """Friction on the nodes that are held along the normal alone."""
+
+    nodes: IntArray
+    tools: IndexArray
+    tangent: FloatArray
+    """Unit vectors (n, 2)."""
+    slip: FloatArray
+    """Of the node along its tool over the increment (n,) [mm]."""
+    force: FloatArray
+    """Of the tool on the node, along the tangent (n,) [N]."""
+    stiffness: FloatArray
+    """What the tangent gets on the node's tangential diagonal (n,) [N/mm]."""
+    normal_slope: FloatArray
+    """d force / d normal force (n,), zero but for sliding under Coulomb's law."""
+
+    def vector(self, n_points: int) -> FloatArray:
+        """Return the friction as nodal forces (n_points, 2) [N]."""
+        forces = np.zeros((n_points, 2))
+        forces[self.nodes] = self.force[:, None] * self.tangent
+        return forces
+
+
+def _pad(by_tool: list[FloatArray]) -> FloatArray:
+    """Stack each tool's values by segment into (n_tools, most segments), zero beyond the tool's last."""
+    padded = np.zeros((len(by_tool), max((len(values) for values in by_tool), default=0)))
+    for row, values in zip(padded, by_tool, strict=True):
+        row[: len(values)] = values
+    return padded
+
+
+class Friction:
+    """The friction of one run; what persists is State.drag."""
+
+    def __init__(self, model: Model, contact: Contact) -> None:
+        self._model = model
+        self._contact = contact
+        self.is_needed = any(t.contact not in ("frictionless", "sticking") for t in model.tools)
+        edges = model.mesh.boundary_edges
+        length = np.linalg.norm(model.mesh.points[edges[:, 1]] - model.mesh.points[edges[:, 0]], axis=1)
+        self._slip = ELASTIC_SLIP * float(length.min(initial=np.inf))
+        self._m, self._mu = _pad([t.m for t in model.tools]), _pad([t.mu for t in model.tools])
+        self._by_shear = np.array([t.contact in ("shear", "coulomb_capped") for t in model.tools], dtype=bool)
+        self._by_push = np.array([t.contact in ("coulomb", "coulomb_capped") for t in model.tools], dtype=bool)
+        self._has_friction = np.array([t.contact not in ("frictionless", "sticking") for t in model.tools], dtype=bool)
+        self.softness = 1.0
+        """How many times softer than they are the springs are taken, on the way to equilibrium."""
+        self._shear_flow = np.zeros(len(contact.nodes))
+        self._bond = np.zeros(len(contact.nodes))
+        self._slip_before = np.zeros(len(contact.nodes))  # in the last iteration of this increment
+        self._force_before = np.zeros(len(contact.nodes))
+
+    def begin_increment(self, state_n: State, flow_stress: FloatArray) -> None:
+        """Take the shear flow stress of every candidate from the flow stress at the nodes (n_points,) [MPa]."""
+        self._slip_before[:], self._force_before[:] = 0.0, 0.0
+        if self.is_needed:
+            self._shear_flow = flow_stress[self._contact.nodes] / np.sqrt(3.0)
+            slip = np.abs(state_n.increment[self._contact.nodes]).max(axis=1)
+            self._bond = BOND_SOFTENING / np.maximum(slip, self._slip)
+
+    def _places(self, trial: State, held_alone: BoolArray) -> tuple[IndexArray, IndexArray]:
+        """Return places among the candidates, and tools, of the nodes that friction acts on."""
+        face, place = np.nonzero((trial.contact == SLIDING) & held_alone)
+        rough = self._has_friction[face // 2]
+        return place[rough], face[rough]
+
+    def evaluate(
+        self, state_n: State, trial: State, displacement: FloatArray, reaction: FloatArray, free: BoolArray
+    ) -> FrictionForces:
+        """Return the friction at a guess; `free` marks nodes (n_points,) whose tangential freedom is not prescribed."""
+        contact = self._contact
+        place, face = self._places(trial, free[contact.nodes])
+        tool, nodes = face // 2, contact.nodes[place]
+        normal = contact.normal[face, place]
+        tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
+        points = self._model.mesh.points
+        # 1. slip since the start of the increment
+        moved = displacement[nodes] - state_n.displacement[nodes]
+        carried = contact.carry(state_n, trial, tool, points[nodes] + state_n.displacement[nodes])
+        slip = np.einsum("ni,ni->n", tangent, moved - carried)
+        # 2. what the law allows
+        held = np.zeros(len(displacement), dtype=bool)
+        held[contact.nodes[(trial.contact > 0).any(axis=0)]] = True
+        edges = self._model.mesh.boundary_edges
+        deformed = points + displacement
+        area = edge_shares(self._model, deformed, edges[held[edges].all(axis=1)])[nodes]
+        beside = edge_shares(self._model, deformed, edges)[nodes]
+        push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
+        segment = contact.segment[face, place]
+        m, mu = self._m[tool, segment], self._mu[tool, segment]
+        by_shear = np.where(self._by_shear[tool], m * self._shear_flow[place] * area, np.inf)
+        by_push = np.where(self._by_push[tool], mu * push, np.inf)
+        limit = np.minimum(by_shear, by_push)
+        # 3. hang or slide
+        stiffness = self._shear_flow[place] * beside / (self._slip * self.softness)
+        spring = state_n.drag[place] - stiffness * slip
+        slides = np.abs(spring) > limit
+        force = np.where(slides, limit * np.sign(spring), spring)
+        follows_push = slides & (by_push < by_shear) & (push > 0)
+        slope = np.where(follows_push, mu * np.sign(spring), 0.0)
+        on_diagonal, slope = self._tangent(place, limit, stiffness, slides, slope)
+        turned_round = slides & (force * self._force_before[place] < 0)
+        if self._model.solver.friction_tangent == "return_mapping":
+            chord = np.abs(force - self._force_before[place])
+            way = np.abs(slip - self._slip_before[place])
+            on_diagonal = np.where(turned_round, np.minimum(chord / np.maximum(way, 1e-300), stiffness), on_diagonal)
+        self._slip_before[place], self._force_before[place] = slip, force
+        return FrictionForces(nodes, tool, tangent, slip, force, on_diagonal, slope)
+
+    def _tangent(
+        self, place: IndexArray, limit: FloatArray, stiffness: FloatArray, slides: BoolArray, slope: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        kind = self._model.solver.friction_tangent
+        if kind == "return_mapping":
+            return np.where(slides, 0.0, stiffness), slope
+        if kind == "bond":
+            return np.where(slides, limit * self._bond[place], stiffness), np.zeros(len(limit))
+        return np.zeros(len(limit)), np.zeros(len(limit))
+
+    def settle(self, state_n: State, trial: State, free: BoolArray) -> None:
+        """Keep the friction of a converged state for the next increment."""
+        trial.drag[:] = 0.0
+        if self.is_needed:
+            place, _ = self._places(trial, free[self._contact.nodes])
+            rubs = self.evaluate(state_n, trial, trial.displacement, trial.reaction, free)
+            trial.drag[place] = rubs.force
+            trial.work[FRICTION] -= 0.5 * float((state_n.drag[place] + rubs.force) @ rubs.slip)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Inertia and damping of the nodes in the implicit procedure: they steady what statics leaves free.
+
+With the velocity v = du / dt of an increment, each node of mass m resists by f = m ((v - v_n) / dt + c v), c the mass
+damping: backward Euler. What moves on evenly feels c m v alone; what snaps, or nothing holds, is held by m / dt^2 and
+c m / dt, the more so the smaller the increment. The scheme itself loses m |v - v_n|^2 / 2 in each increment, so
+oscillations that it does not resolve die out at once. The mass is lumped: shells share it equally among a cell's nodes
+and rotations have none, solids by the diagonal of the consistent matrix (Hinton, Rock & Zienkiewicz 1976).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.interaction.sheet_contact import share_surface
+from presswork.mesh.topology import count_corners
+from presswork.model import CellBlock, FloatArray, IntArray, Model
+from presswork.state import State
+
+SHARES = {3: (1 / 3,), 4: (1 / 4,), 6: (3 / 57, 16 / 57), 8: (3 / 76, 16 / 76), 9: (1 / 36, 4 / 36, 16 / 36)}
+"""Of a cell's mass, by its number of nodes: at a corner, a mid-side, the middle."""
+
+
+@dataclass(frozen=True)
+class InertiaForces:
+    """Resistance of the nodes (n_points, d) [N], and its derivative as node pairs (n, 2) and blocks (n, f, f): d
+    coordinates and f freedoms a node.
+    """
+
+    resistance: FloatArray
+    velocity: FloatArray
+    """(n_points, d) [mm/s]."""
+    pairs: IntArray
+    blocks: FloatArray
+
+
+class Inertia:
+    """The masses of one run; velocities lie in the State."""
+
+    def __init__(self, model: Model) -> None:
+        self.is_needed = model.solver.inertia > 0.0
+        self._damping = model.solver.damping
+        self._freedoms, self._moving = (6, 3) if model.analysis == "shell" else (2, 2)
+        self._mass = np.zeros(len(model.mesh.points))
+        for block in model.mesh.blocks if self.is_needed else ():
+            density = model.solver.inertia * model.materials[block.material].density
+            self._mass += density * (_share_sheet(model, block) if block.section else _share_solid(model, block))
+        nodes = np.arange(len(self._mass), dtype=np.int32)
+        self._pairs = np.column_stack([nodes, nodes])
+
+    def evaluate(self, state_n: State, increment: FloatArray, dt: float) -> InertiaForces:
+        """Return the resistance to an increment (n_points, freedoms) over dt [s]."""
+        d = self._moving
+        velocity = increment[:, :d] / dt
+        resistance = self._mass[:, None] * ((velocity - state_n.velocity) / dt + self._damping * velocity)
+        blocks = np.zeros((len(self._mass), self._freedoms, self._freedoms))
+        blocks[:, :d, :d] = (self._mass * (1.0 / dt + self._damping) / dt)[:, None, None] * np.eye(d)
+        return InertiaForces(resistance, velocity, self._pairs, blocks)
+
+
+def _share_sheet(model: Model, block: CellBlock) -> FloatArray:
+    """Return the volume of a sheet that each node stands for (n_points,) [mm3]."""
+    assert block.section is not None
+    return block.section.thickness * share_surface(model.mesh.points, block.connectivity)
+
+
+def _share_solid(model: Model, block: CellBlock) -> FloatArray:
+    """Return the volume of a solid that each node stands for (n_points,) [mm3]; of full rings in axisymmetry."""
+    nodes = block.connectivity.shape[1]
+    corners = count_corners(nodes)
+    x, y = np.moveaxis(model.mesh.points[block.connectivity[:, :corners]], -1, 0)
+    cross = x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y
+    if model.analysis == "axisymmetric":  # 2 pi int r dA of a polygon
+        volume = 2.0 * np.pi * ((x + np.roll(x, -1, axis=1)) * cross).sum(axis=1) / 6.0
+    else:
+        volume = model.depth * 0.5 * cross.sum(axis=1)
+    kinds = np.repeat(range(3), [corners, min(nodes - corners, corners), max(nodes - 2 * corners, 0)])
+    share = np.zeros(len(model.mesh.points))
+    np.add.at(share, block.connectivity, volume[:, None] * np.array(SHARES[nodes])[kinds])
+    return share

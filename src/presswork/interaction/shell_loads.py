@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Loads on shells: forces and moments at nodes and edges, body forces, follower pressures with their stiffness."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork import _core
+from presswork.interaction.loads import AppliedLoads
+from presswork.mesh.directors import Directors
+from presswork.mesh.edges import GAUSS_3, edge_shape_functions
+from presswork.model import FloatArray, IndexArray, IntArray, Model
+from presswork.state import State
+
+
+def _skew(v: FloatArray) -> FloatArray:
+    """Return the matrices (..., 3, 3) that take w to v x w."""
+    matrix = np.zeros((*v.shape, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        matrix[..., i, j], matrix[..., j, i] = -v[..., k], v[..., k]
+    return matrix
+
+
+class ShellLoads:
+    """The loads of one model; what does not change with the deformation is kept."""
+
+    def __init__(self, model: Model, directors: Directors) -> None:
+        self._model = model
+        self._directors = directors
+        self._shapes = [_core.shell_shape(b.element) for b in model.mesh.blocks]
+        points = model.mesh.points
+        self.nodal_volume = np.zeros(len(points))
+        self.area = 0.0
+        """Of the undeformed shell [mm2]."""
+        for block, (N, slopes, weights, _) in zip(model.mesh.blocks, self._shapes, strict=True):
+            base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
+            area = np.linalg.norm(np.cross(base[:, :, 0], base[:, :, 1]), axis=2) * weights
+            self.area += float(area.sum())
+            thickness = block.section.thickness if block.section else 0.0
+            np.add.at(self.nodal_volume, block.connectivity, thickness * area @ N)
+        self._dead = [self._dead_loads(s) for s in range(len(model.stages))]
+
+    def _dead_loads(self, stage: int) -> FloatArray:
+        """Return the forces and moments of a whole stage that keep their direction (n_points, 6)."""
+        mesh = self._model.mesh
+        force = np.zeros((len(mesh.points), 6))
+        for load in self._model.stages[stage].forces:
+            nodes = mesh.node_sets[load.node_set]
+            force[nodes, : len(load.force)] += np.asarray(load.force) / len(nodes)
+        for edge_load in self._model.stages[stage].edge_forces:
+            edges = mesh.edge_sets[edge_load.edge_set]
+            x, n = mesh.points[edges], edges.shape[1]
+            for s, weight in GAUSS_3:
+                N, dN = edge_shape_functions(n, s)
+                length = np.linalg.norm(np.einsum("a,eai->ei", dN, x), axis=1) * weight
+                share = np.einsum("e,a,i->eai", length, N, np.asarray(edge_load.force))
+                np.add.at(force[:, : len(edge_load.force)], edges, share)
+        for body in self._model.stages[stage].body_forces:
+            force[:, :3] += self.nodal_volume[:, None] * np.asarray(body.force)
+        return force
+
+    def evaluate(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> AppliedLoads:
+        """Return the loads at a fraction of a stage, `increment` (n_points, 6) after state_n.
+
+        They grow linearly; what was left from the stage before fades linearly.
+        A moment does work on the spin of its node: on the rotation vector of the increment it acts through the
+        rotation's tangent. What of it lies along the director of a smooth node does nothing.
+        """
+        force = fraction * self._dead[stage] + (1.0 - fraction) * state_n.shells.fading
+        is_small = self._model.solver.is_small
+        if is_small:
+            increment = np.zeros_like(increment)
+        moment = force[:, 3:]
+        loaded = np.flatnonzero(moment.any(axis=1))
+        if len(loaded):
+            force[loaded, 3:] = self._on_rotation_vector(loaded, moment[loaded], state_n, increment[loaded, 3:])
+        pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 6, 6))]
+        points = self._model.mesh.points
+        if not is_small:
+            points = points + state_n.displacement[:, :3] + increment[:, :3]
+        for pressure in self._model.stages[stage].shell_pressures:
+            inside = np.zeros(len(points), dtype=bool)
+            inside[self._model.mesh.node_sets[pressure.node_set]] = True
+            for block, shape in zip(self._model.mesh.blocks, self._shapes, strict=True):
+                cells = block.connectivity[inside[block.connectivity].all(axis=1)]
+                more, stiffness = _press(points, cells, shape, fraction * pressure.value, force)
+                if not is_small:
+                    pairs.append(more)
+                    blocks.append(stiffness)
+        return AppliedLoads(force, np.concatenate(pairs), np.concatenate(blocks))
+
+    def _on_rotation_vector(
+        self, nodes: IndexArray, moment: FloatArray, state_n: State, theta: FloatArray
+    ) -> FloatArray:
+        """Return the part of moments that works on the increment's rotation vectors (n, 3)."""
+        square = (theta**2).sum(axis=1)[:, None, None]
+        angle = np.sqrt(square)
+        small = square < 1e-8
+        safe = np.where(small, 1.0, square)
+        b = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
+        c = np.where(small, 1 / 6 - square / 120, (1.0 - np.sinc(angle / np.pi)) / safe)
+        skew = _skew(theta)
+        tangent = np.eye(3) + b * skew + c * skew @ skew
+        rotation = np.eye(3) + np.sinc(angle / np.pi) * skew + b * skew @ skew
+        which = np.full(len(self._directors.smooth), -1)
+        which[self._directors.node] = np.arange(len(self._directors.node))
+        director = np.einsum("nij,nj->ni", rotation, state_n.shells.director[which[nodes]])
+        along = (director * moment).sum(axis=1, keepdims=True) * self._directors.smooth[nodes, None]
+        result: FloatArray = np.einsum("nji,nj->ni", tangent, moment - along * director)
+        return result
+
+
+def _press(
+    points: FloatArray, cells: IntArray, shape: tuple[FloatArray, ...], pressure: float, force: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Add p n over cells to force; return d(-force)/d(position) as node pairs and blocks (n, 6, 6)."""
+    N, slopes, weights, _ = shape
+    n = cells.shape[1]
+    base = np.einsum("qaj,cai->cqji", slopes, points[cells])
+    normal = np.cross(base[:, :, 0], base[:, :, 1])
+    np.add.at(force[:, :3], cells, pressure * np.einsum("q,qa,cqi->cai", weights, N, normal))
+    first, second = _skew(base[:, :, 0]), _skew(base[:, :, 1])
+    turning = np.einsum("qb,cqij->cqbij", slopes[:, :, 1], first) - np.einsum("qb,cqij->cqbij", slopes[:, :, 0], second)
+    stiffness = np.zeros((len(cells), n, n, 6, 6))
+    stiffness[..., :3, :3] = -pressure * np.einsum("q,qa,cqbij->cabij", weights, N, turning)
+    rows, columns = np.repeat(cells, n, axis=1), np.tile(cells, (1, n))
+    pairs = np.stack([rows, columns], axis=-1).reshape(-1, 2).astype(np.int32)
+    return np.ascontiguousarray(pairs), stiffness.reshape(-1, 6, 6)

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What supports and prescribed displacements make of an increment: prescribed freedoms, and frames for rotations.
+
+Solids have two freedoms a node, taken along x and y. Shells have six; their rotations are taken in a frame of the
+node's own, so that any set of them can be prescribed: those about x, y, z that supports hold, and, where the sheet is
+smooth, the drilling about the director, which means nothing there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.interaction.tool_contact import Constraints
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
+from presswork.outcome import StartError
+from presswork.state import State
+
+SAME = 1e-6
+"""Sine of the angle below which an axis lies in the plane of others."""
+
+
+class NotHeldError(StartError):
+    """Nothing holds the workpiece in some direction: it would move as a rigid body."""
+
+
+def check_shell_held(model: Model, fixed: BoolArray, touched: tuple[IndexArray, FloatArray] | None = None) -> None:
+    """Refuse a shell that is free to move as a rigid body: `fixed` (n_points, 6) marks what is held.
+
+    touched: nodes (n,) that tools hold too, and along which unit vectors (n, 3).
+    """
+    points = model.mesh.points - model.mesh.points.mean(axis=0)
+    size = float(np.abs(points).max())
+    modes = np.zeros((len(points), 6, 6))  # of each point and freedom, by rigid mode
+    modes[:, :3, :3] = np.eye(3)
+    modes[:, 3:, 3:] = np.eye(3)
+    modes[:, :3, 3:] = np.cross(np.eye(3)[None], points[:, None] / size).transpose(0, 2, 1)
+    held = modes[fixed]
+    if touched is not None:
+        nodes, directions = touched
+        held = np.concatenate([held, np.einsum("ni,nij->nj", directions, modes[nodes, :3])])
+    values, vectors = np.linalg.eigh(held.T @ held)
+    loose = vectors[:, values < 1e-12 * max(float(values.max()), 1.0)]
+    if loose.shape[1] == 0:
+        return
+    names = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
+    most = np.abs(loose).max(axis=1)
+    free = " and ".join(name for name, part in zip(names, most, strict=True) if part > 0.3)
+    raise NotHeldError(
+        f"nothing holds the shell against {loose.shape[1]} rigid motion{'s' * (loose.shape[1] > 1)} ({free}). Add a "
+        "[boundary] entry"
+    )
+
+
+class Supports:
+    """Supports of one model; `smooth` marks the nodes of shells without drilling, `director_node` who turns each
+    director.
+    """
+
+    def __init__(self, model: Model, smooth: BoolArray | None = None, director_node: IntArray | None = None) -> None:
+        self._model = model
+        self._smooth = np.zeros(0, dtype=bool) if smooth is None else smooth
+        self._director_node = np.zeros(0, dtype=np.int32) if director_node is None else director_node
+        n = len(model.mesh.points)
+        self.freedoms = 2 if smooth is None else 6
+        self._frames_of: tuple[State, int] | None = None
+        self._frames, self._held = np.zeros((0, 3, 3)), np.zeros((0, 3), dtype=bool)
+        self._supported = np.zeros((n, self.freedoms), dtype=bool)
+        for support in model.supports:
+            self._supported[model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix)
+        self._identity = np.tile(np.eye(2), (n, 1, 1))
+
+    def fixed(self, stage: int) -> BoolArray:
+        """Return the components that supports and prescribed displacements hold in a stage (n_points, freedoms)."""
+        fixed = self._supported.copy()
+        for p in self._model.stages[stage].prescribed:
+            fixed[self._model.mesh.node_sets[p.node_set], p.component] = True
+        return fixed
+
+    def constrain(self, state_n: State, stage: int, part: float, increment: FloatArray) -> Constraints:
+        """Return what is prescribed, and the correction still missing from `increment`.
+
+        part: of the stage, from state_n to the end of the increment.
+        """
+        fixed = self.fixed(stage)
+        target = np.zeros_like(increment)
+        for p in self._model.stages[stage].prescribed:
+            nodes = self._model.mesh.node_sets[p.node_set]
+            target[nodes, p.component] = p.value * part
+        mask = fixed.astype(np.uint8)
+        if self.freedoms == 2:
+            value = np.where(mask, target - increment, 0.0)
+            return Constraints(mask, value, np.zeros(len(mask), dtype=np.uint8), self._identity)
+        if self._frames_of is None or self._frames_of[0] is not state_n or self._frames_of[1] != stage:
+            self._frames, self._held = self._rotation_frames(fixed[:, 3:], state_n.shells.director)
+            self._frames_of = (state_n, stage)
+        frames = self._frames
+        mask[:, 3:] = self._held
+        missing = target - increment
+        missing[:, 3:] = np.einsum("nij,nj->ni", frames, missing[:, 3:])
+        value = np.where(mask, missing, 0.0)
+        return Constraints(mask, value, np.ones(len(mask), dtype=np.uint8), frames)
+
+    def _rotation_frames(self, fixed: BoolArray, director: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return the nodes' frames (n_points, 3, 3), prescribed axes first, and which axes are prescribed."""
+        n = len(fixed)
+        axes = np.zeros((n, 4, 3))
+        axes[:, :3] = np.eye(3) * fixed[:, :, None]
+        own = self._smooth[self._director_node]
+        axes[self._director_node[own], 3] = director[own]
+        # the prescribed space is spanned by the axes; its complement is left free
+        values, vectors = np.linalg.eigh(np.einsum("nai,naj->nij", axes, axes))
+        order = vectors[:, :, ::-1]
+        frames = np.ascontiguousarray(order.transpose(0, 2, 1))
+        held: BoolArray = values[:, ::-1] > SAME**2
+        unused = ~np.isin(np.arange(n), self._director_node)
+        held[unused] = True
+        return frames, held

@@ -1,0 +1,329 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact of boundary nodes with rigid tools, as exact constraints with an active set.
+
+A node that would be inside a tool is put on its surface and held there along the normal (SLIDING); on a sticking tool
+it is held in both directions from the next increment on (STUCK), at the place in the tool's frame where it has come to
+rest: so the converged answer does not depend on the way the iteration took. A held node lets go when it pulls. There
+is no penalty: the tangent stays as well conditioned as the workpiece itself, and the gap of a held node is zero.
+
+What prevents chatter: a node lets go only near equilibrium, and only if it pulls with more than RELEASE of the largest
+contact force (or `floor`, where all forces vanish); and a node that has changed its state MAX_CHANGES times in an
+increment keeps hold for the rest of it. If it pulls with more than STRONG of the largest contact force when all else is
+in equilibrium, or such nodes together with more than STRONG_TOGETHER of all contact force, the increment has failed: to
+let them go in the next would set free a large force at once. (A weaker pull may have no remedy: constant shear drags a
+node without pressure down, where it lifts off as soon as it is let go.)
+
+Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork import _core
+from presswork.fields.contact_stress import ContactForces
+from presswork.geometry.pose import ToolPose, place_points, to_tool_frame, turn_vectors
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
+from presswork.state import SLIDING, STUCK, ContactArray, State
+
+RELEASE = 1e-3
+STRONG, STRONG_TOGETHER = 0.3, 0.03
+MAX_CHANGES = 4
+FLUSH = 1 - 1e-6
+"""Cosine between two faces above which they are one: a node held by both would not slide."""
+
+
+@dataclass
+class Constraints:
+    """What the linear system must respect; freedoms are in the nodes' own frames."""
+
+    mask: MaskArray  # (n_points, 2): prescribed
+    value: FloatArray  # (n_points, 2): the correction still to be made [mm]
+    turned: MaskArray  # (n_points,): has a frame of its own
+    frames: FloatArray  # (n_points, 2, 2): rows are the local axes
+
+
+class Contact:
+    """The active set of one run; what persists lies in the State."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._segments = [np.ascontiguousarray(t.segments) for t in model.tools]
+        self._centres = [np.array(t.centre) for t in model.tools]
+        self._sticking = np.array([t.contact == "sticking" for t in model.tools], dtype=bool)
+        boundary = model.mesh.boundary_edges if model.tools else np.zeros((0, 2))
+        self.nodes: IntArray = np.unique(boundary).astype(np.int32)
+        quadratic = boundary if boundary.shape[1] == 3 else np.zeros((0, 3))
+        self._sides: IndexArray = np.searchsorted(self.nodes, quadratic)  # first, last, mid-side as places
+        self._leader = self._find_leaders()
+        points = model.mesh.points
+        self.tolerance = 1e-6 * float(np.ptp(points, axis=0).max())
+        self.gap = np.full((2 * len(model.tools), len(self.nodes)), np.inf)
+        self.normal = np.zeros((2 * len(model.tools), len(self.nodes), 2))
+        self.segment = np.full(self.gap.shape, -1, dtype=np.int32)  # of the tool's profile; -1 where there is no gap
+        self._changes = np.zeros(len(self.nodes), dtype=np.int64)
+        self.n_unsettled = 0
+        """Nodes that may change no more in this increment, and pull strongly."""
+
+    def _find_leaders(self) -> IndexArray:
+        """Place whose reaction decides for each candidate: its own, but the mid-side's for a vertex on the axis.
+
+        On the axis a quadratic edge's vertex carries no share of a pressure (int N r dr = 0): its own reaction is
+        noise.
+        """
+        leader = np.arange(len(self.nodes))
+        if self._model.analysis == "axisymmetric":
+            radius = self._model.mesh.points[self.nodes, 0]
+            for end, other in ((0, 1), (1, 0)):
+                on_axis = (radius[self._sides[:, end]] < 1e-9) & (radius[self._sides[:, other]] > 1e-9)
+                leader[self._sides[on_axis, end]] = self._sides[on_axis, 2]
+        return leader
+
+    def _judge(self, push: FloatArray) -> FloatArray:
+        """Return the push by which each candidate is judged (n_faces, n_candidates) [N].
+
+        A mid-side is judged with half the push of its ends, about the load of its edge: where a sticking surface ends,
+        nodal forces of quadratic elements alternate, and one that pulls by a little is no sign of lifting.
+        """
+        judged = push.copy()
+        first, last, middle = self._sides.T
+        judged[:, middle] += 0.5 * (push[:, first] + push[:, last])
+        return judged[:, self._leader]
+
+    def search(self, state: State, displacement: FloatArray) -> None:
+        """Find gap and normal of every candidate to every tool; tools stand where the state has them."""
+        if not len(self.nodes):
+            return
+        x = self._model.mesh.points[self.nodes] + displacement[self.nodes]
+        for t, segments in enumerate(self._segments):
+            local = np.ascontiguousarray(to_tool_frame(x, self._pose(state, t)))
+            gap, normal, second_gap, second_normal, segment, second_segment = _core.touch_profile(segments, local)
+            self.segment[2 * t], self.segment[2 * t + 1] = segment, second_segment
+            self.gap[2 * t], self.gap[2 * t + 1] = gap, second_gap
+            angle = float(state.tool_angle[t])
+            self.normal[2 * t], self.normal[2 * t + 1] = turn_vectors(normal, angle), turn_vectors(second_normal, angle)
+
+    def _pose(self, state: State, tool: int) -> ToolPose:
+        return ToolPose(self._centres[tool], state.tool_displacement[tool], float(state.tool_angle[tool]))
+
+    def carry(self, state_n: State, state: State, tools: IndexArray, points: FloatArray) -> FloatArray:
+        """Return how far the tools have carried points (n, 2) of theirs, given at state_n, since then (n, 2) [mm]."""
+        carried = state.tool_displacement[tools] - state_n.tool_displacement[tools]
+        for t in np.unique(tools[state.tool_angle[tools] != state_n.tool_angle[tools]]):
+            own = tools == t
+            local = to_tool_frame(points[own], self._pose(state_n, t))
+            carried[own] = place_points(local, self._pose(state, t)) - points[own]
+        return carried
+
+    def find_gaps(self, state: State, points: FloatArray) -> FloatArray:
+        """Return the distance of points (n, 2) from each tool (n_tools, n) [mm]; infinite where there is none."""
+        gaps = [
+            _core.touch_profile(segments, np.ascontiguousarray(to_tool_frame(points, self._pose(state, t))))[0]
+            for t, segments in enumerate(self._segments)
+        ]
+        return np.array(gaps).reshape(len(gaps), len(points))
+
+    def begin(self, state: State, fixed: BoolArray) -> None:
+        """Find the nodes that touch before the first increment; on sticking tools they are stuck at once.
+
+        A node that a support holds along the normal needs no tool: both would pin it.
+        """
+        if not len(self.nodes):
+            return
+        self.search(state, state.displacement)
+        state.contact[(self.gap <= self.tolerance) & self._free(fixed)] = SLIDING
+        self._limit_faces(state.contact)
+        self.settle(state)
+
+    def begin_increment(self) -> None:
+        """Forget the changes of the increment before."""
+        self._changes[:] = 0
+
+    def settle(self, state: State) -> None:
+        """At a converged state: nodes that slide on a sticking tool are stuck from now on, where they are."""
+        if not len(self.nodes):
+            return
+        held = (state.contact > 0) & self._sticking.repeat(2)[:, None]
+        fresh = held & (state.contact == SLIDING)
+        state.contact[held] = STUCK
+        face, node = np.nonzero(fresh)
+        position = self._model.mesh.points[self.nodes[node]] + state.displacement[self.nodes[node]]
+        for t in np.unique(face // 2):
+            own = face // 2 == t
+            state.anchor[node[own]] = to_tool_frame(position[own], self._pose(state, t))
+
+    def _limit_faces(self, contact: ContactArray, before: ContactArray | None = None) -> None:
+        """Keep at most two faces a node: those held before, then those it is deepest in; one where both are flush."""
+        crowded = np.nonzero((contact > 0).sum(axis=0) > 1)[0]
+        for node in crowded:
+            faces = np.nonzero(contact[:, node])[0]
+            fresh = np.zeros(len(faces)) if before is None else before[faces, node] == 0
+            order = faces[np.lexsort((self.gap[faces, node], fresh))]
+            flush = self.normal[order[0], node] @ self.normal[order[1], node] > FLUSH
+            contact[order[1:] if flush and len(order) == 2 else order[2:], node] = 0
+
+    def update(self, trial: State, reaction: FloatArray, fixed: BoolArray, *, near: bool, floor: float) -> int:
+        """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes."""
+        if not len(self.nodes):
+            return 0
+        self.n_unsettled = 0
+        before = trial.contact.copy()
+        lost = (trial.contact == SLIDING) & ~np.isfinite(self.gap)  # slid off the end of a profile, or out of a corner
+        trial.contact[lost] = 0
+        limit = np.where(lost.any(axis=0), self.tolerance, -self.tolerance)  # where tools adjoin, the next one takes it
+        trial.contact[(self.gap < limit) & (trial.contact == 0) & self._free(fixed)] = SLIDING
+        self._limit_faces(trial.contact, before)
+        if near:
+            push = self.normal_forces(trial, reaction, fixed)
+            largest = float(np.abs(push).max(initial=0.0))
+            pulls = (self._judge(push) < -max(RELEASE * largest, floor)) & (before > 0) & (trial.contact > 0)
+            trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
+            keeps = pulls & (self._changes >= MAX_CHANGES)
+            strongly = keeps & (self._judge(push) < -STRONG * largest)
+            if -push[keeps].sum() > STRONG_TOGETHER * np.maximum(push, 0.0).sum():
+                strongly = keeps
+            self.n_unsettled = int(strongly.any(axis=0).sum())
+        changed = (before != trial.contact).any(axis=0)
+        self._changes[changed] += 1
+        return int(changed.sum())
+
+    def _free(self, fixed: BoolArray) -> BoolArray:
+        """Faces whose normal has a part along a direction that supports leave free (n_faces, n_candidates)."""
+        free = ~fixed[self.nodes]
+        return np.asarray((np.abs(self.normal) * free).max(axis=2) > 1e-3, dtype=bool)
+
+    def normal_forces(self, state: State, reaction: FloatArray, fixed: BoolArray) -> FloatArray:
+        """Return the push of every held face on its node (n_faces, n_candidates) [N]; negative pulls."""
+        push = np.zeros(self.gap.shape)
+        if not len(self.nodes):
+            return push
+        held = state.contact > 0
+        count = held.sum(axis=0)
+        force = reaction[self.nodes] * ~fixed[self.nodes]
+        direction = self.normal * ~fixed[self.nodes]
+        square = (direction**2).sum(axis=2)
+        single = held & (count == 1)
+        along = np.einsum("fni,ni->fn", direction, force)
+        push[single] = along[single] / np.maximum(square[single], 1e-12)
+        for node in np.nonzero(count == 2)[0]:
+            faces = np.nonzero(held[:, node])[0]
+            axes = direction[faces, node].T
+            push[faces, node] = np.linalg.lstsq(axes, force[node], rcond=None)[0]
+        return push
+
+    def tool_forces(self, state: State, fixed: BoolArray) -> tuple[FloatArray, FloatArray]:
+        """Return force (n_tools, 2) [N] and torque about its centre (n_tools,) [N mm] of the workpiece on each tool.
+
+        As modelled. Where a node is also held by a support, that direction's reaction is the support's; where by two
+        tools, each has the push of its own faces.
+        """
+        n_tools = len(self._model.tools)
+        forces, torques = np.zeros((n_tools, 2)), np.zeros(n_tools)
+        if not n_tools:
+            return forces, torques
+        by_tool: BoolArray = np.asarray((state.contact > 0).reshape(n_tools, 2, -1).any(axis=1))
+        shared: BoolArray = np.asarray(by_tool.sum(axis=0) > 1)
+        push = self.normal_forces(state, state.reaction, fixed) if shared.any() else None
+        at = self._model.mesh.points[self.nodes] + state.displacement[self.nodes]
+        for t in range(n_tools):
+            force = -state.reaction[self.nodes] * ~fixed[self.nodes] * by_tool[t][:, None]
+            if push is not None:
+                faces = slice(2 * t, 2 * t + 2)
+                force[shared] = -np.einsum("fn,fni->ni", push[faces], self.normal[faces])[shared]
+            arm = at - self._centres[t] - state.tool_displacement[t]
+            forces[t] = force.sum(axis=0)
+            torques[t] = float((arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
+        return forces, torques
+
+    def forces(self, state: State, fixed: BoolArray) -> ContactForces:
+        """Return what each tool does to the nodes that it holds, as tool_forces() adds it up."""
+        self.search(state, state.displacement)
+        n_tools, n_points = len(self._model.tools), len(state.displacement)
+        held = state.contact > 0
+        both = held.sum(axis=0) > 1
+        by_tool: BoolArray = np.asarray(held.reshape(n_tools, 2, len(self.nodes)).any(axis=1))
+        tool, place = np.nonzero(by_tool)
+        push = np.where(held, self.normal_forces(state, state.reaction, fixed), 0.0)
+        by_face = (push[..., None] * self.normal).reshape(n_tools, 2, len(self.nodes), 2).sum(axis=1)
+        plane = slice(0, 2)  # a shell, which no tool touches, has more freedoms
+        whole = state.reaction[self.nodes[place], plane] * ~fixed[self.nodes[place], plane]
+        force = np.where((by_tool.sum(axis=0) > 1)[place, None], by_face[tool, place], whole)
+        face = 2 * tool + ~held[2 * tool, place]
+        normal = self.normal[face, place]
+        tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
+        along = np.einsum("ni,ni->n", normal, force)
+        status, gap = np.zeros(n_points, dtype=np.int8), np.full(n_points, np.nan)
+        status[self.nodes] = np.where(both, STUCK, state.contact.max(axis=0, initial=0))
+        nearest = self.gap.min(axis=0, initial=np.inf)
+        gap[self.nodes] = np.where(np.isfinite(nearest), nearest, np.nan)
+        return ContactForces(
+            nodes=self.nodes[place],
+            tool=tool,
+            segment=self.segment[face, place],
+            normal=normal,
+            in_corner=both[place],
+            push=np.where(both[place], push.reshape(n_tools, 2, len(self.nodes)).sum(axis=1)[tool, place], along),
+            drag=np.where(both[place], 0.0, np.einsum("ni,ni->n", tangent, force)),
+            force=force,
+            status=status,
+            gap=gap,
+        )
+
+    def constrain(self, trial: State, displacement: FloatArray, supports: Constraints) -> Constraints:
+        """Return the supports' constraints together with those of the held nodes."""
+        if not self._model.tools:
+            return supports
+        at = self._model.mesh.points[self.nodes] + displacement[self.nodes]
+        missing = np.zeros_like(at)
+        stuck = (trial.contact == STUCK).any(axis=0)
+        tools = (trial.contact == STUCK).argmax(axis=0) // 2
+        for t in np.unique(tools[stuck]):
+            own = stuck & (tools == t)
+            missing[own] = place_points(trial.anchor[own], self._pose(trial, t)) - at[own]
+        return self._prescribe(trial, -self.gap, missing, supports)
+
+    def follow(self, trial: State, tool: int, direction: FloatArray, supports: Constraints) -> Constraints:
+        """Return what the held nodes must do for each mm that a tool moves along a direction; supports stand still."""
+        closing = np.zeros_like(self.gap)
+        faces = [2 * tool, 2 * tool + 1]
+        closing[faces] = self.normal[faces] @ direction
+        own = (trial.contact[faces] == STUCK).any(axis=0)
+        still = Constraints(supports.mask, np.zeros_like(supports.value), supports.turned, supports.frames)
+        return self._prescribe(trial, closing, own[:, None] * direction, still)
+
+    def _prescribe(self, trial: State, closing: FloatArray, missing: FloatArray, supports: Constraints) -> Constraints:
+        """Prescribe held nodes: `closing` (n_faces, n_candidates) along the normal, `missing` (n_candidates, 2) where
+        stuck.
+        """
+        mask, value = supports.mask.copy(), supports.value.copy()
+        turned, frames = supports.turned.copy(), supports.frames.copy()
+        held = trial.contact > 0
+        held[:, mask[self.nodes].all(axis=1)] = False  # supports hold the node in both directions
+        count = held.sum(axis=0)
+        stuck = (trial.contact == STUCK).any(axis=0) & (count > 0)
+        nodes = self.nodes[stuck]
+        value[nodes] = np.where(mask[nodes] == 1, value[nodes], missing[stuck])
+        mask[nodes] = 1
+        alone = (count == 1) & ~stuck & ~mask[self.nodes].any(axis=1)
+        places = np.nonzero(alone)[0]
+        faces = held[:, places].argmax(axis=0)
+        normal, nodes = self.normal[faces, places], self.nodes[places]
+        turned[nodes] = 1
+        frames[nodes, 0] = normal
+        frames[nodes, 1] = np.column_stack([-normal[:, 1], normal[:, 0]])
+        mask[nodes, 0] = 1
+        value[nodes, 0] = closing[faces, places]
+        for i in np.nonzero((count > 0) & ~stuck & ~alone)[0]:
+            self._pin(np.nonzero(held[:, i])[0], int(i), closing, mask, value)
+        return Constraints(mask, value, turned, frames)
+
+    def _pin(self, faces: IndexArray, i: int, closing: FloatArray, mask: MaskArray, value: FloatArray) -> None:
+        """Two faces, or a face and a support: both freedoms follow from the gaps."""
+        node = self.nodes[i]
+        free = mask[node] == 0
+        axes = self.normal[faces, i]
+        rest = closing[faces, i] - axes[:, ~free] @ value[node, ~free]
+        value[node, free] = np.linalg.lstsq(axes[:, free], rest, rcond=None)[0]
+        mask[node] = 1

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Material laws from shared libraries with Abaqus's interface UMAT: compile a source file, open a library."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from presswork import _core, model
+from presswork.model import FloatArray
+
+_FORTRAN = ("gfortran", "-shared", "-fPIC", "-O2", "-I", str(Path(__file__).parent / "abaqus"))
+_INCLUDE = ("-I", str(Path(_core.__file__).parent / "include"))
+_COMPILERS = {
+    ".f": (*_FORTRAN, "-ffixed-line-length-none"),
+    ".for": (*_FORTRAN, "-ffixed-form", "-ffixed-line-length-none"),
+    ".f90": (*_FORTRAN, "-ffree-line-length-none"),
+    ".c": ("gcc", "-shared", "-fPIC", "-O2"),
+    ".cpp": ("g++", "-std=c++20", "-shared", "-fPIC", "-O2", "-fno-math-errno", "-fno-trapping-math", *_INCLUDE),
+}
+
+
+class CompileError(Exception):
+    """A law that cannot be compiled; says why."""
+
+
+def compile_law(source: Path, library: Path | None = None) -> Path:
+    """Compile a UMAT or a law of one C++ file into a shared library; return its path.
+
+    source: .f, .for, .f90 (gfortran), .c (gcc) or .cpp (g++). library: default: beside the source, ending in .so.
+    Raises CompileError with the compiler's own words.
+    """
+    command = _COMPILERS.get(source.suffix.lower())
+    if command is None:
+        raise CompileError(f"{source}: expected a source that ends in {', '.join(_COMPILERS)}")
+    if not source.is_file():
+        raise CompileError(f"{source}: no such file")
+    if shutil.which(command[0]) is None:
+        raise CompileError(f"{source}: the compiler {command[0]} is not installed")
+    library = library or source.with_suffix(".so")
+    # a new file: a library that a process has open must not change under it
+    library.unlink(missing_ok=True)
+    done = subprocess.run([*command, str(source), "-o", str(library)], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise CompileError(f"{source}: {command[0]} refuses it:\n{done.stderr.strip()}")
+    return library
+
+
+def open_umat(law: model.Umat) -> _core.Umat:
+    """Open a UMAT; raises RuntimeError that says what its library lacks."""
+    return _core.Umat(
+        law.library,
+        law.props,
+        law.n_state,
+        jacobian=_core.UmatJacobian[law.jacobian],
+        thread_safe=law.thread_safe,
+        plastic_strain=law.plastic_strain,
+    )
+
+
+_SMALL = 1e-6
+"""Strain of the trial, far below yield of any metal."""
+_LONGEST = 60.0
+"""Seconds that a trial may take; a first call takes microseconds."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a library does at its first calls."""
+
+    fault: str = ""
+    """Why it cannot be opened, or how it ended its process; empty if it came back."""
+    status: str = "done"
+    """Name of the UmatStatus of its last call."""
+    tangent: tuple[tuple[float, ...], ...] = ()
+    """DDSDDE at a strain of one millionth, shape (4, 4) [MPa]."""
+
+
+def try_umat(law: model.Umat) -> Trial:
+    """Open a library and call it, in a process of its own: whatever it does there ends neither this one nor waits.
+
+    The library's own constructors and its routine run: try only what may run.
+    """
+    read, write = os.pipe()
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "presswork.law.umat", str(write)],
+            input=json.dumps(asdict(law)), text=True, pass_fds=(write,), timeout=_LONGEST,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        os.close(write)
+        write = -1
+        with os.fdopen(read, closefd=False) as answer:
+            text = answer.read()
+    except subprocess.TimeoutExpired:
+        return Trial(f"its first calls do not come back within {_LONGEST:g} s")
+    finally:
+        os.close(read)
+        if write >= 0:
+            os.close(write)
+    if done.returncode < 0:
+        number = -done.returncode
+        name = signal.Signals(number).name if number in set(signal.Signals) else str(number)
+        return Trial(
+            f"opening or calling it ends the process by {name}: the file is cut short, or its code is at fault"
+        )
+    if done.returncode or not text:
+        return Trial(f"its first call ends the process with status {done.returncode}")
+    said = json.loads(text)
+    return Trial(said["fault"], said["status"], tuple(map(tuple, said["tangent"])))
+
+
+def _answer_trial(law: model.Umat) -> Trial:
+    """Open a library and call it twice, in this process."""
+    try:
+        compiled = open_umat(law)
+    except RuntimeError as error:
+        return Trial(str(error))
+    rest: FloatArray = np.zeros(4)
+    status, _, state, tangent = compiled.update(rest, rest, np.zeros(law.n_state), 1.0)
+    if status == _core.UmatStatus.done:  # once more with a strain: a first call may only set up state variables
+        strain = np.array([_SMALL, 0.0, 0.0, 0.0])
+        status, _, _, tangent = compiled.update(strain, rest, state, 1.0)
+    return Trial("", status.name, tuple(map(tuple, tangent.tolist())))
+
+
+if __name__ == "__main__":
+    data = json.load(sys.stdin)
+    trial = _answer_trial(model.Umat(**{**data, "props": tuple(data["props"])}))
+    with os.fdopen(int(sys.argv[1]), "w") as answer:
+        json.dump(asdict(trial), answer)

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an increment is asked to do, how its iteration went, and how a run ends that cannot go on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class IterationLog:
+    """Relative residual, relative correction and contact changes of every iteration of an increment."""
+
+    residual: list[float] = field(default_factory=list)
+    correction: list[float] = field(default_factory=list)
+    contact_changes: list[int] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.residual)
+
+    def forget_last(self) -> None:
+        """Take the last iteration back, to note it again."""
+        for row in (self.residual, self.correction, self.contact_changes):
+            row.pop()
+
+    @property
+    def smooth_iterations(self) -> int:
+        """Iterations less those that changes of contact cost, about two each, which no smaller increment saves."""
+        return len(self) - 2 * sum(changes > 0 for changes in self.contact_changes)
+
+
+@dataclass(frozen=True)
+class Converged:
+    """The trial state is in equilibrium."""
+
+    log: IterationLog
+
+
+@dataclass(frozen=True)
+class Failed:
+    """The increment cannot be solved; try again with `factor` of it."""
+
+    log: IterationLog
+    reason: str
+    factor: float
+
+
+@dataclass(frozen=True)
+class Step:
+    """Where an increment leads: a fraction of a stage, from the fraction before."""
+
+    stage: int
+    fraction_n: float
+    fraction: float
+
+
+class GaveUpError(Exception):
+    """The procedure cannot go on; the state of the last report is kept."""
+
+
+class StartError(Exception):
+    """Nothing can be computed from this start; said before the output folder is touched."""

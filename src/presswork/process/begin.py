@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Make the procedure that a model asks for; only that one is imported."""
+
+from __future__ import annotations
+
+from presswork.explicit.input_checks import ExplicitError
+from presswork.memory import TooLargeError, available_memory, check_memory, estimate_memory, explain_shortage
+from presswork.model_stamping import AnyModel, StampingModel
+from presswork.outcome import StartError
+from presswork.process.recording import Recording
+
+
+def begin(model: AnyModel, threads: int) -> Recording:
+    """Return the model's procedure before its first increment.
+
+    Raises StartError if the machine's memory does not hold it, or nothing can be computed from this start, as
+    NotHeldError if the workpiece is free to move as a rigid body.
+    """
+    try:
+        check_memory(model)
+        if isinstance(model, StampingModel):
+            return _begin_stamping(model, threads)
+        if model.explicit is not None:
+            from presswork.process.impact import ExplicitImpact
+
+            return ExplicitImpact(model, threads=threads)
+        from presswork.process.implicit_recording import ImplicitRecording
+
+        return ImplicitRecording(model, threads=threads)
+    except (ExplicitError, TooLargeError) as error:
+        raise StartError(str(error)) from error
+    except MemoryError as error:
+        raise StartError(explain_shortage(estimate_memory(model), available_memory())) from error
+
+
+def _begin_stamping(model: StampingModel, threads: int) -> Recording:
+    if model.trim or model.springback is not None:
+        from presswork.process.springback import ReleasedStamping
+
+        return ReleasedStamping(model, threads=threads)
+    if model.procedure == "implicit":
+        from presswork.process.implicit_stamping import ImplicitStamping
+
+        return ImplicitStamping(model, threads=threads)
+    from presswork.process.stamping import ExplicitStamping
+
+    return ExplicitStamping(model, threads=threads)
+
+
+def check_start(model: AnyModel) -> None:
+    """Raise StartError if nothing can be computed: the workpiece is free to move, or lies in a tool, for instance."""
+    begin(model, threads=1)

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Impacts and other fast motions of a solid by explicit dynamics: stages in rows of cycles, between rigid walls.
+
+It knows nothing of files: recorder.py records what it yields.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork import _core
+from presswork.explicit.energy import EnergyBalance, warn_of_energies
+from presswork.explicit.input_checks import check_damping
+from presswork.explicit.motion import SmoothStroke
+from presswork.explicit.solid_material import SolidMaterial
+from presswork.explicit.solids import FREEDOMS, ExplicitSolids, Wall
+from presswork.fields.solid_fields import effective_stress
+from presswork.geometry.pose import ToolPose, place_segments
+from presswork.model import FloatArray, Material, Model, Stage, Tool, ToolMotion
+from presswork.process.limits import Watched, measure_hydrostatic_stress
+from presswork.process.penetration import Penetration
+from presswork.process.reactions import Reactions
+from presswork.process.recording import Row, Snapshot, find_never_touched
+from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
+from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole
+
+ADDED_MASS = 2
+"""Of the progress, after stage and row."""
+EXTENTS = ("x_min", "x_max", "y_min", "y_max")
+"""Of the workpiece [mm]."""
+ADVICE = {
+    "kinetic": "inertia counts: make the tools slower, or add less mass",
+    "hourglass": "refine the mesh, or set explicit.hourglass_stiffness higher",
+    "error": "refine the mesh where cells are crushed",
+}
+
+
+class ExplicitImpact(RowRecording):
+    """A Model with `explicit` at work."""
+
+    model: Model
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        assert model.explicit is not None
+        super().__init__(model, threads, 4)
+        self.settings = model.explicit
+        materials = [_solid_material(material) for material in model.materials]
+        self._mises = [material.make_mises() for material in materials]
+        self.solids = ExplicitSolids(
+            model.mesh,
+            materials,
+            axisymmetric=model.analysis == "axisymmetric",
+            depth=model.depth,
+            hourglass_fraction=self.settings.hourglass_stiffness,
+        )
+        self.solids.set_velocity("all", self.settings.velocity)
+        self.walls = [self.solids.add_wall(t.name, t.segments, mu=float(t.mu.max(initial=0.0))) for t in model.tools]
+        self._force = np.zeros((len(self.walls), 2))
+        self.reactions = Reactions(model, 2, [t.name for t in model.tools])
+        self._reaction = np.zeros((len(model.mesh.points), 2))
+        if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
+            self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
+        check_damping(self.settings.damping, self.solids.dt)
+        self._begin_stage()
+
+    # --- the way through ---------------------------------------------------------------------------------------------
+
+    def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
+        stage, rows = self.model.stages[number], self.model.output.rows
+        begin = sum(s.duration for s in self.model.stages[:number])
+        cycle, time = self.solids.cycle, self.solids.time
+        impulse = [wall.impulse for wall in self.walls]
+        self.solids.reset_reaction()
+        to = begin + stage.duration * (row + 1) / rows
+        self.solids.run_to(
+            to, damping=self.settings.damping, target_step=self.settings.target_step, motion=_motion_of(stage, begin)
+        )
+        for i, wall in enumerate(self.walls):
+            self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
+        self._reaction = self.solids.reaction_impulse / (self.solids.time - time)
+        energies = self.solids.energies()
+        self._progress[ADDED_MASS] = self.solids.added_mass().percent
+        cycles = self.solids.cycle - cycle
+        return cycles, stage.duration / rows / cycles, energies
+
+    def _begin_stage(self) -> None:
+        """Prescribe what supports and the present stage prescribe: the mean velocity of each motion over the stage."""
+        self.solids.release()
+        for support in self.model.supports:
+            held = "".join(letter for letter, is_held in zip(FREEDOMS, support.fix, strict=True) if is_held)
+            self.solids.fix(support.node_set, held)
+        number = int(self._progress[STAGE])
+        if number == len(self.model.stages):
+            return
+        stage = self.model.stages[number]
+        for p in stage.prescribed:
+            self.solids.fix(p.node_set, FREEDOMS[p.component], p.value / stage.duration)
+        for wall in self.walls:
+            x, y = stage.tool_motion.get(wall.name, ToolMotion()).move
+            wall.velocity = (x / stage.duration, y / stage.duration)
+
+    # --- what is recorded --------------------------------------------------------------------------------------------
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        forces = ("stroke", "force", "force_x", "force_y", "force_z")
+        tools = [f"{tool.name}.{quantity}" for tool in self.model.tools for quantity in forces]
+        first = ["time", "stage", "increment", "cycles", *tools]
+        return [*first, *self.reactions.columns, *EXTENTS, *LAST_COLUMNS]
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self.solids.time
+
+    @property
+    def added_mass(self) -> float:
+        """Per cent of the true mass."""
+        return float(self._progress[ADDED_MASS])
+
+    def begin_log(self) -> str:
+        """Name the procedure and what it starts with."""
+        return (
+            f"explicit: {len(self.solids.equivalent_plastic_strain)} cells, stable step "
+            f"{self.solids.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
+        )
+
+    def progress_text(self, report: RowReport) -> str:
+        """Name stage, cycle and time."""
+        return f"{report.stage}: cycle {self.solids.cycle}, {1e6 * report.time:.4g} us"
+
+    def row(self, report: RowReport) -> Row:
+        """Return the row of the history; forces are means over it."""
+        row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
+        for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
+            row |= self._measure(tool, wall, mean)
+        displacement = self.solids.position - self.model.mesh.points
+        row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
+        low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
+        return {
+            **row,
+            **dict(zip(EXTENTS, (float(v) for v in (low[0], high[0], low[1], high[1])), strict=True)),
+            **self._end_row(report),
+        }
+
+    def _measure(self, tool: Tool, wall: Wall, mean: FloatArray) -> Row:
+        """Return stroke and force of the workpiece on the whole tool, as tool_quantities does."""
+        force = force_on_whole(tool, mean)
+        way = find_way(self.model, tool)
+        stroke, against = (0.0, np.hypot(*force)) if way is None else (wall.displacement @ way, -force @ way)
+        values = {"stroke": stroke, "force": against, "force_x": force[0], "force_y": force[1], "force_z": 0.0}
+        return {f"{tool.name}.{name}": float(value) for name, value in values.items()}
+
+    def watch(self) -> Watched:
+        """Return how far the present state is towards its limits."""
+        mesh, walls = self.model.mesh, zip(self.model.tools, self.walls, strict=True)
+        placed = {
+            tool.name: place_segments(tool.segments, ToolPose(np.zeros(2), wall.displacement, 0.0))
+            for tool, wall in walls
+        }
+        deepest = Penetration().note(mesh, self.solids.position, placed, self._find_gaps)
+        stress, flow = self.solids.stress, self._flow_stress()
+        centres = np.concatenate([self.solids.position[b.connectivity].mean(axis=1) for b in mesh.blocks])
+        hydrostatic = measure_hydrostatic_stress(stress[:, :3].mean(axis=1), flow, centres)
+        return Watched((hydrostatic, *([deepest] if deepest else [])))
+
+    def _flow_stress(self) -> FloatArray:
+        """Return the flow stress of the cells at rest, and at their first temperature (n_cells,) [MPa]."""
+        eqps = self.solids.equivalent_plastic_strain
+        ends = np.cumsum([len(block.connectivity) for block in self.mesh.blocks])[:-1]
+        parts = zip(self.mesh.blocks, np.split(eqps, ends), strict=True)
+        return np.concatenate([self._mises[b.material].flow_stress(np.ascontiguousarray(e))[0] for b, e in parts])
+
+    def _find_gaps(self, places: FloatArray) -> FloatArray:
+        """Return the distance of places (n, 2) from each wall (n_walls, n) [mm]."""
+        gaps = [
+            _core.touch_profile(np.ascontiguousarray(tool.segments), np.ascontiguousarray(places - wall.displacement))[
+                0
+            ]
+            for tool, wall in zip(self.model.tools, self.walls, strict=True)
+        ]
+        return np.array(gaps).reshape(len(gaps), len(places))
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state."""
+        solids, model = self.solids, self.model
+        n = len(model.mesh.points)
+        contact = sum((wall.nodal_force for wall in self.walls), start=np.zeros((n, 2)))
+        return Snapshot(
+            time=solids.time,
+            point_data={
+                "displacement": np.column_stack([solids.position - model.mesh.points, np.zeros(n)]),
+                "velocity": np.column_stack([solids.velocity, np.zeros(n)]),
+                "contact_force": np.column_stack([contact, np.zeros(n)]),
+                "reaction_force": np.column_stack([self._reaction, np.zeros(n)]),
+            },
+            cell_data=self._cell_fields(),
+            tools={t.name: t.segments for t in model.tools},
+            tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
+            tool_displacement={wall.name: wall.displacement for wall in self.walls},
+            tool_angle={t.name: 0.0 for t in model.tools},
+            info={**describe_plane(model), **self.reactions.gauges(model)},
+        )
+
+    def _cell_fields(self) -> dict[str, FloatArray]:
+        stress = self.solids.stress
+        fields = {
+            "equivalent_plastic_strain": self.solids.equivalent_plastic_strain,
+            "effective_stress": effective_stress(stress),
+            "stress": np.column_stack([stress, np.zeros((len(stress), 2))]),
+            "hydrostatic_stress": stress[:, :3].mean(axis=1),
+        }
+        if any(material.heating for material in self.model.materials):
+            fields["temperature"] = self.solids.temperature
+        return fields
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array that the next row depends on."""
+        return {"progress": self._progress.copy(), **self.solids.dump()}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+        self._take_up(arrays)
+        self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name != "progress"})
+        self._begin_stage()
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        fields = {name: values for name, values in self._cell_fields().items() if values.ndim == 1}
+        mass = self.solids.added_mass()
+        speed = self.solids.mass @ self.solids.velocity / self.solids.mass.sum()
+        if self.model.analysis == "axisymmetric":
+            speed[0] = 0.0  # of the whole ring
+        flies = any(self.settings.velocity)
+        advice = {name: text for name, text in ADVICE.items() if not (flies and name == "kinetic")}
+        names = [t.name for t in self.model.tools]
+        n_cells = len(fields["effective_stress"])
+        return {
+            "increments": self.number,
+            "cycles": self.solids.cycle,
+            "work": f"{self.solids.cycle} cycles of {n_cells} cells",
+            "freedoms": 2 * len(self.model.mesh.points),
+            "extremes": {name: [float(v.min()), float(v.max())] for name, v in fields.items()},
+            "extent_mm": {name: float(history[name][-1]) for name in EXTENTS} if len(history["time"]) else {},
+            "centre_velocity_mm_s": [float(v) for v in speed],
+            "mass": {"workpiece_t": mass.mass, "added_percent": mass.percent},
+            "energy": last_energies(history),
+            "time_simulated": self.solids.time,
+            "warnings": [
+                *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),
+                *warn_of_energies(history, advice),
+            ],
+        }
+
+
+def _motion_of(stage: Stage, begin: float) -> SmoothStroke | None:
+    """Return how long all that moves in a stage has gone at its mean velocity [s], by the time; None: evenly."""
+    if stage.ramp == 0.0:
+        return None
+    return SmoothStroke(stage.duration, stage.duration, rise=stage.ramp / stage.duration, start=begin)
+
+
+def _solid_material(material: Material) -> SolidMaterial:
+    return SolidMaterial(
+        young=material.young,
+        poisson=material.poisson,
+        density=material.density,
+        hardening=material.hardening,
+        rate=material.rate,
+        heating=material.heating,
+    )

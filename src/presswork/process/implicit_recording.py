@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is recorded of an implicit run: rows, fields and the summary."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.body.solids import Mechanics
+from presswork.fields.formability_fields import FormingVerdict, formability_fields, judge_fields
+from presswork.formability import Formability
+from presswork.geometry.pose import ToolPose, place_segments
+from presswork.implicit.arc_length import ArcLengthProcedure
+from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
+from presswork.model import Model, ToolMotion
+from presswork.process.increments import IncrementRecording
+from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_sheet
+from presswork.process.penetration import Penetration, measure_bodies
+from presswork.process.reactions import Reactions
+from presswork.process.recording import Meta, Row, Snapshot, find_never_touched
+from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
+from presswork.results import history_columns
+
+CUT_EDGE = 0.25
+"""Part of the shortest boundary edge by which a tool may cut into an edge without a warning."""
+
+
+class ImplicitRecording(IncrementRecording):
+    """An implicit procedure at work on solids, or on shells under loads."""
+
+    model: Model
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        by_arc = model.solver.control == "arc_length"
+        super().__init__(model, (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads))
+        self.turning = [
+            t.name for t in model.tools if any(s.tool_motion.get(t.name, ToolMotion()).turn for s in model.stages)
+        ]
+        self.penetration = Penetration()
+        taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
+        self.reactions = Reactions(model, self.procedure.mechanics.freedoms, taken)
+        self._tools: dict[str, ToolQuantities] = {}
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        tools, contacts = [t.name for t in self.model.tools], [c.name for c in self.model.contacts]
+        return [*history_columns(tools, self.turning, contacts), *self.reactions.columns]
+
+    def begin_log(self) -> str:
+        """Name the linear solver."""
+        return f"linear solver: {self.procedure.equilibrium.solver.name}"
+
+    def log_lines(self, report: IncrementReport) -> list[str]:
+        """Say how the increment was found."""
+        *cutbacks, found = super().log_lines(report)
+        return [*cutbacks, f"{found}, contact changes {sum(report.log.contact_changes)}"]
+
+    def progress_text(self, report: IncrementReport) -> str:
+        """Name stage and increment, and the tools that have moved."""
+        tools = "  ".join(
+            f"{name} {tool.stroke:.2f} mm {tool.force / 1e3:.1f} kN"
+            for name, tool in self._tools.items()
+            if tool.stroke
+        )
+        return f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
+
+    def row(self, report: IncrementReport) -> Row:
+        """Return the row of the history."""
+        self._tools = measure_tools(self.procedure, self._stage())
+        row = self._begin_row(report)
+        for name, tool in self._tools.items():
+            row[f"{name}.stroke"], row[f"{name}.force"] = tool.stroke, tool.force
+            row[f"{name}.force_x"], row[f"{name}.force_y"] = (float(f) for f in tool.vector)
+            row[f"{name}.force_z"] = 0.0
+            if name in self.turning:
+                row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
+        for name, (force_x, force_y) in self.procedure.contact_forces().items():
+            row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
+        state = self.procedure.state
+        return row | self.reactions.measure(self.mesh, self._stage(), state.reaction, state.displacement)
+
+    def watch(self) -> Watched:
+        """Return how far the converged state is towards its limits."""
+        verdict = self._judge()
+        if verdict is not None:
+            return watch_sheet(verdict)
+        procedure, model, state = self.procedure, self.model, self.procedure.state
+        mechanics = procedure.mechanics
+        assert isinstance(mechanics, Mechanics)
+        points = model.mesh.points + state.displacement
+        placed = {
+            t.name: place_segments(
+                t.segments, ToolPose(np.asarray(t.centre), state.tool_displacement[i], float(state.tool_angle[i]))
+            )
+            for i, t in enumerate(model.tools)
+        }
+        deepest = self.penetration.note(
+            model.mesh, points, placed, lambda places: procedure.contact.find_gaps(state, places)
+        )
+        found = [deepest] if deepest else []
+        for first, second in sorted({c.between for c in model.contacts if len(set(c.between)) == 2}):
+            edges = model.mesh.boundary_edges
+            both = {body.name: edges[body.owns(edges)] for body in (model.bodies[first], model.bodies[second])}
+            deepest = measure_bodies(model.mesh, points, both)
+            found += [deepest] if deepest else []
+        for number, block in enumerate(model.mesh.blocks):
+            if model.materials[block.material].umat is None:
+                centres = points[block.connectivity].mean(axis=1)
+                stress, eqps = state.stress[number], state.eqps[number]
+                flow = mechanics.flow_stress(number, eqps)
+                mean = stress[..., :3].mean(axis=-1)
+                of_cell = np.repeat(centres, mean.shape[1], axis=0)
+                found.append(measure_hydrostatic_stress(mean.ravel(), flow.ravel(), of_cell))
+        return Watched(tuple(found))
+
+    def _stage(self) -> int:
+        """The stage that the converged state belongs to."""
+        progress = self.procedure.state.progress
+        stage = int(progress[STAGE])
+        return stage - 1 if progress[FRACTION] == 0.0 and stage > 0 else stage
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the converged state."""
+        procedure, model = self.procedure, self.model
+        state = procedure.state
+        forces = procedure.contact.forces(state, procedure.equilibrium.fixed(self._stage()))
+        cells = procedure.mechanics.cell_fields(state)
+        points = procedure.mechanics.point_fields(state, forces, procedure.interface_stress())
+        if model.analysis != "shell":
+            held = state.reaction * self.reactions.mask(self.mesh, self._stage())
+            points["reaction_force"] = np.column_stack([held, np.zeros(len(held))])
+        return Snapshot(
+            time=float(state.progress[TIME]),
+            point_data=points,
+            cell_data=cells | formability_fields(cells, self._judged()),
+            tools={t.name: t.segments for t in model.tools},
+            tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
+            tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
+            tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.tools)},
+            info={
+                **describe_plane(model),
+                **self.reactions.gauges(model),
+                **(self._judged().to_info() if model.analysis == "shell" else {}),
+            },
+        )
+
+    def _judged(self) -> Formability:
+        """What the strains of a sheet are judged by: it is of one material."""
+        return self.model.materials[self.mesh.blocks[0].material].formability
+
+    def _judge(self) -> FormingVerdict | None:
+        """Return the verdict on a sheet; None of a solid."""
+        mechanics, state = self.procedure.mechanics, self.procedure.state
+        if self.model.analysis != "shell":
+            return None
+        points = self.mesh.points + state.displacement[:, :3]
+        centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in self.mesh.blocks])
+        return judge_fields(mechanics.cell_fields(state), centres, self._judged())
+
+    def meta(self) -> Meta:
+        """Return what the summary needs and no array holds."""
+        return {
+            "initial_volume": self.procedure.initial_volume,
+            "node_penetration": self.penetration.node,
+            "edge_penetration": self.penetration.edge,
+        }
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+        self.penetration = Penetration(float(meta["node_penetration"]), float(meta["edge_penetration"]))
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes, volume, contact and energies."""
+        procedure, model = self.procedure, self.model
+        state = procedure.state
+        elastic_volume = procedure.mechanics.elastic_dilatation(state)
+        volume, initial = procedure.volume(), procedure.initial_volume
+        extremes = procedure.mechanics.extremes(state)
+        verdict = self._judge()
+        contact = {
+            "tolerance_mm": procedure.contact.tolerance,
+            "largest_node_penetration_mm": self.penetration.node,
+            "largest_edge_penetration_mm": self.penetration.edge,
+            "shortest_edge_mm": self._shortest_edge(),
+            "tools_never_touched": find_never_touched([t.name for t in model.tools], history),
+        }
+        return {
+            **self._count_work(),
+            "extremes": {name: [float(v.min()), float(v.max())] for name, v in extremes.items()},
+            "volume": {
+                "initial_mm3": initial,
+                "final_mm3": volume,
+                "change_percent": 100 * (volume / initial - 1),
+                "elastic_part_percent": 100 * elastic_volume / initial,
+            },
+            "contact": contact,
+            "energy": procedure.energy_balance(),
+            "linear_solver": procedure.equilibrium.solver.name,
+            **({"formability": verdict.to_summary()} if verdict else {}),
+            "warnings": [*_warn(contact), *(verdict.warnings() if verdict else ())],
+        }
+
+    def _shortest_edge(self) -> float:
+        edges, points = self.model.mesh.boundary_edges, self.model.mesh.points
+        return float(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).min(initial=np.inf))
+
+
+def _warn(contact: Mapping[str, Any]) -> list[str]:
+    """Return what a user should know of contact with tools."""
+    warnings = [f"the tool {tool} never touched the workpiece" for tool in contact["tools_never_touched"]]
+    depth, edge = contact["largest_edge_penetration_mm"], contact["shortest_edge_mm"]
+    if depth > CUT_EDGE * edge:
+        warnings.append(
+            f"a tool has cut {depth:.3g} mm into an edge between two nodes (the shortest has {edge:.3g} mm): contact "
+            "is at nodes, refine the mesh where tools are curved or narrow"
+        )
+    return warnings

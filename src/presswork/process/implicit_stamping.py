@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stamping by the implicit procedure: the same case as by explicit dynamics, turned into a shell between tools.
+
+Strokes and prescribed displacements grow in proportion over a stage; forces, and time, follow the part of the way that
+has been gone, as they do in the explicit procedure. Time only matters to laws with a strain rate and to inertia.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.fields.formability_fields import FormingVerdict, formability_fields, judge_fields
+from presswork.geometry.swept_tool import SweptTool
+from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
+from presswork.model import FloatArray, Model, OutputSettings, Push, SheetTool, Stage
+from presswork.model_stamping import StampingModel, StampingStage, StampingTool
+from presswork.process.held_flange import warn_of_holders
+from presswork.process.increments import IncrementRecording
+from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.process.reactions import Reactions
+from presswork.process.recording import Row, Snapshot, find_never_touched
+from presswork.process.stamping_tools import (
+    bead_columns,
+    by_stage,
+    cut_surfaces,
+    describe_stamping,
+    find_stops,
+    is_pushed,
+    make_whole,
+    stroke_of,
+    tabulate_force,
+    tabulate_share,
+    tool_columns,
+    tool_text,
+)
+from presswork.process.transfer import SheetState, sheet_of_implicit
+
+DEPTH = 2.0
+"""Thicknesses that a node of a guess may lie in a tool and be found: behind that is another wall."""
+CLOCK_TIMES = 1000
+"""Of each stage, at which the smooth motion is tabulated."""
+WORTH_A_WARNING = 5.0
+"""Per cent of the external work by which the energies may miss it, and of the internal that inertia may take."""
+ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work", "inertia_work")
+
+
+def make_shell_model(model: StampingModel) -> Model:
+    """Return the Model of a shell between tools in space that does what the stamping does."""
+    section, _ = model.sheet
+    moved = [t for t in model.tools if not is_pushed(model, t)]
+    pushed = [t for t in model.tools if is_pushed(model, t)]
+    pushes = {t.name: _push_by_stage(model, t) for t in pushed}
+    shares = {b.line.name: by_stage(model, *tabulate_share(model, b)) for b in model.beads}
+    stages = tuple(
+        Stage(
+            name=stage.name,
+            duration=stage.duration,
+            clock=_clock(stage),
+            sheet_tool_move={t.name: _along(t, stage.actions[t.name].stroke) for t in moved if t.name in stage.actions},
+            sheet_tool_push={name: of_stages[number] for name, of_stages in pushes.items()},
+            bead_share={name: of_stages[number] for name, of_stages in shares.items()},
+            prescribed=stage.prescribed,
+        )
+        for number, stage in enumerate(model.stages)
+    )
+    return Model(
+        title=model.title,
+        analysis="shell",
+        depth=1.0,
+        mesh=model.mesh,
+        materials=model.materials,
+        tools=(),
+        supports=model.supports,
+        stages=stages,
+        solver=model.implicit,
+        output=OutputSettings(steps=model.output.steps, checkpoint_every=model.output.checkpoint_every),
+        sheet_tools=tuple(_place(t, DEPTH * section.thickness) for t in model.tools),
+        sheet_beads=tuple(b.line for b in model.beads),
+        rolling_direction=model.rolling_direction,
+    )
+
+
+def _clock(stage: StampingStage) -> FloatArray:
+    """Return when which part of the stage's way has been gone, as in the explicit procedure (n, 2)."""
+    times = np.linspace(0.0, stage.duration, CLOCK_TIMES + 1)
+    return np.column_stack([stroke_of(stage).position(times), times])
+
+
+def _place(tool: StampingTool, depth: float) -> SheetTool:
+    shape = tool.shape
+    surface = shape.surface(depth) if isinstance(shape, SweptTool) else shape.surface(depth, smooth=True)
+    return SheetTool(tool.name, surface, tool.position, tool.mu)
+
+
+def _along(tool: StampingTool, stroke: float) -> tuple[float, float, float]:
+    x, y, z = tool.way
+    return stroke * x, stroke * y, stroke * z
+
+
+def _push_by_stage(model: StampingModel, tool: StampingTool) -> list[Push]:
+    """Return the force of a pushed tool on what is modelled, over the part of each stage's way that has been gone."""
+    times, forces = tabulate_force(model, tool.name)
+    stop, clearance = find_stops(model).get(tool.name, ("", math.inf))
+    if any(t.name == stop and is_pushed(model, t) for t in model.tools):
+        stop = ""
+    return [Push(tool.way, rows, stop, clearance) for rows in by_stage(model, times, forces / model.whole)]
+
+
+class ImplicitStamping(IncrementRecording):
+    """A stamping at work."""
+
+    model: StampingModel
+
+    def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
+        super().__init__(model, ImplicitProcedure(make_shell_model(model), threads=threads))
+        self._judged = model.sheet[1].formability
+        self.reactions = Reactions(model, 6, [t.name for t in model.tools])
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
+        return [*first, *self.reactions.columns, *ENERGIES, "energy_error_percent"]
+
+    def begin_log(self) -> str:
+        """Name the procedure and the linear solver."""
+        return f"implicit: {len(self.model.cells)} shells, linear solver: {self.procedure.equilibrium.solver.name}"
+
+    def progress_text(self, report: IncrementReport) -> str:
+        """Name stage and increment, and the tools that have moved."""
+        tools = tool_text(self.model, self._tool_columns())
+        return f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
+
+    def _displacement(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the start (3,) [mm]."""
+        moved = self.procedure.state.sheet_tool_move
+        return {t.name: moved[i].copy() for i, t in enumerate(self.model.tools)}
+
+    def _tool_columns(self) -> Row:
+        sheet = self.procedure.equilibrium.sheet
+        forces = sheet.tool_forces(self.procedure.state) if sheet else np.zeros((0, 3))
+        return tool_columns(self.model, self._displacement(), make_whole(self.model, forces))
+
+    def _bead_columns(self) -> Row:
+        sheet = self.procedure.equilibrium.sheet
+        forces = sheet.beads.restraints(self.procedure.state) if sheet else []
+        return bead_columns(self.model, forces)
+
+    def row(self, report: IncrementReport) -> Row:
+        """Return the row of the history."""
+        balance, state = self.procedure.energy_balance(), self.procedure.state
+        return {
+            **self._begin_row(report),
+            **self._tool_columns(),
+            **self._bead_columns(),
+            **self.reactions.measure(self.mesh, self._stage(), state.reaction, state.displacement),
+            **{name: balance[name] for name in ENERGIES},
+            "energy_error_percent": balance["error_percent"],
+        }
+
+    def _stage(self) -> int:
+        """Return the stage that the converged state belongs to."""
+        progress = self.procedure.state.progress
+        return max(int(progress[STAGE]) - int(progress[FRACTION] == 0.0), 0)
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the converged state."""
+        state, model = self.procedure.state, self.model
+        cells = self.procedure.mechanics.cell_fields(state)
+        return Snapshot(
+            time=float(state.progress[TIME]),
+            point_data={
+                "displacement": state.displacement[:, :3].copy(),
+                "reaction_force": state.reaction[:, :3].copy(),
+                "reaction_moment": state.reaction[:, 3:].copy(),
+                "contact_force": state.sheet_tool_force.sum(axis=0),
+            },
+            cell_data=cells | formability_fields(cells, self._judged),
+            info=describe_stamping(model),
+            surfaces=cut_surfaces(model),
+            tool_displacement=self._displacement(),
+        )
+
+    def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
+        """Return the verdict on the sheet by its cell fields."""
+        mesh = self.model.mesh
+        points = mesh.points + self.procedure.state.displacement[:, :3]
+        centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in mesh.blocks])
+        verdict = judge_fields(fields, centres, self._judged)
+        assert verdict is not None, "shells have principal strains"
+        return verdict
+
+    def watch(self) -> Watched:
+        """Return how far the converged state is towards its limits."""
+        procedure, thickness = self.procedure, self.model.sheet[0].thickness
+        strained = watch_sheet(self._judge(procedure.mechanics.cell_fields(procedure.state)))
+        contact = procedure.equilibrium.sheet
+        depths = contact.depths(procedure.state) if contact else np.zeros(0)
+        each = zip(self.model.tools, depths, strict=True)
+        deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]
+        return Watched((*strained.measures, *deep), strained.margin)
+
+    def sheet(self) -> SheetState:
+        """Return the converged state of the sheet."""
+        return sheet_of_implicit(self.procedure)
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return float(self.procedure.state.progress[TIME])
+
+    def row_at_rest(self) -> Row:
+        """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
+        balance = self.procedure.energy_balance()
+        tools = tool_columns(self.model, self._displacement(), np.zeros((len(self.model.tools), 3)))
+        energies = {name: balance[name] for name in ENERGIES}
+        return {
+            "time": self.time,
+            "iterations": 0,
+            **tools,
+            **bead_columns(self.model, [0.0] * len(self.model.beads)),
+            **self.reactions.nothing(),
+            **energies,
+            "energy_error_percent": balance["error_percent"],
+        }
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        state = self.procedure.state
+        fields = self.procedure.mechanics.cell_fields(state)
+        verdict = self._judge(fields)
+        names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
+        energy = self.procedure.energy_balance()
+        untouched = find_never_touched([t.name for t in self.model.tools], history)
+        warnings = [f"the tool {name} never touched the blank" for name in untouched]
+        warnings += warn_of_holders(self.model, history, float(fields["thickness"].max()))
+        if abs(energy["error_percent"]) > WORTH_A_WARNING:
+            error = f"the energy balance is off by {energy['error_percent']:.3g} %"
+            warnings.append(f"{error}: set implicit.max_increment lower")
+        internal = energy["elastic_energy"] + energy["plastic_work"]
+        if abs(energy["inertia_work"]) > 1e-2 * WORTH_A_WARNING * internal:
+            part = f"inertia took {100.0 * abs(energy['inertia_work']) / internal:.3g} % of the internal energy"
+            warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
+        return {
+            **self._count_work(),
+            "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
+            "energy": energy,
+            "time_simulated": float(state.progress[TIME]),
+            "formability": verdict.to_summary(),
+            "linear_solver": self.procedure.equilibrium.solver.name,
+            "warnings": [*warnings, *verdict.warnings()],
+        }

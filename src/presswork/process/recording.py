@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What recorder.py asks of a procedure to record, stop and resume it. Implicit and explicit procedures both answer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.formability import Info
+from presswork.model import FloatArray, IntArray, Mesh
+from presswork.model_stamping import AnyModel
+from presswork.process.limits import Watched
+from presswork.timing import Timing
+
+Row = dict[str, float | int | str]
+Meta = dict[str, float | int | str]
+
+
+class Report(Protocol):
+    """One step forward, after which there is something to record."""
+
+    @property
+    def number(self) -> int:
+        """Counted from 1."""
+
+    @property
+    def is_save_point(self) -> bool:
+        """Whether fields are saved here."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """What is saved of an instant, in the form of results.append_step."""
+
+    time: float
+    """[s]"""
+    point_data: Mapping[str, FloatArray]
+    cell_data: Mapping[str, FloatArray]
+    info: Info
+    tools: Mapping[str, FloatArray] = field(default_factory=dict)
+    tool_centre: Mapping[str, FloatArray] = field(default_factory=dict)
+    tool_displacement: Mapping[str, FloatArray] = field(default_factory=dict)
+    tool_angle: Mapping[str, float] = field(default_factory=dict)
+    surfaces: Mapping[str, tuple[FloatArray, IntArray]] = field(default_factory=dict)
+
+
+class Recording(Protocol):
+    """A procedure at work on one model."""
+
+    timing: Timing
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed mesh."""
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Reports between checkpoints."""
+
+    @property
+    def number(self) -> int:
+        """Reports so far."""
+
+    def advance(self) -> Iterator[Report]:
+        """Go on from the present state; a state can be recorded at each yield. Raises GaveUpError."""
+
+    def remaining(self) -> float:
+        """Return the part of the whole process that is still to be computed; 0 at its end."""
+
+    def begin_log(self) -> str:
+        """Return the line that begins the log."""
+
+    def log_lines(self, report: Any) -> list[str]:
+        """Return what the log says of a report."""
+
+    def progress_text(self, report: Any) -> str:
+        """Return a line for who waits."""
+
+    def row(self, report: Any) -> Row:
+        """Return the row of the history."""
+
+    def watch(self) -> Watched:
+        """Return how far the present state is towards its limits."""
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state."""
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array that the next report depends on."""
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+
+    def meta(self) -> Meta:
+        """Return the numbers that a checkpoint keeps beside the arrays."""
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what summary.json says beyond status and wall time; "warnings" lists what a user should know."""
+
+
+class ModelRecording:
+    """What recordings of a model say alike; of a checkpoint the arrays hold all, unless they say otherwise."""
+
+    model: AnyModel
+    timing: Timing
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.model.title
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed mesh."""
+        return self.model.mesh
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Reports between checkpoints."""
+        return self.model.output.checkpoint_every
+
+    def meta(self) -> Meta:
+        """Return nothing: the arrays hold all."""
+        return {}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up nothing."""
+
+
+def find_never_touched(tools: list[str], history: Mapping[str, NDArray[Any]]) -> list[str]:
+    """Return the tools that no force of the workpiece has ever reached."""
+    return [name for name in tools if not any(np.any(history[f"{name}.force_{axis}"]) for axis in "xyz")]

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A process that is computed in rows of cycles: as many in every stage, each a row of the history."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork import _core
+from presswork.explicit.energy import ENERGIES, EnergyBalance
+from presswork.explicit.input_checks import ExplicitError
+from presswork.model_stamping import AnyModel
+from presswork.outcome import GaveUpError
+from presswork.process.recording import ModelRecording, Row
+from presswork.threads import available_threads
+from presswork.timing import Timing
+
+STAGE, ROW = 0, 1
+"""Of the progress; the rows of a stage come last."""
+LAST_COLUMNS = ("time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent")
+
+
+@dataclass(frozen=True)
+class RowReport:
+    """A row of cycles that has been computed."""
+
+    number: int
+    stage: str
+    fraction: float
+    """Of the stage, at the end of the row."""
+    time: float
+    cycles: int
+    step: float
+    """Mean time step [s]."""
+    energies: EnergyBalance
+    is_save_point: bool
+
+
+class RowRecording(ModelRecording, ABC):
+    """An explicit procedure at work on a model."""
+
+    def __init__(self, model: AnyModel, threads: int, n_progress: int, phases: Sequence[str] = ("cycles",)) -> None:
+        _core.set_threads(threads or available_threads())
+        self.model = model
+        self.timing = Timing(*phases)
+        self._progress = np.zeros(n_progress)
+        self._progress[-1] = model.output.rows
+
+    @property
+    @abstractmethod
+    def time(self) -> float:
+        """[s]"""
+
+    @property
+    @abstractmethod
+    def added_mass(self) -> float:
+        """Per cent of the true mass."""
+
+    @abstractmethod
+    def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
+        """Compute a row of a stage; return its cycles, their time step [s], and the energies at its end."""
+
+    def _add_time(self, started: float) -> None:
+        """Give the time since `started` to the phases."""
+        self.timing.add("cycles", started)
+
+    @abstractmethod
+    def _begin_stage(self) -> None:
+        """Prescribe what supports and the present stage prescribe."""
+
+    @abstractmethod
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array that the next row depends on."""
+
+    @abstractmethod
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+
+    def advance(self) -> Iterator[RowReport]:
+        """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
+        while int(self._progress[STAGE]) < len(self.model.stages):
+            before = self.to_arrays()
+            try:
+                report = self._next_row()
+            except (ExplicitError, KeyboardInterrupt) as error:
+                self.load_arrays(before)
+                if isinstance(error, KeyboardInterrupt):
+                    raise
+                raise GaveUpError(str(error)) from error
+            yield report
+
+    def _next_row(self) -> RowReport:
+        started = perf_counter()
+        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        stage, rows, steps = self.model.stages[number], self.model.output.rows, self.model.output.steps
+        cycles, step, energies = self._compute_row(number, row)
+        self._progress[ROW] = row + 1
+        if row + 1 == rows:
+            self._progress[[STAGE, ROW]] = (number + 1, 0)
+            self._begin_stage()
+        self._add_time(started)
+        return RowReport(
+            number=number * rows + row + 1,
+            stage=stage.name,
+            fraction=(row + 1) / rows,
+            time=self.time,
+            cycles=cycles,
+            step=step,
+            energies=energies,
+            is_save_point=(row + 1) * steps // rows > row * steps // rows,
+        )
+
+    def _stage_of_row(self) -> int:
+        """Return the stage that the last row belongs to."""
+        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        return max(stage - (row == 0), 0)
+
+    def _take_up(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take up the progress in these arrays. Raises ValueError if they belong to another model."""
+        own = self.to_arrays()
+        if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
+            raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
+        found, wanted = arrays["progress"][-1], self.model.output.rows
+        if found != wanted:
+            raise ValueError(f"the checkpoint is of a run with output.rows = {found:g}, on which its steps depend")
+        self._progress = np.array(arrays["progress"], dtype=float)
+
+    def remaining(self) -> float:
+        """Return the part of the whole process still to be computed, counted in stage durations."""
+        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        return remaining_in_rows([s.duration for s in self.model.stages], stage, row, self.model.output.rows)
+
+    @property
+    def number(self) -> int:
+        """Rows so far."""
+        return int(self._progress[STAGE]) * self.model.output.rows + int(self._progress[ROW])
+
+    def log_lines(self, report: RowReport) -> list[str]:
+        """Say where the row ended."""
+        e = report.energies
+        return [
+            f"row {report.number}, stage {report.stage} at {report.fraction:.4f}, {report.cycles} cycles of "
+            f"{report.step:.4g} s, kinetic {e.kinetic:.3g}, internal {e.internal:.3g}, hourglass {e.hourglass:.3g} "
+            f"N mm, balance off by {e.error_percent:.2g} %"
+        ]
+
+    def _end_row(self, report: RowReport) -> Row:
+        """Return the LAST_COLUMNS of the history."""
+        return {
+            "time_step": report.step,
+            "added_mass_percent": self.added_mass,
+            **{f"{e}_energy": getattr(report.energies, e) for e in ENERGIES},
+            "energy_error_percent": report.energies.error_percent,
+        }
+
+
+def last_energies(history: Mapping[str, NDArray[Any]]) -> dict[str, float]:
+    """Return the ENERGIES at the end of a history [N mm]; none of an empty one."""
+    return {e: float(history[f"{e}_energy"][-1]) for e in ENERGIES} if len(history["time"]) else {}
+
+
+def remaining_in_rows(durations: Sequence[float], stage: int, row: int, rows: int) -> float:
+    """Return the part of a process that is left after so many rows of a stage, by the durations of its stages.
+
+    >>> remaining_in_rows([1.0, 3.0], stage=1, row=5, rows=10)
+    0.375
+    """
+    if stage == len(durations):
+        return 0.0
+    return 1.0 - (sum(durations[:stage]) + durations[stage] * row / rows) / sum(durations)

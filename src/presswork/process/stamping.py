@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stamping by explicit dynamics: stages in rows of cycles, tools that move smoothly, energies watched.
+
+It knows nothing of files: recorder.py records what it yields.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork import stop
+from presswork.explicit.energy import YIELD_OFFSET, EnergyBalance, MassScaling, warn_of_energies
+from presswork.explicit.input_checks import check_damping
+from presswork.explicit.options import ShellOptions
+from presswork.explicit.shells import FREEDOMS, PHASES, SAFETY, ExplicitShells
+from presswork.fields.explicit_fields import OnePointFields
+from presswork.fields.formability_fields import FormingVerdict, formability_fields, judge_fields
+from presswork.law.sheet_law import make_sheet_law
+from presswork.model import BoolArray, FloatArray, Mesh
+from presswork.model_stamping import Refinement, StampingModel, StampingStage
+from presswork.process.held_flange import warn_of_holders
+from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.process.reactions import Reactions
+from presswork.process.recording import Row, Snapshot, find_never_touched
+from presswork.process.refinement import SplitBlank, choose_shells
+from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
+from presswork.process.stamping_tools import StampingTools, cut_surfaces, describe_stamping, mean_speeds
+from presswork.process.transfer import SheetState, sheet_of_explicit
+
+CYCLES, ADDED_MASS, SHELL_CYCLES = range(2, 5)
+"""Of the progress, after stage and row."""
+ELEMENT_CYCLES_A_CALL = 2_000_000
+"""Between two looks at the keyboard: about a second."""
+SAMPLES = 10
+"""Of the tools' forces in a row, at least: single cycles are noisy."""
+LOOKS = 50
+"""A stage, at shells that may have to be split: once in 2 % of it."""
+
+
+class ExplicitStamping(RowRecording):
+    """A stamping at work."""
+
+    model: StampingModel
+
+    def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
+        super().__init__(model, threads, 6, (*PHASES, "rest"))
+        self._blank = SplitBlank(model)
+        self._judged = model.sheet[1].formability
+        self.shells = self._make_shells()
+        self._mass = float(self.shells.mass[:, 0].sum())
+        self.reactions = Reactions(model, 6, [t.name for t in model.tools])
+        self._reaction = np.zeros((len(model.mesh.points), 6))
+        material = model.sheet[1]
+        yield_stress = float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
+        self._formed = YIELD_OFFSET * yield_stress * self._mass / material.density
+        if model.explicit.target_step is not None:
+            self._scale_mass(model.explicit.target_step)
+        check_damping(model.explicit.damping, self._longest_step())
+        self.tools = StampingTools(model, self.shells)
+        self._begin_stage()
+        self.shells.advance(0)  # contact is found, and refused where the sheet starts in a tool
+
+    def _make_shells(self) -> ExplicitShells:
+        """Make shells of the undeformed mesh as it is split now, and what makes fields of them."""
+        model = self.model
+        section, material = model.sheet
+        assert section.rule != "simpson"
+        rolling, self._cells = model.rolling_direction, model.cells
+        self._fields = OnePointFields(model.mesh, self._cells, section, np.asarray(rolling), model.symmetry)
+        return ExplicitShells(
+            model.mesh.points,
+            self._cells,
+            section.thickness,
+            make_sheet_law(material),
+            material.density,
+            axis=rolling,
+            options=ShellOptions(element=model.explicit.element, n_points=section.points, rule=section.rule),
+            precision=model.explicit.precision,
+            hanging=self._blank.sheet.hanging(),
+        )
+
+    # --- the way through ---------------------------------------------------------------------------------------------
+
+    def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
+        stage, rows = self.model.stages[number], self.model.output.rows
+        if self.model.refinement and row % max(1, rows // LOOKS) == 0:
+            self._refine(self.model.refinement)
+        n_shells = len(self._cells)
+        begin, end = (stage.duration * r / rows for r in (row, row + 1))
+        n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
+        self.shells.dt = (end - begin) / n
+        every, most = max(1, n // SAMPLES), max(1, ELEMENT_CYCLES_A_CALL // n_shells)
+        self.tools.begin_row()
+        self.shells.reset_reaction()
+        self._seconds_n = self.shells.seconds
+        for part in np.split(mean_speeds(stage, begin, end, n), range(every, n, every)):
+            for speeds in np.split(part, range(most, len(part), most)):
+                self.shells.advance(len(speeds), velocity_scale=speeds, damping=self.model.explicit.damping)
+            self.tools.sample()
+            stop.look()
+        self._reaction = self.shells.reaction_impulse / (end - begin)
+        energies = self._energies(stage, end)
+        self._progress[[CYCLES, SHELL_CYCLES]] += (n, n * n_shells)
+        return n, self.shells.dt, energies
+
+    def _add_time(self, started: float) -> None:
+        """Share out the time since `started`, by what the shells' clock said then and says now."""
+        spent = {phase: now - self._seconds_n[phase] for phase, now in self.shells.seconds.items()}
+        for phase, seconds in spent.items():
+            self.timing.give(phase, seconds)
+        self.timing.give("rest", perf_counter() - started - sum(spent.values()))
+
+    def _refine(self, refinement: Refinement) -> None:
+        """Split the shells that are bent, or will be; again, as far as there are levels."""
+        for _ in range(refinement.levels):
+            shells, tools = self.shells, self.tools.placed()
+            blank = self._blank
+            chosen = choose_shells(blank.sheet, shells.position, shells.thickness, tools, refinement, blank.planes())
+            if not chosen.any():
+                return
+            self._split(chosen)
+
+    def _split(self, chosen: BoolArray) -> None:
+        """Split the chosen shells (n,), and others as far as neighbours would be more than a level apart."""
+        old = self.shells
+        step, position = self._blank.split(chosen, old.position, old.thickness, self.tools.placed())
+        self._begin_on(self._blank.mesh)
+        self._begin_stage()
+        self.shells.inherit(old, position, step.node_parents(), step.parent)
+
+    def split_evenly(self) -> None:
+        """Split all shells as often as those split most, so that no node hangs."""
+        while len(self._blank.sheet.hanging()):
+            level = self._blank.sheet.level
+            self._split(level < level.max())
+
+    def _begin_on(self, mesh: Mesh) -> None:
+        """Make shells and tools anew for another mesh; pushed tools keep their masses."""
+        self.model = replace(self.model, mesh=mesh)
+        self.shells = self._make_shells()
+        self._reaction = np.zeros((len(mesh.points), 6))
+        self.tools = StampingTools(self.model, self.shells, self.tools)
+
+    def _longest_step(self) -> float:
+        """Return the time step allowed now; add mass where the target asks for it."""
+        settings, bound = self.model.explicit, self.shells.stable_step()
+        if settings.target_step is None:
+            return settings.safety * bound
+        if settings.safety * bound < settings.target_step * (1 - 1e-9):
+            self._scale_mass(settings.target_step)
+        return settings.target_step
+
+    def _scale_mass(self, target: float) -> MassScaling:
+        """Add mass so that the target is `safety` times the stable step."""
+        scaling = self.shells.scale_mass(target * SAFETY / self.model.explicit.safety)
+        self._progress[ADDED_MASS] = scaling.percent
+        return scaling
+
+    def _begin_stage(self) -> None:
+        """Prescribe what supports and the present stage prescribe."""
+        self.shells.release()
+        sets = self.model.mesh.node_sets
+        for support in self.model.supports:
+            held = "".join(letter for letter, is_held in zip(FREEDOMS, support.fix, strict=True) if is_held)
+            self.shells.fix(sets[support.node_set], held)
+        number = int(self._progress[STAGE])
+        if number < len(self.model.stages):
+            for p in self.model.stages[number].prescribed:
+                self.shells.fix(sets[p.node_set], FREEDOMS[p.component], velocity=p.value)
+        self.tools.begin_stage(number)
+
+    def _energies(self, stage: StampingStage, time: float) -> EnergyBalance:
+        """Return the energies; the next half step goes on with the present speed."""
+        dt = self.shells.dt
+        speed = float(mean_speeds(stage, time - dt, time, 1)[0])
+        return self.shells.energies(damping=self.model.explicit.damping, velocity_scale=speed)
+
+    # --- what is recorded --------------------------------------------------------------------------------------------
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        first = ["time", "stage", "increment", "cycles", *self.tools.row()]
+        first += self.reactions.columns
+        first += ["shells"] if self.model.refinement else []
+        return [*first, *LAST_COLUMNS]
+
+    def begin_log(self) -> str:
+        """Name the procedure and what it starts with."""
+        return (
+            f"explicit: {len(self._cells)} shells, stable step "
+            f"{self.shells.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
+        )
+
+    def log_lines(self, report: RowReport) -> list[str]:
+        """Say where the row ended, and what is out of hand."""
+        return [*super().log_lines(report), *(f"warning: {each}" for each in report.energies.warnings(self._formed))]
+
+    def progress_text(self, report: RowReport) -> str:
+        """Name stage, tools and cycle: what a narrow terminal cuts off comes last."""
+        return "  ".join(t for t in (f"{report.stage}:", self.tools.text(), f"cycle {self._progress[CYCLES]:.0f}") if t)
+
+    def row(self, report: RowReport) -> Row:
+        """Return the row of the history."""
+        return {
+            "time": report.time,
+            "stage": report.stage,
+            "increment": report.number,
+            "cycles": int(self._progress[CYCLES]),
+            **self.tools.row(),
+            **self._measure_reactions(),
+            **({"shells": len(self._cells)} if self.model.refinement else {}),
+            **self._end_row(report),
+        }
+
+    def _measure_reactions(self) -> Row:
+        """Return the means over the last row."""
+        mesh = self.model.mesh
+        moved = np.zeros((len(mesh.points), 6))
+        moved[:, :3] = self.shells.position - mesh.points
+        return self.reactions.measure(mesh, self._stage_of_row(), self._reaction, moved)
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state."""
+        shells, mesh = self.shells, self.model.mesh
+        points = shells.position
+        cells = self._cell_fields()
+        return Snapshot(
+            time=shells.time,
+            point_data={
+                "displacement": points - mesh.points,
+                "reaction_force": self._reaction[:, :3],
+                "reaction_moment": self._reaction[:, 3:],
+                "contact_force": shells.contact_force,
+            },
+            cell_data=cells | formability_fields(cells, self._judged),
+            info=describe_stamping(self.model),
+            surfaces=cut_surfaces(self.model),
+            tool_displacement=self.tools.displacement(),
+        )
+
+    def _cell_fields(self) -> dict[str, FloatArray]:
+        shells = self.shells
+        eqps = shells.history_at_points[..., 0]
+        return self._fields.cell_fields(shells.position, shells.thickness, shells.stress_at_points, eqps)
+
+    def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
+        """Return the verdict on the sheet by its cell fields."""
+        position = self.shells.position
+        centres = np.concatenate([position[b.connectivity].mean(axis=1) for b in self.model.mesh.blocks])
+        verdict = judge_fields(fields, centres, self._judged)
+        assert verdict is not None, "shells have principal strains"
+        return verdict
+
+    def watch(self) -> Watched:
+        """Return how far the present state is towards its limits."""
+        thickness = self.model.sheet[0].thickness
+        depths = [measure_sheet_penetration(t.name, t.penetration, thickness) for t in self.shells.tools.values()]
+        strained = watch_sheet(self._judge(self._cell_fields()))
+        return Watched((*strained.measures, *depths), strained.margin)
+
+    def sheet(self) -> SheetState:
+        """Return the present state of the sheet."""
+        return sheet_of_explicit(self.shells)
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self.shells.time
+
+    @property
+    def added_mass(self) -> float:
+        """Per cent of the true mass."""
+        return float(self._progress[ADDED_MASS])
+
+    def row_at_rest(self) -> Row:
+        """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
+        energies = self.shells.energies(damping=self.model.explicit.damping, velocity_scale=0.0)
+        report = RowReport(self.number, "", 1.0, self.time, 0, self.shells.dt, energies, is_save_point=True)
+        gone = {
+            f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
+        }
+        return self.row(report) | gone | self.reactions.nothing() | {"kinetic_energy": 0.0}
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array that the next row depends on."""
+        return {"progress": self._progress.copy(), "splits": self._blank.splits(), **self.shells.dump()}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+        if "splits" in arrays and not np.array_equal(self._blank.splits(), arrays["splits"]):
+            self._begin_on(self._blank.split_again(arrays["splits"]))
+        self._take_up(arrays)
+        self.shells.restore({name: np.asarray(values) for name, values in arrays.items()})
+        self._begin_stage()
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        shells = self.shells
+        fields = self._cell_fields()
+        verdict = self._judge(fields)
+        names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
+        cycles = int(self._progress[CYCLES])
+        names_of_tools = [t.name for t in self.model.tools]
+        return {
+            "increments": self.number,
+            "cycles": cycles,
+            "work": f"{cycles} cycles of {self._progress[SHELL_CYCLES] / max(cycles, 1):.0f} shells",
+            "freedoms": 6 * len(self.model.mesh.points),
+            "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
+            "mass": {"blank_t": self._mass, "added_percent": self.added_mass},
+            "energy": last_energies(history),
+            "time_simulated": shells.time,
+            "formability": verdict.to_summary(),
+            "warnings": [
+                *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
+                *warn_of_holders(self.model, history, float(fields["thickness"].max())),
+                *warn_of_energies(history),
+                *verdict.warnings(),
+            ],
+        }

@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tools of a stamping at work: stroke by stage, forces over the whole process, what each feels on the mean."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from presswork import _core
+from presswork.explicit.motion import SmoothStroke
+from presswork.explicit.shells import ExplicitShells
+from presswork.explicit.tools import RigidTool
+from presswork.formability import Info
+from presswork.geometry.swept_tool import SweptTool
+from presswork.mesh.tool_clearance import find_clearance
+from presswork.model import FloatArray, IntArray
+from presswork.model_stamping import StampingBead, StampingModel, StampingStage, StampingTool, ToolAction
+from presswork.process.recording import Row
+from presswork.process.refinement import PlacedTool
+
+FORCE_TIMES = 100
+"""Times of each stage at which a force over the stroke is tabulated."""
+DRAWN_WITHIN = 0.02
+"""Part of the blank's thickness by which the triangles of pictures may be off the tool."""
+
+
+class StampingTools:
+    """Adds a model's tools and beads to the shells, and moves them."""
+
+    def __init__(self, model: StampingModel, shells: ExplicitShells, before: StampingTools | None = None) -> None:
+        """before: the same tools on another mesh of the blank, whose surfaces and masses are taken over."""
+        self._model = model
+        self._surfaces: list[_core.ToolSurface] = (
+            before._surfaces if before else [t.shape.surface() for t in model.tools]
+        )
+        edges, each = model.explicit.contact_points == "edges", zip(model.tools, self._surfaces, strict=True)
+        self._tools = [shells.add_tool(t.name, surface, mu=t.mu, edges=edges) for t, surface in each]
+        for tool, at_work in zip(model.tools, self._tools, strict=True):
+            at_work.position = tool.position
+        # a resumed run takes the same
+        self._pushing_mass: float = before._pushing_mass if before else float(shells.mass[:, 0].sum())
+        self._stops: dict[str, tuple[str, float]] = before._stops if before else find_stops(model)
+        self._shells = shells
+        for bead in model.beads:
+            shells.add_bead(bead.line, tabulate_share(model, bead))
+        self._mean = np.zeros((len(model.tools), 3))
+        self._restraint = np.zeros(len(model.beads))
+        self._samples = 0
+
+    def placed(self) -> list[PlacedTool]:
+        """Return the tools where they stand."""
+        return [PlacedTool(s, tool.position) for s, tool in zip(self._surfaces, self._tools, strict=True)]
+
+    def begin_stage(self, number: int) -> None:
+        """Let the tools move, push or stand still as the stage says; the speed of strokes is a stroke in its time."""
+        stages = self._model.stages
+        for tool, at_work in zip(self._model.tools, self._tools, strict=True):
+            at_work.stop()
+            if is_pushed_in(self._model, tool, number):
+                times, forces = tabulate_force(self._model, tool.name)
+                at_work.push(
+                    tool.way,
+                    (times, forces / self._model.whole),
+                    mass=self._pushing_mass,
+                    stop=self._stop_in(tool, number),
+                )
+                continue
+            action = stages[number].actions.get(tool.name, ToolAction()) if number < len(stages) else ToolAction()
+            at_work.velocity = action.stroke * np.asarray(tool.way)
+
+    def _stop_in(self, tool: StampingTool, number: int) -> tuple[RigidTool, float] | None:
+        if tool.name not in self._stops:
+            return None
+        name, clearance = self._stops[tool.name]
+        index = [t.name for t in self._model.tools].index(name)
+        other = self._model.tools[index]
+        if is_pushed_in(self._model, other, number):
+            return None
+        return self._tools[index], float(np.subtract(tool.position, other.position) @ tool.way) + clearance
+
+    def begin_row(self) -> None:
+        """Forget the forces felt so far."""
+        self._mean[:], self._restraint[:], self._samples = 0.0, 0.0, 0
+
+    def sample(self) -> None:
+        """Note what every tool feels now."""
+        self._samples += 1
+        for mean, tool in zip(self._mean, self._tools, strict=True):
+            mean += (tool.force - mean) / self._samples
+        restraint = [self._shells.bead_restraint(bead.line.name) for bead in self._model.beads]
+        self._restraint += (np.array(restraint) - self._restraint) / self._samples
+
+    def forces(self) -> FloatArray:
+        """Return the mean force of the sheet on each whole tool since begin_row (n_tools, 3) [N]."""
+        return make_whole(self._model, self._mean)
+
+    def row(self) -> Row:
+        """Return the columns of the history."""
+        tools = tool_columns(self._model, self.displacement(), self.forces())
+        return tools | bead_columns(self._model, self._restraint.tolist())
+
+    def text(self) -> str:
+        """Name the tools with their strokes and forces."""
+        return tool_text(self._model, self.row())
+
+    def displacement(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the start (3,) [mm]."""
+        each = zip(self._model.tools, self._tools, strict=True)
+        return {t.name: at_work.position - np.asarray(t.position) for t, at_work in each}
+
+
+def make_whole(model: StampingModel, forces: FloatArray) -> FloatArray:
+    """Return the forces on whole tools of those on what is modelled (n_tools, 3) [N]."""
+    whole = forces * model.whole
+    for axis, is_cut in enumerate(model.symmetry):
+        if is_cut:  # what the mirror images feel takes it away
+            whole[:, axis] = 0.0
+    return whole
+
+
+def tool_columns(model: StampingModel, displacement: Mapping[str, FloatArray], forces: FloatArray) -> Row:
+    """Return the history's columns of all tools: stroke along the way [mm], force along it and in space [N].
+
+    displacement: of each tool since the start (3,) [mm]. forces: of the sheet on the whole tools (n_tools, 3) [N].
+    """
+    row: Row = {}
+    for tool, force in zip(model.tools, forces, strict=True):
+        way = np.asarray(tool.way)
+        row[f"{tool.name}.stroke"] = float(displacement[tool.name] @ way) + 0.0
+        row[f"{tool.name}.force"] = -float(force @ way) + 0.0
+        row |= {f"{tool.name}.force_{axis}": float(f) for axis, f in zip("xyz", force, strict=True)}
+    return row
+
+
+def bead_columns(model: StampingModel, forces: Sequence[float]) -> Row:
+    """Return the history's columns of all beads: restraining force, summed along the line [N], of what is modelled."""
+    return {f"{b.line.name}.force": f * model.whole + 0.0 for b, f in zip(model.beads, forces, strict=True)}
+
+
+def tool_text(model: StampingModel, row: Row) -> str:
+    """Name the tools that have moved, with strokes and forces."""
+    each = [(t.name, float(row[f"{t.name}.stroke"]), float(row[f"{t.name}.force"])) for t in model.tools]
+    return "  ".join(f"{name} {stroke:.2f} mm {force / 1e3:.1f} kN" for name, stroke, force in each if stroke)
+
+
+def describe_stamping(model: StampingModel) -> Info:
+    """Return what results say of a stamping."""
+    planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
+    judged = model.sheet[1].formability
+    return {"title": model.title, "analysis": "stamping", "symmetry": planes, **judged.to_info()}
+
+
+def cut_surfaces(model: StampingModel) -> dict[str, tuple[FloatArray, IntArray]]:
+    """Return points and triangles of every tool where it starts, for pictures."""
+    mesh = model.mesh
+    length = 2.5 * float(np.abs(mesh.points[:, 1]).max())
+    found = {}
+    for tool in model.tools:
+        if isinstance(tool.shape, SweptTool):
+            points, triangles = tool.shape.triangulate(DRAWN_WITHIN * model.sheet[0].thickness, length=length)
+        else:
+            points, triangles = tool.shape.points, tool.shape.triangles
+        found[tool.name] = (points + np.asarray(tool.position), triangles)
+    return found
+
+
+def is_pushed(model: StampingModel, tool: StampingTool) -> bool:
+    """Say whether a force places the tool."""
+    return any(tool.name in s.actions and s.actions[tool.name].force is not None for s in model.stages)
+
+
+def is_pushed_in(model: StampingModel, tool: StampingTool, number: int) -> bool:
+    """Say whether a force places the tool in a stage: the last stage up to this one that names it pushes it."""
+    named = [s.actions[tool.name] for s in model.stages[: number + 1] if tool.name in s.actions]
+    return bool(named) and named[-1].force is not None
+
+
+def find_stops(model: StampingModel) -> dict[str, tuple[str, float]]:
+    """Return on which other a pushed holder or die comes to stand, bare, and after how much of its way [mm].
+
+    The other has then not moved. What cannot strike is left out.
+    """
+    found: dict[str, tuple[str, float]] = {}
+    for tool, other in itertools.permutations(model.tools, 2):
+        if not is_pushed(model, tool) or {tool.kind, other.kind} != {"holder", "die"}:
+            continue
+        between, way = np.subtract(tool.position, other.position), np.array(tool.way)
+        clearance = find_clearance(tool.shape, other.shape, between, way, DRAWN_WITHIN * model.sheet[0].thickness)
+        if clearance < found.get(tool.name, ("", math.inf))[1]:
+            found[tool.name] = other.name, clearance
+    return found
+
+
+def tabulate_force(model: StampingModel, name: str) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and forces [N] of a pushed tool on the sheet over the whole process.
+
+    At the start of each stage the force goes over to the stage's own within its ramp; before the first it is zero, and
+    a stage that says nothing keeps it. What closes beads is taken off a holder's.
+    """
+
+    def force_in(stage: StampingStage, at: FloatArray) -> FloatArray | None:
+        action = stage.actions.get(name)
+        if action is None:
+            return None
+        if action.force is None:  # it is moved
+            return np.zeros(len(at))
+        return np.interp(stroke_of(stage).position(at), *action.force.T)
+
+    times, forces = _tabulate(model, force_in)
+    if any(t.name == name and t.kind == "holder" for t in model.tools):
+        for bead in model.beads:
+            closing = model.whole * bead.closing_force * float(bead.line.length.sum())
+            forces = np.maximum(forces - closing * tabulate_share(model, bead)[1], 0.0)
+    return times, forces
+
+
+def tabulate_share(model: StampingModel, bead: StampingBead) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and shares of a bead's force over the whole process; it goes over within a stage's ramp."""
+    return _tabulate(model, lambda stage, at: np.full(len(at), float(stage.name in bead.stages)))
+
+
+def _tabulate(
+    model: StampingModel, value_in: Callable[[StampingStage, FloatArray], FloatArray | None]
+) -> tuple[FloatArray, FloatArray]:
+    """Return times and values over the whole process.
+
+    value_in: gives those of a stage at times since it began, or None where the value stays as it is.
+    """
+    times, values = [np.zeros(1)], [np.zeros(1)]
+    begin, value_n = 0.0, 0.0
+    for stage in model.stages:
+        at = np.linspace(0.0, stage.duration, FORCE_TIMES + 1)[1:]
+        own = value_in(stage, at)
+        own = np.full(len(at), value_n) if own is None else own
+        blend = np.minimum(at / stage.ramp, 1.0)
+        own = (1 - blend) * value_n + blend * own
+        times.append(begin + at)
+        values.append(own)
+        begin, value_n = begin + stage.duration, float(own[-1])
+    return np.concatenate(times), np.concatenate(values)
+
+
+def by_stage(model: StampingModel, times: FloatArray, values: FloatArray) -> list[FloatArray]:
+    """Return rows of part of the way gone (0 to 1) and value (n, 2) for each stage, of a table over the process."""
+    rows, begin = [], 0.0
+    for stage in model.stages:
+        end = begin + stage.duration
+        own = (times >= begin - 1e-12 * end) & (times <= end * (1 + 1e-12))
+        rows.append(np.column_stack([stroke_of(stage).position(times[own] - begin), values[own]]))
+        begin = end
+    return rows
+
+
+def stroke_of(stage: StampingStage) -> SmoothStroke:
+    """Return the part of its way that all that moves in a stage has gone, 0 to 1, as a motion in time."""
+    return SmoothStroke(1.0, stage.duration, rise=stage.ramp / stage.duration)
+
+
+def mean_speeds(stage: StampingStage, start: float, end: float, n: int) -> FloatArray:
+    """Return the mean speed in n equal steps from start to end, times the stage's way [1/s]; they add up to the way."""
+    gone = stroke_of(stage).position(np.linspace(start, end, n + 1))
+    return np.asarray(np.diff(gone) * n / (end - start))

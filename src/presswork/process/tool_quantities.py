@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a forming engineer reads off a press: stroke, load and torque of every tool, at a converged state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.formability import Info
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.model import FloatArray, Model, Tool, ToolMotion
+
+
+@dataclass(frozen=True)
+class ToolQuantities:
+    """Of one tool, the whole of it: with its mirror image in plane strain, the whole ring in axisymmetry."""
+
+    stroke: float
+    """Displacement along its first motion; of a tool on a spring how far it has given way [mm]."""
+    force: float
+    """Against its first motion [N]: positive when the workpiece resists; on a spring, what presses the spring; of a
+    tool that does neither, the vector's length."""
+    vector: FloatArray
+    """Force of the workpiece on the tool (2,) [N]."""
+    angle: float
+    """Turned since the start [rad]."""
+    torque: float
+    """Of the workpiece on the tool about its centre, against its turning in this stage, so positive when it must be
+    driven; clockwise where it does not turn [N mm]."""
+
+
+def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQuantities]:
+    """Return the quantities of every tool at the converged state, which belongs to a stage."""
+    state, contact = procedure.state, procedure.contact
+    contact.search(state, state.displacement)
+    vectors, torques = contact.tool_forces(state, procedure.equilibrium.fixed(stage))
+    quantities = {}
+    for t, tool in enumerate(procedure.model.tools):
+        vector = force_on_whole(tool, vectors[t])
+        if tool.spring is not None:
+            direction = np.asarray(tool.spring.direction)
+            stroke, force = float(state.tool_travel[t] @ direction), float(vector @ direction)
+        elif (way := find_way(procedure.model, tool)) is not None:
+            stroke, force = float(state.tool_displacement[t] @ way), -float(vector @ way)
+        else:
+            stroke, force = 0.0, float(np.linalg.norm(vector))
+        motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
+        torque = -float(torques[t]) * (-1.0 if motion.turn < 0 else 1.0)
+        quantities[tool.name] = ToolQuantities(stroke, force, vector, float(state.tool_angle[t]), torque)
+    return quantities
+
+
+def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:
+    """Return the force on the whole tool of that on what is modelled of it (2,) [N]."""
+    whole = force.copy()
+    for normal in (0, 1):
+        if tool.mirrored_across[normal]:
+            whole[normal] = 0.0
+            whole[1 - normal] *= 2.0
+    return whole
+
+
+def describe_plane(model: Model) -> Info:
+    """Return what results say of a case in the plane."""
+    return {
+        "title": model.title,
+        "analysis": model.analysis,
+        "depth": model.depth,
+        "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
+        "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
+    }
+
+
+def find_way(model: Model, tool: Tool) -> FloatArray | None:
+    """Return the unit vector of a tool's first motion or force; None if it has neither."""
+    for stage in model.stages:
+        motion = stage.tool_motion.get(tool.name)
+        if motion is None:
+            continue
+        if motion.force is not None:
+            return np.asarray(motion.direction)
+        if any(motion.move):
+            move = np.asarray(motion.move)
+            return np.asarray(move / np.linalg.norm(move), dtype=np.float64)
+    return None

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Trimming: a formed sheet is cut along lines in its plan, and goes on on another mesh.
+
+Nodes take means of positions; a new cell takes thickness, stress and history, at each of its points, from the nearest
+point of the cell that it lies in. So no state is made that the law would not admit, and what is at a point is wrong by
+its way to that point, at most half an element.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork import _core
+from presswork.mesh.beside import Beside, find_beside
+from presswork.mesh.checks import MeshError
+from presswork.mesh.cut import NATURAL, CutCells, CutMesh, cut_mesh
+from presswork.mesh.topology import find_boundary_edges
+from presswork.model import CellBlock, FloatArray, IndexArray, Mesh, ShellElement
+from presswork.model_stamping import TrimLine
+from presswork.process.transfer import SheetBlock, SheetState
+
+
+@dataclass(frozen=True)
+class TrimmedSheet:
+    """A sheet after it was cut."""
+
+    mesh: Mesh
+    """Undeformed; its node sets hold the nodes whose neighbours before the cut were all in them."""
+    state: SheetState
+    off_line: float
+    """The farthest that a trim line is from the outline [mm]."""
+    element_size: float
+    """Mean length of the new outline's edges [mm]."""
+    beside: Mapping[str, Beside]
+    """By line, where one runs beside the sheet."""
+
+
+class TrimError(Exception):
+    """A line that a sheet cannot be cut along."""
+
+
+def trim_sheet(
+    mesh: Mesh,
+    state: SheetState,
+    lines: tuple[TrimLine, ...],
+    elements: Mapping[int, ShellElement],
+    symmetry: tuple[bool, bool] = (False, False),
+) -> TrimmedSheet:
+    """Cut a sheet along one line after the other.
+
+    mesh: undeformed, with the blocks of the state; elements: of the cells of three and four nodes after the cut, at
+    whose points the state is given; symmetry: whether planes normal to x and y cut the sheet. Raises TrimError.
+    """
+    off_line, sizes = 0.0, []
+    beside: dict[str, Beside] = {}
+    for line in lines:
+        outline = state.position[find_boundary_edges([b.connectivity for b in state.blocks])[:, :2], :2]
+        found = find_beside(outline, line.polygon, symmetry)
+        if found is not None:
+            beside[line.name] = found
+        try:
+            cut = cut_mesh(state.position, tuple(b.connectivity for b in state.blocks), line.polygon, line.keep)
+        except MeshError as error:
+            raise TrimError(f"trim.{line.name}: {error}") from error
+        off_line = max(off_line, cut.off_line)
+        edges = (cut.weights @ state.position)[cut.cut_edges]
+        sizes.append(float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).mean()))
+        state = _cut_state(state, cut, elements)
+        mesh = _cut_mesh(mesh, cut, elements)
+    return TrimmedSheet(mesh, state, off_line, float(np.mean(sizes)), beside)
+
+
+def explain_beside(trimmed: TrimmedSheet) -> list[str]:
+    """Say of each line that runs beside the sheet where, and by how much."""
+    return [
+        f"the line trim.{name} runs beside the formed sheet over {each.length:.4g} of its {each.whole:.4g} mm, by up "
+        f"to {each.depth:.3g} mm at ({each.place[0]:.4g}, {each.place[1]:.4g}) mm: there the part keeps the edge of "
+        "the blank; make the blank larger or the line smaller, unless this is meant"
+        for name, each in trimmed.beside.items()
+    ]
+
+
+def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[int, ShellElement]) -> Mesh:
+    """Return the undeformed mesh after a cut."""
+    first = mesh.blocks[0]
+    blocks = tuple(
+        CellBlock(elements[c.connectivity.shape[1]], c.connectivity, first.material, first.section) for c in cut.cells
+    )
+    share = (cut.weights > 1e-12).astype(np.float64)
+    node_sets = {}
+    for name, nodes in mesh.node_sets.items():
+        outside = np.ones(len(mesh.points))
+        outside[nodes] = 0.0
+        node_sets[name] = np.flatnonzero(share @ outside == 0.0).astype(np.int32)
+    boundary = find_boundary_edges([block.connectivity for block in blocks])
+    return Mesh(cut.weights @ mesh.points, blocks, node_sets, {"boundary": boundary}, boundary)
+
+
+def _cut_state(state: SheetState, cut: CutMesh, elements: Mapping[int, ShellElement]) -> SheetState:
+    """Return the state after a cut."""
+    blocks = tuple(_cut_block(state, cells, elements) for cells in cut.cells)
+    return SheetState(cut.weights @ state.position, blocks)
+
+
+def _cut_block(state: SheetState, cells: CutCells, elements: Mapping[int, ShellElement]) -> SheetBlock:
+    """Return the state of cells of one kind, each point from the nearest one of the cell's parent."""
+    shape = _core.shell_shape(elements[cells.connectivity.shape[1]])[0]
+    places = np.einsum("qa,cai->cqi", shape, cells.natural)
+    found: SheetBlock | None = None
+    for number, block in enumerate(state.blocks):
+        own = cells.parent[:, 0] == number
+        parent = cells.parent[own, 1]
+        nearest = _nearest_points(block, places[own], elements)
+        taken = [
+            values[parent[:, None], nearest] for values in (block.axis, block.thickness, block.stress, block.history)
+        ]
+        if found is None:
+            found = SheetBlock(cells.connectivity, *(np.empty((len(own), *values.shape[1:])) for values in taken))
+        for target, values in zip((found.axis, found.thickness, found.stress, found.history), taken, strict=True):
+            target[own] = values
+    assert found is not None
+    return found
+
+
+def _nearest_points(block: SheetBlock, places: FloatArray, elements: Mapping[int, ShellElement]) -> IndexArray:
+    """Return which of a block's points in the plane lies nearest to places in natural coordinates (n, q, 2) (n, q)."""
+    n_nodes, q = block.connectivity.shape[1], block.thickness.shape[1]
+    if q == 1:
+        return np.zeros(places.shape[:2], dtype=np.intp)
+    points = _core.shell_shape(elements[n_nodes])[0] @ NATURAL[n_nodes]
+    return np.asarray(((places[:, :, None] - points) ** 2).sum(axis=3).argmin(axis=2))

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run remembers of its way: limits passed, the first crack, the largest forces, the extremes of every field."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.model import FloatArray, Limits, Mesh
+from presswork.process.limits import Watched, explain_breach, find_breach
+from presswork.process.recording import Snapshot
+
+TENSOR = ("xx", "yy", "zz", "xy", "yz", "xz")
+"""Components of fields of six."""
+STROKE, FORCE = ".stroke", ".force"
+
+
+class Watch:
+    """Looks at every report and every saved step of one run."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._nearest: dict[str, dict[str, Any]] = {}
+        self._passed: dict[str, str] = {}
+        self._first_crack: dict[str, Any] | None = None
+        self._fields: dict[str, dict[str, dict[str, Any]]] = {}
+
+    def look(self, watched: Watched, row: Mapping[str, Any]) -> str | None:
+        """Look at a converged state; return why the run must stop, if it must.
+
+        row: of the history, which says when this is.
+        """
+        margin = watched.margin
+        if margin is not None and margin.value < 0.0 and self._first_crack is None:
+            place = [float(x) for x in margin.place]
+            self._first_crack = {**describe_instant(row), "margin": margin.value, "cell": margin.cell, "at_mm": place}
+        for measure in watched.measures:
+            if measure.limit not in self._nearest or measure.value > self._nearest[measure.limit]["largest"]:
+                limit = getattr(self._limits, measure.limit)
+                so_far = {"largest": measure.value, "limit": limit, "fact": measure.fact, **describe_instant(row)}
+                self._nearest[measure.limit] = so_far
+        breach = find_breach(self._limits, watched.measures)
+        if breach is None:
+            return None
+        reason = f"{_say_when(row)}{explain_breach(breach, self._limits)}"
+        self._passed.setdefault(breach.limit, reason)
+        return reason if self._limits.stop else None
+
+    def note_step(self, number: int, mesh: Mesh, snapshot: Snapshot) -> None:
+        """Take up the extremes of the fields of a saved step, counted from 0; places are those of the deformed body."""
+        space = np.zeros((len(mesh.points), 3))
+        space[:, : mesh.points.shape[1]] = mesh.points
+        space += snapshot.point_data.get("displacement", 0.0)
+        centres = np.concatenate([space[block.connectivity].mean(axis=1) for block in mesh.blocks])
+        for data, places in ((snapshot.point_data, space), (snapshot.cell_data, centres)):
+            for name, values in data.items():
+                for each, numbers in _scalars(name, np.asarray(values)).items():
+                    self._take(each, numbers, places, {"step": number, "time_s": snapshot.time})
+
+    def _take(self, name: str, values: FloatArray, places: FloatArray, when: Mapping[str, float]) -> None:
+        finite = np.flatnonzero(np.isfinite(values))
+        if not len(finite):
+            return
+        known = self._fields.setdefault(name, {})
+        for key, sign in (("smallest", -1.0), ("largest", 1.0)):
+            at = int(finite[np.argmax(sign * values[finite])])
+            value = float(values[at])
+            if key not in known or sign * value > sign * known[key]["value"]:
+                known[key] = {"value": value, "at_mm": [float(x) for x in places[at]], **when}
+
+    def warnings(self) -> list[str]:
+        """Return the limits that were passed by a run that went on."""
+        return [] if self._limits.stop else list(self._passed.values())
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return how near limits came, the first crack, largest forces and the extremes of fields, for summary.json."""
+        forces = find_largest_forces(history)
+        found: dict[str, Any] = {"limits": self._nearest, "largest_forces": forces, "fields": self._fields}
+        return found if self._first_crack is None else {"first_crack": self._first_crack, **found}
+
+    def to_text(self) -> str:
+        """Return all that is remembered, for a checkpoint."""
+        return json.dumps([self._nearest, self._passed, self._first_crack, self._fields])
+
+    def from_text(self, text: str) -> None:
+        """Take up what to_text gave."""
+        self._nearest, self._passed, self._first_crack, self._fields = json.loads(text)
+
+
+def describe_instant(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return time [s], stage and strokes [mm] of the tools that have moved, of a row of the history.
+
+    >>> describe_instant({"time": 0.5, "stage": "draw", "punch.stroke": 12.0, "punch.force": 8.0, "die.stroke": 0.0})
+    {'time_s': 0.5, 'stage': 'draw', 'strokes_mm': {'punch': 12.0}}
+    """
+    strokes = {name.removesuffix(STROKE): float(row[name]) for name in row if name.endswith(STROKE)}
+    return {
+        "time_s": float(row.get("time", 0.0)),
+        "stage": str(row.get("stage", "")),
+        "strokes_mm": {tool: stroke for tool, stroke in strokes.items() if stroke},
+    }
+
+
+def _say_when(row: Mapping[str, Any]) -> str:
+    """Return the beginning of a sentence on a row of the history."""
+    now = describe_instant(row)
+    parts = [f"stage {now['stage']!r}", *(f"{tool} at {stroke:.4g} mm" for tool, stroke in now["strokes_mm"].items())]
+    return f"{', '.join(parts)}: "
+
+
+def find_largest_forces(history: Mapping[str, NDArray[Any]]) -> dict[str, dict[str, Any]]:
+    """Return the largest force of every tool, bead and contact [N], either way, with when it was."""
+    found = {}
+    for column in (name for name in history if name.endswith(FORCE) and len(history[name])):
+        at = int(np.argmax(np.abs(history[column])))
+        row = {name: values[at] for name, values in history.items()}
+        found[column.removesuffix(FORCE)] = {"force_n": float(row[column]), **describe_instant(row)}
+    return found
+
+
+def _scalars(name: str, values: FloatArray) -> dict[str, FloatArray]:
+    """Return a field as scalars: the components of a tensor, the length of a vector."""
+    if values.ndim == 1:
+        return {name: values}
+    if values.shape[1] == len(TENSOR):
+        return {f"{name}_{component}": values[:, i] for i, component in enumerate(TENSOR)}
+    return {name: np.linalg.norm(values, axis=1)}

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""PARDISO and SuperLU solve the same systems; a singular matrix is said to be one."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from presswork.implicit import linear_solver
+from presswork.implicit.linear_solver import Pardiso, SolverError, SuperLU, make_solver
+
+
+def system(symmetric: bool, n: int = 60) -> tuple[sp.csr_matrix, np.ndarray]:
+    rng = np.random.default_rng(1)
+    matrix = sp.random(n, n, density=0.1, random_state=rng) + 10 * sp.eye(n)
+    matrix = (matrix + matrix.T if symmetric else matrix).tocsr()
+    matrix.sort_indices()
+    return matrix, rng.standard_normal(n)
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+@pytest.mark.parametrize("solver", ["pardiso", "superlu"])
+def test_solver_solves(solver, symmetric) -> None:
+    if solver == "pardiso":
+        pytest.importorskip("pypardiso")
+    matrix, rhs = system(symmetric)
+    stored = sp.triu(matrix).tocsr() if symmetric else matrix
+    if solver == "pardiso":
+        made = Pardiso(stored.indptr, stored.indices, symmetric=symmetric, threads=2)
+    else:
+        made = SuperLU(stored.indptr, stored.indices, symmetric=symmetric)
+    made.factorise(stored.data)
+    np.testing.assert_allclose(matrix @ made.solve(rhs), rhs, atol=1e-10)
+    made.factorise(2 * stored.data)
+    np.testing.assert_allclose(2 * matrix @ made.solve(rhs), rhs, atol=1e-10)
+
+
+def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
+    pytest.importorskip("pypardiso")
+    matrix, rhs = system(symmetric=False, n=2000)
+    solutions = []
+    for threads in (1, 2):
+        solver = Pardiso(matrix.indptr, matrix.indices, symmetric=False, threads=threads)
+        solver.factorise(matrix.data)
+        solutions.append(solver.solve(rhs))
+    np.testing.assert_array_equal(*solutions)
+
+
+def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:
+    """However many analyses follow; it takes longer than a small one."""
+    wrapper = pytest.importorskip("pypardiso.pardiso_wrapper")
+    looked = []
+
+    class Counted(wrapper.PyPardisoSolver):
+        def __init__(self) -> None:
+            looked.append(1)
+            super().__init__()
+
+    monkeypatch.setattr(wrapper, "PyPardisoSolver", Counted)
+    linear_solver._load_mkl.cache_clear()
+    matrix, rhs = system(symmetric=False)
+    for _ in range(3):
+        solver = make_solver(matrix.indptr, matrix.indices, symmetric=False, threads=1)
+        solver.factorise(matrix.data)
+        np.testing.assert_allclose(matrix @ solver.solve(rhs), rhs, atol=1e-10)
+    assert len(looked) == 1
+
+
+def test_a_singular_matrix_is_an_error() -> None:
+    matrix = sp.csr_matrix(np.array([[1.0, 1.0], [1.0, 1.0]]))
+    solver = SuperLU(matrix.indptr, matrix.indices, symmetric=False)
+    with pytest.raises(SolverError):
+        solver.factorise(matrix.data)
+
+
+def test_superlu_serves_where_pardiso_is_missing(monkeypatch) -> None:
+    def missing(*args, **kwargs):
+        raise ImportError
+
+    monkeypatch.setattr("presswork.implicit.linear_solver.Pardiso", missing)
+    matrix, _ = system(symmetric=False)
+    assert "SuperLU" in make_solver(matrix.indptr, matrix.indices, symmetric=False, threads=1).name
