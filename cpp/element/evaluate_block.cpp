@@ -9,25 +9,25 @@ namespace presswork {
 
 namespace {
 
-template <Cell cell, int n_points, Treatment treatment = Treatment::standard>
+template <class Cell, int n_points, Treatment treatment = Treatment::standard>
 constexpr ElementType element(std::string_view name) {
-  using Kernel = Solid2d<cell, n_points, treatment>;
+  using Kernel = Solid2d<Cell, n_points, treatment>;
   ElementType type{name, Kernel::nodes, n_points, &Kernel::template evaluate<VonMises>, nullptr};
   if constexpr (treatment != Treatment::one_point) type.evaluate_umat = &Kernel::template evaluate<Umat>;
   return type;
 }
 
 const ElementType elements[] = {
-    element<Cell::tri3, 1>("tri3"),
-    element<Cell::tri6, 6>("tri6_6pt"),
-    element<Cell::tri6, 7>("tri6_7pt"),
-    element<Cell::quad4, 4>("quad4"),
-    element<Cell::quad4, 4, Treatment::fbar>("quad4_fbar"),
-    element<Cell::quad4, 1, Treatment::one_point>("quad4_1pt"),
-    element<Cell::quad8, 9>("quad8"),
-    element<Cell::quad8, 4>("quad8_2x2"),
-    element<Cell::quad9, 9>("quad9"),
-    element<Cell::quad9, 4>("quad9_2x2"),
+    element<Tri3, 1>("tri3"),
+    element<Tri6, 6>("tri6_6pt"),
+    element<Tri6, 7>("tri6_7pt"),
+    element<Quad4, 4>("quad4"),
+    element<Quad4, 4, Treatment::fbar>("quad4_fbar"),
+    element<Quad4, 1, Treatment::one_point>("quad4_1pt"),
+    element<Quad8, 9>("quad8"),
+    element<Quad8, 4>("quad8_2x2"),
+    element<Quad9, 9>("quad9"),
+    element<Quad9, 4>("quad9_2x2"),
 };
 
 }  // namespace

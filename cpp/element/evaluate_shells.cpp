@@ -8,61 +8,61 @@ namespace presswork {
 
 namespace {
 
-template <Cell cell, int n_points>
+template <class Cell, int n_points>
 void tabulate(double* N, double* dN, double* weight, double* dN_at_nodes) {
-  static const ShapeTable<cell, n_points> table;
+  static const ShapeTable<Cell, n_points> table;
   std::memcpy(N, table.N, sizeof table.N);
   std::memcpy(dN, table.dN, sizeof table.dN);
   std::memcpy(weight, table.weight, sizeof table.weight);
-  constexpr int nodes = node_count(cell);
+  constexpr int nodes = Cell::nodes;
   constexpr double square[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
   constexpr double corner[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
   for (int a = 0; a < nodes; ++a) {
-    const double* at = is_triangle(cell) ? corner[a] : square[a];
+    const double* at = Cell::is_triangle ? corner[a] : square[a];
     double values[nodes];
-    shape_functions<cell>(at[0], at[1], values, reinterpret_cast<double (*)[2]>(dN_at_nodes + 2 * nodes * a));
+    Cell::shape(at, values, reinterpret_cast<double (*)[2]>(dN_at_nodes + 2 * nodes * a));
   }
 }
 
-template <Cell cell, int n_points, Tying tying = Tying::none>
+template <class Cell, int n_points, Tying tying = Tying::none>
 constexpr ShellType shell(std::string_view name) {
-  using Evaluator = ShellPack<cell, n_points, tying, Pack>;
-  constexpr Cell mesh_cell = cell == Cell::tri3_bubble ? Cell::tri3 : cell;
+  using Evaluator = ShellPack<Cell, n_points, tying, Pack>;
+  using MeshCell = std::conditional_t<std::is_same_v<Cell, Tri3Bubble>, Tri3, Cell>;
   return {name,
           Evaluator::mesh_nodes,
           n_points,
           Evaluator::internal_values,
           &Evaluator::evaluate_pack,
-          &tabulate<mesh_cell, n_points>};
+          &tabulate<MeshCell, n_points>};
 }
 
 constexpr ShellType stabilized(std::string_view name) {
   using Evaluator = StabilizedPack<Pack>;
-  return {name, 4, 1, Evaluator::internal_values, &Evaluator::evaluate_pack, &tabulate<Cell::quad4, 1>};
+  return {name, 4, 1, Evaluator::internal_values, &Evaluator::evaluate_pack, &tabulate<Quad4, 1>};
 }
 
 const ShellType shells[] = {
-    shell<Cell::tri3, 1>("shell3"),
-    shell<Cell::tri3, 3, Tying::mitc>("shell3_mitc"),
-    shell<Cell::tri3_bubble, 3, Tying::mitc>("shell3_mitc_plus"),
-    shell<Cell::tri6, 6>("shell6"),
+    shell<Tri3, 1>("shell3"),
+    shell<Tri3, 3, Tying::mitc>("shell3_mitc"),
+    shell<Tri3Bubble, 3, Tying::mitc>("shell3_mitc_plus"),
+    shell<Tri6, 6>("shell6"),
 
-    shell<Cell::tri6, 3, Tying::mitc>("shell6_mitc"),
-    shell<Cell::tri6, 6, Tying::selective>("shell6_selective"),
-    shell<Cell::tri6, 3>("shell6_reduced"),
-    shell<Cell::quad4, 4>("shell4"),
-    shell<Cell::quad4, 4, Tying::selective>("shell4_selective"),
-    shell<Cell::quad4, 1>("shell4_reduced"),
-    shell<Cell::quad4, 4, Tying::mitc>("shell4_mitc"),
-    shell<Cell::quad4, 4, Tying::mitc_plus>("shell4_mitc_plus"),
+    shell<Tri6, 3, Tying::mitc>("shell6_mitc"),
+    shell<Tri6, 6, Tying::selective>("shell6_selective"),
+    shell<Tri6, 3>("shell6_reduced"),
+    shell<Quad4, 4>("shell4"),
+    shell<Quad4, 4, Tying::selective>("shell4_selective"),
+    shell<Quad4, 1>("shell4_reduced"),
+    shell<Quad4, 4, Tying::mitc>("shell4_mitc"),
+    shell<Quad4, 4, Tying::mitc_plus>("shell4_mitc_plus"),
     stabilized("shell4_1pt"),
-    shell<Cell::quad8, 9>("shell8"),
-    shell<Cell::quad8, 9, Tying::selective>("shell8_selective"),
-    shell<Cell::quad8, 4>("shell8_reduced"),
-    shell<Cell::quad9, 9>("shell9"),
-    shell<Cell::quad9, 9, Tying::selective>("shell9_selective"),
-    shell<Cell::quad9, 4>("shell9_reduced"),
-    shell<Cell::quad9, 9, Tying::mitc>("shell9_mitc"),
+    shell<Quad8, 9>("shell8"),
+    shell<Quad8, 9, Tying::selective>("shell8_selective"),
+    shell<Quad8, 4>("shell8_reduced"),
+    shell<Quad9, 9>("shell9"),
+    shell<Quad9, 9, Tying::selective>("shell9_selective"),
+    shell<Quad9, 4>("shell9_reduced"),
+    shell<Quad9, 9, Tying::mitc>("shell9_mitc"),
 };
 
 }  // namespace

@@ -31,11 +31,12 @@ namespace presswork {
 
 inline constexpr double shear_factor = 5.0 / 6.0;
 
-template <Cell cell, int n_points, Tying tying, class T = Pack>
+template <class Cell, int n_points, Tying tying, class T = Pack>
 struct Shell {
-  using Table = ShellTable<cell, n_points, tying>;
-  static constexpr int nodes = node_count(cell), freedoms = 6 * nodes;
-  static constexpr bool has_bubble = cell == Cell::tri3_bubble;  // the last "node": no position, and it does not turn
+  using Table = ShellTable<Cell, n_points, tying>;
+  static constexpr int nodes = Cell::nodes, freedoms = 6 * nodes;
+  static constexpr bool has_bubble =
+      std::is_same_v<Cell, Tri3Bubble>;  // the last "node": no position, and it does not turn
   static constexpr int mesh_nodes = has_bubble ? nodes - 1 : nodes;
 
   // The tables with what a cell's own shape adds to them (shell_table.hpp)

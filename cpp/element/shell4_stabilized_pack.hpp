@@ -16,8 +16,8 @@
 namespace presswork {
 
 template <class T>
-struct StabilizedPack : ShellPack<Cell::quad4, 1, Tying::mitc, T> {
-  using Base = ShellPack<Cell::quad4, 1, Tying::mitc, T>;
+struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
+  using Base = ShellPack<Quad4, 1, Tying::mitc, T>;
   using Kernel = typename Base::Kernel;
   using Base::Base, Base::end_d, Base::end_x, Base::find, Base::load, Base::mid_d, Base::mid_x, Base::n, Base::save,
       Base::table, Base::view;

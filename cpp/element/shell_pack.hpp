@@ -95,9 +95,9 @@ inline bool is(bool m, int) { return m; }
 inline bool is(Pack::Mask m, int lane) { return m[lane] != 0; }
 }  // namespace lanes
 
-template <Cell cell, int n_points, Tying tying, class T>
+template <class Cell, int n_points, Tying tying, class T>
 struct ShellPack {
-  using Kernel = Shell<cell, n_points, tying, T>;
+  using Kernel = Shell<Cell, n_points, tying, T>;
   using Table = typename Kernel::Table;
   static constexpr int nodes = Kernel::nodes, freedoms = Kernel::freedoms, mesh_nodes = Kernel::mesh_nodes;
   static constexpr int internal_values = Kernel::has_bubble ? 2 : 0;

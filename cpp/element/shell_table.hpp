@@ -16,16 +16,17 @@
 // The bubble of tri3_bubble has no position, x_4 = 0: it bends the field of directors alone (shell_bubble.hpp).
 #pragma once
 
-#include "reference/cells.hpp"
+#include "reference/quad.hpp"
+#include "reference/tri.hpp"
 
 namespace presswork {
 
 enum class Tying { none, selective, mitc, mitc_plus };
 
-template <Cell cell, int n_points, Tying tying>
+template <class Cell, int n_points, Tying tying>
 struct ShellTable {
-  static constexpr int nodes = node_count(cell), points = n_points;
-  ShapeTable<cell, n_points> shape;
+  static constexpr int nodes = Cell::nodes, points = n_points;
+  ShapeTable<Cell, n_points> shape;
   double x[n_points][2];
   double G[n_points][3][nodes][nodes];
   double H[n_points][2][nodes][nodes];
@@ -45,11 +46,11 @@ struct ShellTable {
       Form across[2] = {shear(0, r, s), shear(1, r, s)};
       if constexpr (tying == Tying::selective) tie_selectively(r, s, across);
       if constexpr (tying == Tying::mitc) {
-        if constexpr (cell == Cell::quad4) tie_quad4(r, s, across);
-        if constexpr (cell == Cell::tri3) tie_tri3(r, s, across);
-        if constexpr (cell == Cell::tri3_bubble) tie_tri3_bubble(r, s, across);
-        if constexpr (cell == Cell::tri6) tie_tri6(r, s, in_plane, across);
-        if constexpr (cell == Cell::quad9) tie_quad9(r, s, in_plane, across);
+        if constexpr (std::is_same_v<Cell, Quad4>) tie_quad4(r, s, across);
+        if constexpr (std::is_same_v<Cell, Tri3>) tie_tri3(r, s, across);
+        if constexpr (std::is_same_v<Cell, Tri3Bubble>) tie_tri3_bubble(r, s, across);
+        if constexpr (std::is_same_v<Cell, Tri6>) tie_tri6(r, s, in_plane, across);
+        if constexpr (std::is_same_v<Cell, Quad9>) tie_quad9(r, s, in_plane, across);
       }
       if constexpr (tying == Tying::mitc_plus) tie_quad4(r, s, across), tie_membrane(q, r, s, in_plane);
       for (int a = 0; a < nodes; ++a)
@@ -77,19 +78,16 @@ struct ShellTable {
   };
 
   void place_points() {
-    auto copy = [this](const auto& rule) {
-      for (int q = 0; q < n_points; ++q) x[q][0] = rule[q].x, x[q][1] = rule[q].y;
-    };
-    if constexpr (is_triangle(cell))
-      copy(triangle_rule<n_points>());
-    else
-      copy(gauss_square<n_points == 1 ? 1 : n_points == 4 ? 2 : 3>());
+    const auto rule = Cell::template rule<n_points>();
+    for (int q = 0; q < n_points; ++q)
+      for (int i = 0; i < 2; ++i) x[q][i] = rule[q].at[i];
   }
 
   // in-plane strain c at (r, s)
   static Form stretch(int c, double r, double s) {
     double N[nodes], dN[nodes][2];
-    shape_functions<cell>(r, s, N, dN);
+    const double at[2] = {r, s};
+    Cell::shape(at, N, dN);
     Form form;
     for (int a = 0; a < nodes; ++a)
       for (int b = 0; b < nodes; ++b)
@@ -99,7 +97,8 @@ struct ShellTable {
   // transverse shear strain k at (r, s)
   static Form shear(int k, double r, double s) {
     double N[nodes], dN[nodes][2];
-    shape_functions<cell>(r, s, N, dN);
+    const double at[2] = {r, s};
+    Cell::shape(at, N, dN);
     Form form;
     for (int a = 0; a < nodes; ++a)
       for (int b = 0; b < nodes; ++b) form.at[a][b] = dN[a][k] * N[b];
@@ -110,11 +109,11 @@ struct ShellTable {
   static void tie_selectively(double r, double s, Form across[2]) {
     const double g = std::sqrt(1.0 / 3);
     for (int k = 0; k < 2; ++k) {
-      if constexpr (cell == Cell::tri3) {
+      if constexpr (std::is_same_v<Cell, Tri3>) {
         across[k] = shear(k, 1.0 / 3, 1.0 / 3);
-      } else if constexpr (cell == Cell::quad4) {
+      } else if constexpr (std::is_same_v<Cell, Quad4>) {
         across[k] = shear(k, 0.0, 0.0);
-      } else if constexpr (cell == Cell::tri6) {
+      } else if constexpr (std::is_same_v<Cell, Tri6>) {
         const double z = 1 - r - s;  // through (1/6, 1/6), (2/3, 1/6), (1/6, 2/3)
         across[k] = (2 * z - 1.0 / 3) * shear(k, 1.0 / 6, 1.0 / 6) + (2 * r - 1.0 / 3) * shear(k, 2.0 / 3, 1.0 / 6) +
                     (2 * s - 1.0 / 3) * shear(k, 1.0 / 6, 2.0 / 3);

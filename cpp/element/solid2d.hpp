@@ -33,9 +33,9 @@ namespace presswork {
 
 enum class Treatment { standard, fbar, one_point };
 
-template <Cell cell, int n_points, Treatment treatment>
-struct Solid2d : SolidGeometry<cell, n_points> {
-  using Geometry = SolidGeometry<cell, n_points>;
+template <class Cell, int n_points, Treatment treatment>
+struct Solid2d : SolidGeometry<Cell, n_points> {
+  using Geometry = SolidGeometry<Cell, n_points>;
   using PointGeometry = typename Geometry::PointGeometry;
   static constexpr int nodes = Geometry::nodes;
   static constexpr int freedoms = 2 * nodes;

@@ -5,7 +5,8 @@
 #include <numbers>
 
 #include "element/block_view.hpp"
-#include "reference/cells.hpp"
+#include "reference/quad.hpp"
+#include "reference/tri.hpp"
 
 namespace presswork {
 
@@ -17,14 +18,14 @@ struct SolidPoint {
   Pack volume_t, jacobian;
 };
 
-template <Cell cell, int n_points>
+template <class Cell, int n_points>
 struct SolidGeometry {
-  static constexpr int nodes = node_count(cell);
+  static constexpr int nodes = Cell::nodes;
   using T = Pack;
   using PointGeometry = SolidPoint<nodes>;
 
-  static const ShapeTable<cell, n_points>& table() {
-    static const ShapeTable<cell, n_points> shared;
+  static const ShapeTable<Cell, n_points>& table() {
+    static const ShapeTable<Cell, n_points> shared;
     return shared;
   }
 
@@ -48,7 +49,7 @@ struct SolidGeometry {
   // The same for the one point of an axisymmetric quadrilateral: volume averages, so that a homogeneous stress is in
   // equilibrium in cells of any shape, which the centroid's values do not give.
   static Pack::Mask measure_mean(const T x[][2], PointGeometry& g) {
-    static const ShapeTable<cell, 4> rule;
+    static const ShapeTable<Cell, 4> rule;
     T V(0.0), worst(1.0);
     for (int a = 0; a < nodes; ++a) g.grad[a][0] = g.grad[a][1] = g.hoop[a] = T(0.0);
     for (int p = 0; p < 4; ++p) {

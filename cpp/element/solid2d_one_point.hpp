@@ -21,10 +21,10 @@ struct ExplicitSolidSection {
   double hourglass_fraction = 0.05;
 };
 
-template <Cell cell>
+template <class Cell>
 struct OnePointSolid {
-  static constexpr bool is_quad = cell == Cell::quad4;
-  using Geometry = SolidGeometry<cell, 1>;
+  static constexpr bool is_quad = std::is_same_v<Cell, Quad4>;
+  using Geometry = SolidGeometry<Cell, 1>;
   using Point = typename Geometry::PointGeometry;
   using T = Pack;
   static constexpr int nodes = Geometry::nodes;

@@ -29,21 +29,21 @@ SolidBlock::SolidBlock(std::string_view element, std::vector<int> cells, const d
                        const AdiabaticMises& law, double density, const ExplicitSolidSection& section)
     : cells(std::move(cells)), law_(law), density_(density), section_(section) {
   if (element == "tri3")
-    use<Cell::tri3>(points);
+    use<Tri3>(points);
   else if (element == "quad4_1pt")
-    use<Cell::quad4>(points);
+    use<Quad4>(points);
   else
     throw std::invalid_argument("the explicit loop has no element of this name");
 }
 
-template <Cell cell>
+template <class Cell>
 void SolidBlock::use(const double* points) {
-  nodes_ = node_count(cell);
+  nodes_ = Cell::nodes;
   if (cells.empty() || cells.size() % nodes_ != 0)
     throw std::invalid_argument("cells must have shape (n > 0, nodes of the element)");
   n_ = static_cast<int>(cells.size()) / nodes_;
-  advance_ = &SolidBlock::advance_packs<cell>;
-  bound_ = &SolidBlock::bound_packs<cell>;
+  advance_ = &SolidBlock::advance_packs<Cell>;
+  bound_ = &SolidBlock::bound_packs<Cell>;
   packed_.resize(std::size_t(n_packs()) * nodes_ * lanes);
   for (int slot = 0; slot < n_packs() * lanes; ++slot)
     for (int a = 0; a < nodes_; ++a)
@@ -51,15 +51,15 @@ void SolidBlock::use(const double* points) {
           cells[std::size_t(nodes_) * std::min(slot, n_ - 1) + a];
   state_ = AlignedArray<double>(std::size_t(n_packs()) * State::rows * lanes);
   mass.resize(cells.size()), mass_factor.assign(n_, 1.0);
-  set_masses<cell>(points);
+  set_masses<Cell>(points);
 }
 
 // Row sums of the consistent mass, r and all: a node on the axis has the mass of the ring's part that is its own.
-template <Cell cell>
+template <class Cell>
 void SolidBlock::set_masses(const double* points) {
-  constexpr int q_count = cell == Cell::tri3 ? 6 : 4;  // exact for N_a r det J
-  constexpr int count = node_count(cell);
-  static const ShapeTable<cell, q_count> rule;
+  constexpr int q_count = std::is_same_v<Cell, Tri3> ? 6 : 4;  // exact for N_a r det J
+  constexpr int count = Cell::nodes;
+  static const ShapeTable<Cell, q_count> rule;
   for (int e = 0; e < n_; ++e)
     for (int q = 0; q < q_count; ++q) {
       double jacobian[2][2] = {}, r = 0.0;
@@ -76,15 +76,15 @@ void SolidBlock::set_masses(const double* points) {
     }
 }
 
-template <Cell cell>
+template <class Cell>
 int SolidBlock::advance_packs(const double* nodes, double dt, int first, int last, double* force) {
-  constexpr int count = node_count(cell);
+  constexpr int count = Cell::nodes;
   int failed = -1;
   for (int pack = first; pack < last; ++pack, force += force_record * lanes) {
     Pack x[count][2], du[count][2], nodal[force_record];
     gather<count>(nodes, &packed_[std::size_t(pack) * count * lanes], x, du);
     Pack* state = reinterpret_cast<Pack*>(state_.data() + index(pack * lanes, 0));
-    const Pack::Mask bad = OnePointSolid<cell>::advance(law_, section_, dt, x, du, state, nodal);
+    const Pack::Mask bad = OnePointSolid<Cell>::advance(law_, section_, dt, x, du, state, nodal);
     for (int lane = 0; failed < 0 && lane < lanes && any(bad); ++lane)
       if (bad[lane]) failed = std::min(pack * lanes + lane, n_ - 1);
     for (int i = 2 * count; i < force_record; ++i) nodal[i] = Pack(0.0);
@@ -95,9 +95,9 @@ int SolidBlock::advance_packs(const double* nodes, double dt, int first, int las
   return failed;
 }
 
-template <Cell cell>
+template <class Cell>
 void SolidBlock::bound_packs(const double* nodes, double* squared) const {
-  constexpr int count = node_count(cell);
+  constexpr int count = Cell::nodes;
 #pragma omp parallel for schedule(static) if (n_ > 4000)
   for (int pack = 0; pack < n_packs(); ++pack) {
     Pack x[count][2], du[count][2], nodal_mass[count];
@@ -107,7 +107,7 @@ void SolidBlock::bound_packs(const double* nodes, double* squared) const {
       const std::size_t e = pack * lanes + std::min(lane, used - 1);
       for (int a = 0; a < count; ++a) nodal_mass[a].set(lane, mass_factor[e] * mass[e * count + a]);
     }
-    const Pack bound = OnePointSolid<cell>::bound_frequency(law_.mises, section_, x, nodal_mass);
+    const Pack bound = OnePointSolid<Cell>::bound_frequency(law_.mises, section_, x, nodal_mass);
     for (int lane = 0; lane < used; ++lane) squared[pack * lanes + lane] = bound[lane];
   }
 }

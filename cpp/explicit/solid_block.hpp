@@ -14,9 +14,9 @@ namespace presswork::explicit_dynamics {
 class SolidBlock {
  public:
   static constexpr int lanes = pack_width;
-  static constexpr int node_record = 4;      // of a node, as cells load it: x, y, then by how much the cycle moves it
-  static constexpr int force_record = 8;     // of a cell: x and y of the force on four nodes, a triangle's last unused
-  using State = OnePointSolid<Cell::quad4>;  // rows: the triangle's are the same
+  static constexpr int node_record = 4;   // of a node, as cells load it: x, y, then by how much the cycle moves it
+  static constexpr int force_record = 8;  // of a cell: x and y of the force on four nodes, a triangle's last unused
+  using State = OnePointSolid<Quad4>;     // rows: the triangle's are the same
 
   // cells (n, nodes) of element "tri3" or "quad4_1pt"; points (n_points, 2) [mm]; density [t/mm3]. Throws
   // std::invalid_argument for another element.
@@ -48,13 +48,13 @@ class SolidBlock {
   std::vector<double> mass_factor;  // (n) of mass scaling, from 1
 
  private:
-  template <Cell cell>
+  template <class Cell>
   void use(const double* points);
-  template <Cell cell>
+  template <class Cell>
   int advance_packs(const double* nodes, double dt, int first, int last, double* force);
-  template <Cell cell>
+  template <class Cell>
   void bound_packs(const double* nodes, double* squared) const;
-  template <Cell cell>
+  template <class Cell>
   void set_masses(const double* points);
   std::size_t index(int cell, int row) const {
     return (std::size_t(cell / lanes) * State::rows + row) * lanes + cell % lanes;
