@@ -75,7 +75,9 @@ class FormingVerdict:
 
     def text(self) -> str:
         """Say it in a sentence."""
-        thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"
+        thin = "nothing thins"
+        if self.thinning.value >= 0.05:
+            thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"
         if self.margin is None:
             return f"{thin}; the material has no forming_limit, so nothing is said of cracks"
         count, worst = sum(self.zones.values()), 100 * self.margin.value

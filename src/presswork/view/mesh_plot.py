@@ -11,6 +11,7 @@ from presswork.model import FloatArray
 from presswork.post import average_to_nodes
 from presswork.results import Result, ResultError
 from presswork.view.cells import outline_cells, triangulate
+from presswork.view.extremes import describe_extremes, mark_extremes
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
 from presswork.view.tool_plot import draw_tools
@@ -40,14 +41,19 @@ def plot_mesh(
     _prepare(ax, result, step, mirror)
     ax.set_title(describe_step(result, step), fontsize="medium")
     points = result.points(step)
-    colours = None
-    if field is not None and result.kind(field) == "point":
-        colours = _shade_points(ax, result, field, step, mirror)
     outlines = outline_cells(result.mesh, points)
-    values = _scalar(result, field, step) if field is not None and colours is None else None
-    drawn = _draw_cells(ax, outlines, values, mirror, show_edges, bare=field is None)
-    if field is not None:
-        _add_colour_bar(ax, colours or drawn, label_field(result, field))
+    if field is None:
+        _draw_cells(ax, outlines, None, mirror, show_edges, bare=True)
+        return ax
+    values = _scalar(result, field, step)
+    if result.kind(field) == "point":
+        colours, places = _shade_points(ax, result, values, step, mirror), points
+        _draw_cells(ax, outlines, None, mirror, show_edges, bare=False)
+    else:
+        colours = _draw_cells(ax, outlines, values, mirror, show_edges, bare=False)
+        places = np.array([outline.mean(axis=0) for outline in outlines])
+    _tell_extremes(ax, result, values, places, step)
+    _add_colour_bar(ax, colours, label_field(result, field))
     return ax
 
 
@@ -76,6 +82,7 @@ def plot_contours(
         drawn = ax.tricontourf(net, shown, levels=levels, cmap=COLOURS, zorder=1)
         ax.tricontour(net, shown, levels=levels, colors="k", linewidths=0.25, zorder=1.5)
         _draw_boundary(ax, result, points, sign, mirror)
+    _tell_extremes(ax, result, values, points, step)
     _add_colour_bar(ax, drawn, label_field(result, field))
     return ax
 
@@ -96,7 +103,8 @@ def plot_mesh_and_contours(
     plot_mesh(result, None, step, left, mirror=mirror)
     plot_contours(result, field, step, right, mirror=mirror)
     left.set_title("deformed mesh", fontsize="medium")
-    right.set_title(label_field(result, field).partition(" [")[0], fontsize="medium")
+    extremes = right.get_title().partition("\n")[2]
+    right.set_title(f"{label_field(result, field).partition(' [')[0]}\n{extremes}".rstrip(), fontsize="medium")
     right.set_ylabel("")
     title = str(result.info.get("title", "")).strip()
     figure.suptitle(f"{title}\n{describe_step(result, step)}" if title else describe_step(result, step))
@@ -185,11 +193,18 @@ def _draw_cells(
     return cells
 
 
-def _shade_points(ax: Axes, result: Result, field: str, step: int, mirror: Mirror) -> ScalarMappable:
-    """Colour the body smoothly by a point field."""
+def _tell_extremes(ax: Axes, result: Result, values: FloatArray, places: FloatArray, step: int) -> None:
+    """Mark the extremes of the values (n,) at their places (n, 2) [mm], and say them under the title."""
+    mark_extremes(ax, values, places)
+    title = f"{describe_step(result, step)}\n{describe_extremes(values, places)}"
+    ax.set_title(title.rstrip(), fontsize="medium")
+
+
+def _shade_points(ax: Axes, result: Result, values: FloatArray, step: int, mirror: Mirror) -> ScalarMappable:
+    """Colour the body smoothly by values at its points (n_points,)."""
     from matplotlib.tri import Triangulation
 
-    points, values, triangles = result.points(step), _scalar(result, field, step), triangulate(result.mesh)
+    points, triangles = result.points(step), triangulate(result.mesh)
     shown = np.nan_to_num(values)
     for sign in IMAGES[mirror]:
         x, y = (points * sign).T

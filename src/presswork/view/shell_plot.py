@@ -13,6 +13,7 @@ from presswork.post.section import cut_tool
 from presswork.results import Result, ResultError
 from presswork.results.reader import IN_PLANE
 from presswork.view.cells import outline_cells
+from presswork.view.extremes import describe_extremes
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, ZONE_COLOURS, describe_step, label_field, new_figure, require_matplotlib
 
@@ -78,20 +79,11 @@ def plot_shell(
         _add_colour_bar(figure, ax, values, scaled, label_field(result, field))
     title = str(result.info.get("title", "")).strip()
     magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
-    extremes = "" if values is None or field == ZONE_FIELD else _describe_extremes(values, outlines)
+    extremes = ""
+    if values is not None and field != ZONE_FIELD:
+        extremes = describe_extremes(values, np.array([outline.mean(axis=0) for outline in outlines]))
     ax.set_title("\n".join(filter(None, (title, describe_step(result, step) + magnified, extremes))), fontsize="medium")
     return figure
-
-
-def _describe_extremes(values: FloatArray, outlines: list[FloatArray]) -> str:
-    """Return the smallest and the largest value of the cells and where they are, in the part that is modelled."""
-    if not np.isfinite(values).any():
-        return ""
-    texts = []
-    for cell in (int(np.nanargmin(values)), int(np.nanargmax(values))):
-        x, y, z = outlines[cell].mean(axis=0)
-        texts.append(f"{values[cell]:.3g} at ({x:.0f}, {y:.0f}, {z:.0f})")
-    return " to ".join(texts) + " mm"
 
 
 def _scale(values: FloatArray, *, diverging: bool) -> ScalarMappable:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
+from presswork.post import average_to_nodes
 from presswork.results import OutputError, Result, ResultError, append_step
 from presswork.view import (
     plot_all,
@@ -20,6 +21,7 @@ from presswork.view import (
     plot_mesh,
     plot_mesh_and_contours,
 )
+from presswork.view.extremes import describe_extremes
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -96,7 +98,11 @@ def test_contours_beside_the_mesh_carry_title_and_stroke(result: Result) -> None
     assert (
         "Upsetting of a billet\ndie stroke 6.00 mm, height of the workpiece reduced by 40.0 %" in figure.get_suptitle()
     )
-    assert [ax.get_title() for ax in figure.axes] == ["deformed mesh", "effective stress"]
+    assert [ax.get_title().partition("\n")[0] for ax in figure.axes] == ["deformed mesh", "effective stress"]
+    values = average_to_nodes(
+        result.points(2), [b.connectivity for b in result.mesh.blocks], result.field("effective_stress", 2)
+    )
+    assert figure.axes[1].get_title().partition("\n")[2] == describe_extremes(values, result.points(2))
 
 
 def test_force_is_drawn_in_kilonewton_against_stroke(result: Result) -> None:
