@@ -50,12 +50,14 @@ void bind_element(nb::module_& m) {
          std::optional<MutableDoubles> user, int first_cell, std::optional<UmatPlace> when, UmatFault* fault) {
         const auto element = element_named(name);
         const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width;
-        const std::size_t freedoms = 2 * element.nodes, q = n * element.points;
+        const std::size_t freedoms = element.dim * element.nodes, q = n * element.points;
+        const std::size_t components = element.components();
         require(connectivity.ndim() == 2 && connectivity.shape(1) == std::size_t(element.nodes),
                 "connectivity must have shape (n_cells, nodes)");
-        require(points.size() == increment.size() && points.shape(1) == 2,
-                "points and increment must have shape (n, 2)");
-        require(stress_n.size() == 4 * q && stress.size() == 4 * q, "stress must have shape (n_cells, points, 4)");
+        require(points.size() == increment.size() && points.shape(1) == std::size_t(element.dim),
+                "points and increment must have shape (n, 2), of a solid in space (n, 3)");
+        require(stress_n.size() == components * q && stress.size() == components * q,
+                "stress must have shape (n_cells, points, 4), of a solid in space 6");
         require(eqps_n.size() == q && eqps.size() == q && volume.size() == q, "eqps, volume: shape (n_cells, points)");
         require(hourglass_n.size() == 2 * n && hourglass.size() == 2 * n, "hourglass must have shape (n_cells, 2)");
         require(force.size() == packs * freedoms * pack_width, "force must have shape (n_packs, freedoms, pack_width)");

@@ -12,9 +12,14 @@ namespace {
 template <class Cell, int n_points, Treatment treatment = Treatment::standard>
 constexpr ElementType element(std::string_view name) {
   using Kernel = Solid2d<Cell, n_points, treatment>;
-  ElementType type{name, Kernel::nodes, n_points, &Kernel::template evaluate<VonMises>, nullptr};
+  ElementType type{name, 2, Kernel::nodes, n_points, &Kernel::template evaluate<VonMises>, nullptr};
   if constexpr (treatment != Treatment::one_point) type.evaluate_umat = &Kernel::template evaluate<Umat>;
   return type;
+}
+
+template <class Cell, int n_points, Treatment treatment = Treatment::standard>
+constexpr ElementType space_element(std::string_view name) {
+  return {name, 3, Cell::nodes, n_points, &SpaceSolid<Cell, n_points, treatment>::evaluate, nullptr};
 }
 
 const ElementType elements[] = {
@@ -28,6 +33,8 @@ const ElementType elements[] = {
     element<Quad8, 4>("quad8_2x2"),
     element<Quad9, 9>("quad9"),
     element<Quad9, 4>("quad9_2x2"),
+    space_element<Hex8, 8>("hex8"),
+    space_element<Hex8, 8, Treatment::fbar>("hex8_fbar"),
 };
 
 }  // namespace

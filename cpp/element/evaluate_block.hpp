@@ -5,14 +5,18 @@
 #include <optional>
 #include <string_view>
 
-#include "element/solid2d.hpp"
+#include "element/solid.hpp"
 
 namespace presswork {
 
 struct ElementType {
   std::string_view name;
+  int dim;
   int nodes;
   int points;
+
+  int components() const { return dim == 3 ? 6 : 4; }  // of a stress
+
   int (*evaluate_pack)(const BlockView&, const PointSettings&, const VonMises&, int pack);
   int (*evaluate_umat)(const BlockView&, const PointSettings&, const Umat&, int pack);  // null if it cannot
 };

@@ -77,7 +77,7 @@ void turn_tensor(const T Q[3][3], const T in[6], T out[6]) {
 
 // d stress / d strain in turned axes: rows and columns turn as stresses.
 template <class T>
-void turn_modulus(const T Q[3][3], T D[6][6]) {
+void turn_modulus(const T Q[3][3], T (&D)[6][6]) {
   for (int j = 0; j < 6; ++j) {
     T column[6], turned[6];
     for (int i = 0; i < 6; ++i) column[i] = D[i][j];

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Solids in space: the stiffness is the derivative of the force, rigid motion does nothing, stresses turn along."""
+
+import numpy as np
+import pytest
+
+from presswork import _core
+
+ELEMENTS = ["hex8", "hex8_fbar"]
+MEASURES = ["log", "stretch", "green_lagrange"]
+CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float)
+
+
+class OneCell:
+    """One distorted, prestressed cell."""
+
+    def __init__(self, element: str, *, seed: int = 1, **settings: object) -> None:
+        rng = np.random.default_rng(seed)
+        self.element = element
+        self.settings = _core.PointSettings(**settings)
+        self.law = _core.VonMises(200e3, 0.3, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
+        self.points = CUBE + 0.05 * rng.standard_normal((8, 3))
+        self.stress = 100 * rng.standard_normal((1, 8, 6))
+        self.eqps = 0.02 * rng.random((1, 8))
+        self.shape = rng.standard_normal((8, 3))
+
+    def evaluate(self, increment: np.ndarray, *, with_stiffness: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """Return the nodal forces (8, 3) and the stiffness (24, 24); the stresses are kept."""
+        width = _core.pack_width
+        force = np.zeros((1, 24, width))
+        stiffness = np.zeros((1, 24, 24, width)) if with_stiffness else None
+        self.new_stress, self.new_eqps = np.zeros((1, 8, 6)), np.zeros((1, 8))
+        failed = _core.evaluate_block(
+            self.element,
+            np.arange(8, dtype=np.int32)[None],
+            self.points,
+            increment,
+            self.law,
+            self.settings,
+            axisymmetric=False,
+            depth=1.0,
+            hourglass_fraction=0.0,
+            stress_n=self.stress,
+            eqps_n=self.eqps,
+            hourglass_n=np.zeros((1, 2)),
+            stress=self.new_stress,
+            eqps=self.new_eqps,
+            hourglass=np.zeros((1, 2)),
+            volume=np.zeros((1, 8)),
+            force=force,
+            stiffness=stiffness,
+        )
+        assert failed == -1
+        return force[0, :, 0].reshape(8, 3), stiffness[0, :, :, 0] if with_stiffness else np.zeros(0)
+
+    def error_of_stiffness(self, increment: np.ndarray) -> float:
+        _, stiffness = self.evaluate(increment, with_stiffness=True)
+        numerical, step = np.zeros_like(stiffness), 1e-6
+        for j in range(24):
+            move = np.zeros(24)
+            move[j] = step
+            ahead, behind = (self.evaluate(increment + sign * move.reshape(8, 3))[0] for sign in (1, -1))
+            numerical[:, j] = (ahead - behind).ravel() / (2 * step)
+        return float(np.abs(stiffness - numerical).max() / np.abs(stiffness).max())
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("size", [0.0, 5e-4, 0.05])
+def test_stiffness_is_the_derivative_of_the_force(element, measure, size) -> None:
+    one = OneCell(element, measure=_core.StrainMeasure[measure])
+    assert one.error_of_stiffness(size * one.shape) < 1e-6
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_stiffness_with_small_displacements_is_the_derivative_of_the_force(element) -> None:
+    one = OneCell(element, small_displacements=True)
+    assert one.error_of_stiffness(0.05 * one.shape) < 1e-6
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_thesis_tangent_with_all_terms_is_the_consistent_one_of_no_increment(element) -> None:
+    one = OneCell(element, tangent=_core.TangentKind.thesis, k_v=True)
+    _, thesis = one.evaluate(np.zeros((8, 3)), with_stiffness=True)
+    one.settings = _core.PointSettings()
+    _, consistent = one.evaluate(np.zeros((8, 3)), with_stiffness=True)
+    np.testing.assert_allclose(thesis, consistent, rtol=0, atol=1e-9 * np.abs(consistent).max())
+
+
+@pytest.mark.parametrize("term", ["green_lagrange_matrix", "k_e", "k_u", "k_v"])
+def test_each_term_of_the_thesis_tangent_counts(term) -> None:
+    one = OneCell("hex8", tangent=_core.TangentKind.thesis, k_v=False)
+    _, without = one.evaluate(0.05 * one.shape, with_stiffness=True)
+    flipped = {"green_lagrange_matrix": True, "k_e": False, "k_u": False, "k_v": True}[term]
+    one.settings = _core.PointSettings(tangent=_core.TangentKind.thesis, **{"k_v": False, term: flipped})
+    _, other = one.evaluate(0.05 * one.shape, with_stiffness=True)
+    assert np.abs(other - without).max() > 1e-4 * np.abs(without).max()
+
+
+def rotation(vector: np.ndarray) -> np.ndarray:
+    """Return the rotation by a vector [rad], by Rodrigues's formula."""
+    angle = np.linalg.norm(vector)
+    x, y, z = vector / angle
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+def as_tensors(stress: np.ndarray) -> np.ndarray:
+    return stress[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+
+
+TURNS = [np.array([0.3, -0.2, 0.5]), np.array([1.4, 0.9, -1.1]), np.array([3.0, 0.0, 0.0])]
+
+
+@pytest.mark.parametrize("turn", TURNS, ids=["small", "large", "half"])
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_rigid_motion_turns_the_stress_and_strains_nothing(element, turn) -> None:
+    one = OneCell(element)
+    one.stress *= 0.1  # below yield
+    R = rotation(turn)
+    force, _ = one.evaluate(np.zeros((8, 3)))
+    moved = one.points @ R.T + [3.0, -1.0, 2.0] - one.points
+    turned, _ = one.evaluate(moved)
+    np.testing.assert_allclose(as_tensors(one.new_stress), R @ as_tensors(one.stress) @ R.T, atol=1e-8)
+    np.testing.assert_allclose(turned, force @ R.T, atol=1e-8)
+    np.testing.assert_array_equal(one.new_eqps, one.eqps)
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_a_rotation_on_top_of_an_increment_turns_forces_and_stresses(element, measure) -> None:
+    one = OneCell(element, measure=_core.StrainMeasure[measure])
+    increment, R = 0.05 * one.shape, rotation(TURNS[1])
+    force, _ = one.evaluate(increment)
+    stress, eqps = one.new_stress, one.new_eqps
+    assert (eqps > one.eqps).any()
+    turned, _ = one.evaluate((one.points + increment) @ R.T - one.points)
+    np.testing.assert_allclose(turned, force @ R.T, atol=1e-9 * np.abs(force).max())
+    np.testing.assert_allclose(as_tensors(one.new_stress), R @ as_tensors(stress) @ R.T, atol=1e-7)
+    np.testing.assert_allclose(one.new_eqps, eqps, rtol=1e-10)
+
+
+def test_a_cell_turned_inside_out_is_reported() -> None:
+    one = OneCell("hex8")
+    with pytest.raises(AssertionError):
+        one.evaluate(-2.0 * one.points)
+
+
+def test_a_hexahedron_in_plane_strain_is_the_quadrilateral() -> None:
+    one = OneCell("hex8")
+    flat, moves = one.points[:4, :2].copy(), 0.03 * one.shape[:4, :2]
+    one.points = np.vstack([np.column_stack([flat, np.full(4, z)]) for z in (0.0, 1.0)])
+    one.stress[:], one.eqps[:] = 0.0, 0.01
+    force, _ = one.evaluate(np.tile(np.column_stack([moves, np.zeros(4)]), (2, 1)))
+    plane, stress = np.zeros((1, 8, _core.pack_width)), np.zeros((1, 4, 4))
+    failed = _core.evaluate_block(
+        "quad4",
+        np.arange(4, dtype=np.int32)[None],
+        flat,
+        moves,
+        one.law,
+        one.settings,
+        axisymmetric=False,
+        depth=1.0,
+        hourglass_fraction=0.0,
+        stress_n=np.zeros((1, 4, 4)),
+        eqps_n=np.full((1, 4), 0.01),
+        hourglass_n=np.zeros((1, 2)),
+        stress=stress,
+        eqps=np.zeros((1, 4)),
+        hourglass=np.zeros((1, 2)),
+        volume=np.zeros((1, 4)),
+        force=plane,
+        stiffness=None,
+    )
+    assert failed == -1
+    both = force.reshape(2, 4, 3).sum(axis=0)
+    np.testing.assert_allclose(both[:, :2], plane[0, :, 0].reshape(4, 2), atol=1e-9 * np.abs(both).max())
+    np.testing.assert_allclose(both[:, 2], 0.0, atol=1e-9 * np.abs(both).max())
+    np.testing.assert_allclose(one.new_stress[0, :4, :4], stress[0], atol=1e-8)
