@@ -101,6 +101,9 @@ class State:
     """Where a STUCK node sits, in its tool's frame (n_candidates, 2)."""
     drag: FloatArray
     """Friction of each candidate along its tangent, a quarter turn from the normal (n_candidates,) [N]."""
+    shear_part: FloatArray
+    """Part of constant shear that acts at each candidate: 1, but for nodes that neither push nor lift off
+    (n_candidates,)."""
     interface_pressure: FloatArray
     """Between bodies, per slave node of each contact (n_slots,) [MPa]."""
     interface_shear: FloatArray
@@ -169,6 +172,7 @@ class State:
             contact=np.zeros((2 * n_tools, n_candidates), dtype=np.int8),
             anchor=np.zeros((n_candidates, 2)),
             drag=np.zeros(n_candidates),
+            shear_part=np.ones(n_candidates),
             interface_pressure=np.zeros(n_slots),
             interface_shear=np.zeros(n_slots),
             interface_slip=np.zeros(n_slots),

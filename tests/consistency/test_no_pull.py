@@ -16,7 +16,6 @@ from presswork.case import StampingCase
 from presswork.case import build_model as build_any_model
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_contact import RELEASE as RELEASE_OF_SLOTS
-from presswork.interaction.tool_contact import RELEASE
 from presswork.model import FloatArray
 from presswork.process.implicit_stamping import make_shell_model
 
@@ -75,6 +74,29 @@ def press_body(law: dict[str, Any]) -> ImplicitProcedure:
     return ImplicitProcedure(build_model(case), threads=1)
 
 
+def drag_heel() -> ImplicitProcedure:
+    """The heel of a block dragged under constant shear: it pulls when it is held and comes back when it is let go."""
+    case = Case(
+        title="heel",
+        analysis="plane_strain",
+        workpiece=block({"size": [10, 10], "cells": [6, 6]}),
+        materials={"steel": {**STEEL, "hardening": {"law": "linear", "yield_stress": 700, "modulus": 0}}},
+        tools={"floor": {"profile": [[-30, 0], [30, 0]], "contact": "shear", "m": 0.2}},
+        boundary={"top": {"set": "top", "fix": ["x", "y"]}},
+        stages=[{"name": "press", "tools": {"floor": {"move": [0, 0.01]}}},
+                {"name": "slide", "tools": {"floor": {"move": [0.05, 0]}}}],
+        solver={"initial_increment": 0.1, "max_increment": 0.1},
+    )  # fmt: skip
+    return ImplicitProcedure(build_model(case), threads=1)
+
+
+def fold_spring() -> ImplicitProcedure:
+    """A strip pressed until it folds onto itself."""
+    path = Path(__file__).parents[2] / "src/presswork/examples/self_contact.toml"
+    changes = ["workpiece.mesh.cells=[3,40]", "stages.0.tools.punch.stroke=18.5", "solver.max_increment=0.05"]
+    return ImplicitProcedure(build_model(Case.from_toml(path, changes)), threads=1)
+
+
 def draw_sheet() -> ImplicitProcedure:
     """A square cup between punch, die and holder."""
     data = {
@@ -86,14 +108,20 @@ def draw_sheet() -> ImplicitProcedure:
 
 
 def pulls_of_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
-    """Return the normal forces on the held nodes, pushing positive, and what may be left of a pull."""
+    """Return the normal forces on the held nodes, pushing positive, and what may be left of a pull.
+
+    That is what may be out of balance: the residual's tolerance times the largest nodal force.
+    """
     contact, state = procedure.contact, procedure.state
     contact.search(state, state.displacement)
     push = contact.normal_forces(state, state.reaction, procedure.equilibrium.fixed(0))[state.contact > 0]
-    return push, RELEASE * float(push.max(initial=0.0))
+    return push, procedure.model.solver.force_tolerance * float(state.peak_force[0])
 
 
 def pulls_of_slots(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
+    """Return the pressures of the slots of bodies, and the part of the largest with which a slot may pull that has
+    changed too often.
+    """
     pressure = procedure.state.interface_pressure
     return pressure, RELEASE_OF_SLOTS * float(pressure.max(initial=0.0))
 
@@ -116,6 +144,9 @@ def pulls_of_sheet_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, floa
 CONTACTS: dict[str, tuple[Callable[[], ImplicitProcedure], Callable[..., tuple[FloatArray, float]]]] = {
     **{f"tool_{name}": (lambda law=law: press_ball(law), pulls_of_tools) for name, law in LAWS.items()},
     **{f"bodies_{name}": (lambda law=law: press_body(law), pulls_of_slots) for name, law in LAWS.items()},
+    "tool_heel": (drag_heel, pulls_of_tools),
+    "self_contact": (fold_spring, pulls_of_slots),
+    "self_contact_tools": (fold_spring, pulls_of_tools),
     "sheet_tools": (draw_sheet, pulls_of_sheet_tools),
 }
 

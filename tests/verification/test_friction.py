@@ -53,12 +53,35 @@ def test_a_sliding_block_pulls_with_mu_times_the_normal_force(mu) -> None:
     assert fx == pytest.approx(mu * fy, rel=1e-6) or -fx == pytest.approx(mu * abs(fy), rel=1e-6)
 
 
-@pytest.mark.parametrize("m", [0.05, 0.2])
-def test_a_sliding_block_under_constant_shear_pulls_with_m_k_area(m) -> None:
-    fx, fy = slide_block({"contact": "shear", "m": m}, press=0.01, slide=0.1)[-1]
+@pytest.mark.parametrize(("m", "press"), [(0.05, 0.01), (0.2, 0.02)])
+def test_a_sliding_block_under_constant_shear_pulls_with_m_k_area(m, press) -> None:
+    """Where it is pressed on so hard that its heel does not lift."""
+    fx, fy = slide_block({"contact": "shear", "m": m}, press=press, slide=0.1)[-1]
     length = SIDE  # the strain of the contact surface is of the order of 1e-4
     assert abs(fx) == pytest.approx(m * YIELD / np.sqrt(3) * length * DEPTH, rel=2e-3)
     assert abs(fy) > 0
+
+
+@pytest.mark.parametrize(("m", "touching"), [(0.2, 0.9066), (0.3, 0.8215)])
+@pytest.mark.parametrize("n", [6, 16])
+def test_a_block_whose_heel_lifts_is_not_held_there(m, touching, n) -> None:
+    """Shear bends it off the floor; no node pulls. touching: part of m k area on a mesh of 96 x 96.
+
+    On a coarse mesh the last node can neither be held, since it pulls then, nor let go, since it comes back.
+    """
+    case = sliding_block({"contact": "shear", "m": m}, 0.01, 0.05)
+    mesh = case.workpiece.mesh.model_copy(update={"cells": (n, n)})
+    procedure = ImplicitProcedure(
+        build_model(case.model_copy(update={"workpiece": case.workpiece.model_copy(update={"mesh": mesh})})), threads=1
+    )
+    for _ in procedure.advance():
+        pass
+    contact, state = procedure.contact, procedure.state
+    contact.search(state, state.displacement)
+    push = contact.normal_forces(state, state.reaction, procedure.equilibrium.fixed(1))
+    assert push.min() > -1e-6 * push.max()
+    drag = np.abs(state.drag).sum() / (m * YIELD / np.sqrt(3) * SIDE * DEPTH)
+    assert drag == pytest.approx(touching, abs=0.02 if n == 6 else 0.012)
 
 
 def test_a_cap_takes_over_where_coulomb_would_exceed_it() -> None:

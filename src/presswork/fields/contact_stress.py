@@ -263,8 +263,12 @@ def _integrate_hats(
     return area @ np.column_stack([1 - rise, rise]), area @ N
 
 
-def edge_shares(model: Model, points: FloatArray, edges: IntArray) -> FloatArray:
-    """Return int N_a dA of every node over the edges, (n_points,) [mm2]; whole rings in axisymmetry."""
+def edge_shares(model: Model, points: FloatArray, edges: IntArray, part: FloatArray | None = None) -> FloatArray:
+    """Return int N_a dA of every node over the edges, (n_points,) [mm2]; whole rings in axisymmetry.
+
+    part: of each edge that counts (n_edges,).
+    """
     share = np.zeros(len(points))
-    np.add.at(share, edges, shares_by_edge(points, edges, None if model.analysis == "axisymmetric" else model.depth))
+    by_edge = shares_by_edge(points, edges, None if model.analysis == "axisymmetric" else model.depth)
+    np.add.at(share, edges, by_edge if part is None else part[:, None] * by_edge)
     return share

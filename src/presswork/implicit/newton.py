@@ -32,8 +32,8 @@ OVERSHOOT = 0.8
 SMALLEST_PART = 0.1
 UNLOADED = 1e-2
 """Forces below this part of the largest so far count as nothing: residuals are measured against no less."""
-RELEASED = 1e-6
-"""A pull below this part of the largest force so far lets no node go."""
+CREDIBLE = 1e-2
+"""A pull below this part of what is out of balance lets no node go."""
 CALM = 1e-2
 """Relative residual at which soft friction is stiffened."""
 SOFT, STIFFENING = 300.0, 4.0
@@ -113,14 +113,16 @@ class Equilibrium:
             stop.look()
             # 1. contact at the present guess, and what is out of balance
             may_release = iteration > 0 and log.residual[-1] < NEAR
-            point, balance = self._balance(state_n, trial, step, increment, point, fixed, near=may_release)
+            scale = max(point.largest_force, UNLOADED * peak)
+            pull = scale * max(settings.force_tolerance, CREDIBLE * log.residual[-1] if iteration else 0.0)
+            point, balance = self._balance(state_n, trial, step, increment, point, fixed, near=may_release, pull=pull)
 
             # 2. converged? Not before this very iterate has been searched for contact that pulls
-            scale = max(point.largest_force, UNLOADED * peak)
             self._note(log, balance, scale, size, increment)
             stiff = self.friction.softness == 1.0
             if iteration > 0 and stiff and not may_release and self._has_converged(log):
-                point, balance = self._balance(state_n, trial, step, increment, point, fixed, near=True)
+                pull = scale * settings.force_tolerance
+                point, balance = self._balance(state_n, trial, step, increment, point, fixed, near=True, pull=pull)
                 log.forget_last()
                 self._note(log, balance, scale, size, increment)
             missing = self._largest(balance.constraints.value)
@@ -166,19 +168,18 @@ class Equilibrium:
 
     def _balance(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, point: Point, fixed: BoolArray,
-        *, near: bool,
+        *, near: bool, pull: float,
     ) -> tuple[Point, Balance]:  # fmt: skip
         """Update what is held; return the point with the forces of it, and what is out of balance.
 
-        near: equilibrium is near enough for reactions to let nodes go.
+        near: equilibrium is near enough for reactions to let nodes go, those that pull by more than `pull` [N].
         """
         body_changes = self.bodies.update(point.bodies, near=near)
         if body_changes:
             point = self._touch_again(state_n, trial, point)
         started = perf_counter()
-        floor = RELEASED * max(float(state_n.peak_force[0]), self._noise / UNLOADED)
         self._contact.search(trial, point.displacement)
-        changes = body_changes + self._contact.update(trial, point.reaction, fixed, near=near, floor=floor)
+        changes = body_changes + self._contact.update(trial, point.reaction, fixed, near=near, tolerance=pull)
         supports = self._supports(state_n, step, increment)
         constraints = self._contact.constrain(trial, point.displacement, supports)
         friction = self._rub(state_n, trial, point, constraints)

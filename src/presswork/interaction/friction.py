@@ -123,7 +123,10 @@ class Friction:
         held[contact.nodes[(trial.contact > 0).any(axis=0)]] = True
         edges = self._model.mesh.boundary_edges
         deformed = points + displacement
-        area = edge_shares(self._model, deformed, edges[held[edges].all(axis=1)])[nodes]
+        touching = edges[held[edges].all(axis=1)]
+        part = np.ones(len(displacement))
+        part[contact.nodes] = trial.shear_part
+        area = edge_shares(self._model, deformed, touching, part[touching].min(axis=1))[nodes]
         beside = edge_shares(self._model, deformed, edges)[nodes]
         push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
         segment = contact.segment[face, place]

@@ -6,12 +6,11 @@ it is held in both directions from the next increment on (STUCK), at the place i
 rest: so the converged answer does not depend on the way the iteration took. A held node lets go when it pulls. There
 is no penalty: the tangent stays as well conditioned as the workpiece itself, and the gap of a held node is zero.
 
-What prevents chatter: a node lets go only near equilibrium, and only if it pulls with more than RELEASE of the largest
-contact force (or `floor`, where all forces vanish); and a node that has changed its state MAX_CHANGES times in an
-increment keeps hold for the rest of it. If it pulls with more than STRONG of the largest contact force when all else is
-in equilibrium, or such nodes together with more than STRONG_TOGETHER of all contact force, the increment has failed: to
-let them go in the next would set free a large force at once. (A weaker pull may have no remedy: constant shear drags a
-node without pressure down, where it lifts off as soon as it is let go.)
+No increment converges with a node that pulls by more than what may be out of balance (`tolerance`). What prevents
+chatter: a node lets go only near equilibrium, and only if it pulls with more than that; where constant shear drags a
+node off that comes back without it, a part of the shear is found with which it neither pulls nor lifts (grazing.py);
+and a node that has changed its state MAX_CHANGES times in an increment keeps hold for the rest of it. If it still pulls
+when all else is in equilibrium, the increment has failed.
 
 Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
 """
@@ -25,12 +24,12 @@ import numpy as np
 from presswork import _core
 from presswork.fields.contact_stress import ContactForces
 from presswork.geometry.pose import ToolPose, place_points, to_tool_frame, turn_vectors
+from presswork.interaction.grazing import Grazing
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
 from presswork.state import SLIDING, STUCK, ContactArray, State
 
-RELEASE = 1e-3
-STRONG, STRONG_TOGETHER = 0.3, 0.03
 MAX_CHANGES = 4
+"""Changes after which a node keeps contact until the increment ends."""
 FLUSH = 1 - 1e-6
 """Cosine between two faces above which they are one: a node held by both would not slide."""
 
@@ -64,6 +63,8 @@ class Contact:
         self.normal = np.zeros((2 * len(model.tools), len(self.nodes), 2))
         self.segment = np.full(self.gap.shape, -1, dtype=np.int32)  # of the tool's profile; -1 where there is no gap
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
+        self._by_shear = np.array([t.contact in ("shear", "coulomb_capped") for t in model.tools], dtype=bool).repeat(2)
+        self._grazing = Grazing(len(self.nodes))
         self.n_unsettled = 0
         """Nodes that may change no more in this increment, and pull strongly."""
 
@@ -140,6 +141,7 @@ class Contact:
     def begin_increment(self) -> None:
         """Forget the changes of the increment before."""
         self._changes[:] = 0
+        self._grazing.begin_increment()
 
     def settle(self, state: State) -> None:
         """At a converged state: nodes that slide on a sticking tool are stuck from now on, where they are."""
@@ -148,6 +150,7 @@ class Contact:
         held = (state.contact > 0) & self._sticking.repeat(2)[:, None]
         fresh = held & (state.contact == SLIDING)
         state.contact[held] = STUCK
+        state.shear_part[~((state.contact > 0) & self._by_shear[:, None]).any(axis=0)] = 1.0
         face, node = np.nonzero(fresh)
         position = self._model.mesh.points[self.nodes[node]] + state.displacement[self.nodes[node]]
         for t in np.unique(face // 2):
@@ -164,8 +167,11 @@ class Contact:
             flush = self.normal[order[0], node] @ self.normal[order[1], node] > FLUSH
             contact[order[1:] if flush and len(order) == 2 else order[2:], node] = 0
 
-    def update(self, trial: State, reaction: FloatArray, fixed: BoolArray, *, near: bool, floor: float) -> int:
-        """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes."""
+    def update(self, trial: State, reaction: FloatArray, fixed: BoolArray, *, near: bool, tolerance: float) -> int:
+        """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes.
+
+        tolerance: pull below which nothing can be said [N].
+        """
         if not len(self.nodes):
             return 0
         self.n_unsettled = 0
@@ -175,19 +181,27 @@ class Contact:
         limit = np.where(lost.any(axis=0), self.tolerance, -self.tolerance)  # where tools adjoin, the next one takes it
         trial.contact[(self.gap < limit) & (trial.contact == 0) & self._free(fixed)] = SLIDING
         self._limit_faces(trial.contact, before)
-        if near:
-            push = self.normal_forces(trial, reaction, fixed)
-            largest = float(np.abs(push).max(initial=0.0))
-            pulls = (self._judge(push) < -max(RELEASE * largest, floor)) & (before > 0) & (trial.contact > 0)
-            trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
-            keeps = pulls & (self._changes >= MAX_CHANGES)
-            strongly = keeps & (self._judge(push) < -STRONG * largest)
-            if -push[keeps].sum() > STRONG_TOGETHER * np.maximum(push, 0.0).sum():
-                strongly = keeps
-            self.n_unsettled = int(strongly.any(axis=0).sum())
+        graze = self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), tolerance) if near else 0
         changed = (before != trial.contact).any(axis=0)
         self._changes[changed] += 1
-        return int(changed.sum())
+        return int(changed.sum()) + graze
+
+    def _let_go(self, trial: State, before: ContactArray, push: FloatArray, tolerance: float) -> int:
+        """Let go of nodes that pull; return how many have another part of the shear instead."""
+        held = (before > 0) & (trial.contact > 0)
+        judged = np.where(held, self._judge(push), 0.0)
+        largest = float(np.abs(push).max(initial=0.0))
+        pulls = judged < -tolerance
+        # 1. those that come back when they are let go, under constant shear
+        on_shear = (held & self._by_shear[:, None]).any(axis=0) & (held.sum(axis=0) == 1)
+        grazes = on_shear & ((self._changes >= 2) & pulls.any(axis=0) | (trial.shear_part < 1.0))
+        part = trial.shear_part.copy()
+        count = self._grazing.update(trial.shear_part, grazes, judged.sum(axis=0), tolerance, largest)
+        pulls &= ~(grazes & (part > 0.0))
+        # 2. all others
+        trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
+        self.n_unsettled = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
+        return count
 
     def _free(self, fixed: BoolArray) -> BoolArray:
         """Faces whose normal has a part along a direction that supports leave free (n_faces, n_candidates)."""
