@@ -30,6 +30,7 @@ from presswork.formability import Info
 from presswork.model import FloatArray, IntArray, Mesh
 from presswork.results.vtkhdf_tools import (
     COMPRESSION,
+    append_rows,
     append_tool_steps,
     find_body,
     make_collection,
@@ -230,10 +231,10 @@ def _append_mesh(file: h5py.File, mesh: Mesh) -> None:
     for name, values in rows.items():
         if name not in root:
             _create_rows(root, name, values)
-        _append_rows(root[name], values)
+        append_rows(root[name], values)
     root["Points"].attrs["units"] = "mm"
     for name, count in zip(_COUNTS, (len(space), len(nodes_per_cell), nodes_per_cell.sum()), strict=True):
-        _append_rows(root[name], np.array([count]))
+        append_rows(root[name], np.array([count]))
     meshes = file["presswork/meshes"]
     own = meshes.create_group(str(len(meshes)))
     own["boundary_edges"] = mesh.boundary_edges
@@ -308,8 +309,9 @@ def _append_fields(file: h5py.File, kind: str, fields: Mapping[str, FloatArray])
     elif set(group) != set(fields):
         raise ValueError(f"fields {sorted(fields)} differ from those of the first step, {sorted(group)}")
     for name, values in fields.items():
-        _append_rows(offsets[name], np.array([len(group[name])]))
-        _append_rows(group[name], values)
+        field = group[name]
+        append_rows(offsets[name], np.array([len(field)]))
+        append_rows(field, values)
 
 
 def _create_rows(group: h5py.Group, name: str, values: NDArray[np.generic]) -> h5py.Dataset:
@@ -334,11 +336,11 @@ def _append_time(file: h5py.File, time: float) -> None:
     steps = body["Steps"]
     part = len(body["NumberOfPoints"]) - 1
     place = locate_mesh(file, part)
-    _append_rows(steps["Values"], np.array([time]))
+    append_rows(steps["Values"], np.array([time]))
     begins = (part, place.points.start, place.cells.start, place.ids.start)
     for name, begin in zip(_GEOMETRY_OFFSETS, begins, strict=True):
-        _append_rows(steps[name], np.full((1, *steps[name].shape[1:]), begin, dtype=np.int64))
-    _append_rows(steps["NumberOfParts"], np.ones(1, dtype=np.int64))
+        append_rows(steps[name], np.full((1, *steps[name].shape[1:]), begin, dtype=np.int64))
+    append_rows(steps["NumberOfParts"], np.ones(1, dtype=np.int64))
     steps.attrs["NSteps"] = len(steps["Values"])
 
 
@@ -350,16 +352,9 @@ def _append_tool_positions(file: h5py.File, displacement: Mapping[str, FloatArra
         raise ValueError(f"position of {sorted(unknown)}, but the file's tools are {sorted([*tools, *surfaces])}")
     for name, tool in [*tools.items(), *surfaces.items()]:
         size = tool["displacement"].shape[1]
-        _append_rows(tool["displacement"], np.asarray(displacement.get(name, (0.0,) * size), float).reshape(1, size))
+        append_rows(tool["displacement"], np.asarray(displacement.get(name, (0.0,) * size), float).reshape(1, size))
     for name, tool in tools.items():
-        _append_rows(tool["angle"], np.array([angle.get(name, 0.0)]))
-
-
-def _append_rows(dataset: h5py.Dataset, rows: NDArray[np.generic]) -> None:
-    """Append rows to a dataset that can grow."""
-    before = len(dataset)
-    dataset.resize(before + len(rows), axis=0)
-    dataset[before:] = rows
+        append_rows(tool["angle"], np.array([angle.get(name, 0.0)]))
 
 
 def _truncate(file: h5py.File, n: int) -> None:
