@@ -16,7 +16,7 @@ from tests.unit.mesh.test_readers import FORMATS
 from typer.testing import CliRunner
 
 from presswork.case import CaseError, build_model, read_case
-from presswork.case.describe import describe
+from presswork.case.description import describe
 from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.library import read_sheet
 from presswork.case.onestep.schema import OneStepCase, build_onestep_model

@@ -14,7 +14,7 @@ from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
-from presswork.case.describe.stamping import describe_stamping
+from presswork.case.description.stamping import describe_stamping
 from presswork.geometry.swept_tool import draw_die, draw_punch
 from presswork.post.section import cut_sheet, measure_draw_in
 from presswork.process.stamping import ExplicitStamping

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Self, get_args
 
-import tomli_w
 from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from presswork.case.errors import CaseError, Problem
+from presswork.case.kinds import KINDS
 from presswork.case.part import Part
 from presswork.case.reader import apply_overrides, list_problems, read_toml
 
@@ -67,12 +67,10 @@ class CaseFile(Part):
     @classmethod
     def _refuse_other_kind(cls, analysis: object, path: Path) -> None:
         """Raise CaseError if `analysis` is a word of another kind of case, whose keys are others."""
-        for kind in CaseFile.__subclasses__():
-            if analysis in kind.analyses() and analysis not in cls.analyses():
+        for kind in KINDS.values():
+            if analysis in kind.analyses and analysis not in cls.analyses():
                 own = f"{cls.__name__} is for {' and '.join(cls.analyses())}"
-                remedy = (
-                    f"read it by presswork.read_case(path), which reads every kind, or by {kind.__name__}.from_toml"
-                )
+                remedy = f"read it by presswork.read_case(path), which reads every kind, or by {kind.name}.from_toml"
                 raise CaseError([Problem("analysis", own, remedy, analysis)], path)
 
     @property
@@ -106,6 +104,8 @@ def write_as_run(data: dict[str, Any], folder: Path) -> str:
     data = copy.deepcopy(data)
     for table, key in _tables_with_paths(data):
         table[key] = str((folder / table[key]).resolve())
+    import tomli_w
+
     return tomli_w.dumps(data)
 
 

@@ -1,50 +1,83 @@
 # SPDX-License-Identifier: Apache-2.0
 """The kinds of case, told apart by `analysis`: how each is read, built into a Model, and described to editors.
 
-A new kind is an entry of KINDS: its class needs `analysis`, a Literal of words that no other kind has, and `from_toml`.
+A new kind is an entry of KINDS. Its class needs `analysis`, a Literal of words that no other kind has, and `from_toml`.
+Class and builder are imported when a case of that kind is read, so a run does not wait for the schemas of all others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-from pydantic.json_schema import models_json_schema
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.onestep.schema import OneStepCase
-from presswork.case.reader import apply_overrides, read_toml
-from presswork.case.shell.builder import build_shell_model
-from presswork.case.shell.schema import ShellCase
-from presswork.case.solid import schema
-from presswork.case.solid.builder import build_solid_model
-from presswork.case.stamping.builder import build_stamping_model
-from presswork.case.stamping.schema import StampingCase
-from presswork.model_stamping import AnyModel
 
-AnyCase = schema.Case | ShellCase | StampingCase | OneStepCase
+if TYPE_CHECKING:
+    from presswork.case.onestep.schema import OneStepCase
+    from presswork.case.shell.schema import ShellCase
+    from presswork.case.solid.schema import Case
+    from presswork.case.stamping.schema import StampingCase
+    from presswork.model_stamping import AnyModel
 
-KINDS: dict[str, tuple[type[AnyCase], Callable[[Any], AnyModel] | None]] = {
-    "solid": (schema.Case, build_solid_model),
-    "shell": (ShellCase, build_shell_model),
-    "stamping": (StampingCase, build_stamping_model),
-    "onestep": (OneStepCase, None),
+    AnyCase: TypeAlias = Case | ShellCase | StampingCase | OneStepCase
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of case, by names alone."""
+
+    analyses: tuple[str, ...]
+    """Values of `analysis` that make a case of this kind: those of the Literal in its class."""
+    place: str
+    """Module and name of its class, as "module:name"."""
+    builder: str = ""
+    """Module and name of what makes a Model of it; of a one-step case, no process in time, build_onestep_model does."""
+
+    @property
+    def name(self) -> str:
+        """Name of its class."""
+        return self.place.partition(":")[2]
+
+    def load(self) -> type[AnyCase]:
+        """Import and return its class."""
+        found: type[AnyCase] = resolve_name(self.place)
+        return found
+
+
+KINDS = {
+    "solid": Kind(
+        ("axisymmetric", "plane_strain"),
+        "presswork.case.solid.schema:Case",
+        "presswork.case.solid.builder:build_solid_model",
+    ),
+    "shell": Kind(
+        ("shell",), "presswork.case.shell.schema:ShellCase", "presswork.case.shell.builder:build_shell_model"
+    ),
+    "stamping": Kind(
+        ("stamping",),
+        "presswork.case.stamping.schema:StampingCase",
+        "presswork.case.stamping.builder:build_stamping_model",
+    ),
+    "onestep": Kind(("onestep",), "presswork.case.onestep.schema:OneStepCase"),
 }
-"""Case class and builder by the name that `presswork schema` knows; a one-step case is no process in time, and has a
-builder of its own, build_onestep_model."""
+"""By the names that `presswork schema` knows."""
 
 
 def read_case(path: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
     """Read and validate a case file of any kind, by its `analysis`. Raises CaseError with every problem found."""
+    from presswork.case.reader import apply_overrides, read_toml
+
     path = Path(path)
     data, _ = read_toml(path)
     apply_overrides(data, overrides, path)
-    kinds = {word: kind for kind, _ in KINDS.values() for word in kind.analyses()}
+    kinds = {word: kind for kind in KINDS.values() for word in kind.analyses}
     analysis = data.get("analysis")
     if isinstance(analysis, str) and analysis not in kinds:
         raise CaseError([Problem("analysis", "unknown choice", suggest(analysis, kinds), analysis)], path)
-    return kinds.get(str(analysis), schema.Case).from_toml(path, overrides)
+    return kinds.get(str(analysis), KINDS["solid"]).load().from_toml(path, overrides)
 
 
 def build_model(case: AnyCase, *, run_user_code: bool = True) -> AnyModel:
@@ -54,15 +87,15 @@ def build_model(case: AnyCase, *, run_user_code: bool = True) -> AnyModel:
     supports and tools that do not fit the workpiece. run_user_code: try the shared libraries that a case names, in a
     process of their own; without it they are not opened, and the Model can be described, not computed.
     """
-    if isinstance(case, schema.Case):
-        return build_solid_model(case, run_user_code=run_user_code)
-    for kind, build in KINDS.values():
-        if isinstance(case, kind):
-            if build is None:
-                text, remedy = "this is no process in time", f"run it by `presswork {case.analysis}`"
-                raise CaseError([Problem("analysis", text, remedy, case.analysis)], case.source)
-            return build(case)
-    raise TypeError(f"expected a case, not a {type(case).__name__}")
+    kind = next((kind for kind in KINDS.values() if getattr(case, "analysis", None) in kind.analyses), None)
+    if kind is None:
+        raise TypeError(f"expected a case, not a {type(case).__name__}")
+    if not kind.builder:
+        text, remedy = "this is no process in time", f"run it by `presswork {case.analysis}`"
+        raise CaseError([Problem("analysis", text, remedy, case.analysis)], case.source)
+    options = {"run_user_code": run_user_code} if kind is KINDS["solid"] else {}
+    model: AnyModel = resolve_name(kind.builder)(case, **options)
+    return model
 
 
 def json_schema(kind: str | None = None) -> dict[str, Any]:
@@ -74,13 +107,12 @@ def json_schema(kind: str | None = None) -> dict[str, Any]:
         raise CaseError([Problem("", f"`{kind}` is no kind of case", suggest(kind, KINDS, "kinds"))], "schema")
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     if kind is not None:
-        return {**head, **KINDS[kind][0].model_json_schema()}
-    references, common = models_json_schema([(case, "validation") for case, _ in KINDS.values()])
-    branches = [references[case, "validation"] for case, _ in KINDS.values()]
-    mapping = {
-        word: branch["$ref"]
-        for (case, _), branch in zip(KINDS.values(), branches, strict=True)
-        for word in case.analyses()
-    }
+        return {**head, **KINDS[kind].load().model_json_schema()}
+    from pydantic.json_schema import models_json_schema
+
+    cases = {kind.load(): kind.analyses for kind in KINDS.values()}
+    references, common = models_json_schema([(case, "validation") for case in cases])
+    branches = {case: references[case, "validation"] for case in cases}
+    mapping = {word: branches[case]["$ref"] for case, words in cases.items() for word in words}
     tag = {"propertyName": "analysis", "mapping": mapping}
-    return {**head, "title": "presswork case", "oneOf": branches, "discriminator": tag, **common}
+    return {**head, "title": "presswork case", "oneOf": [*branches.values()], "discriminator": tag, **common}

@@ -16,6 +16,9 @@ _TERMS = model.TangentTerms()
 _SOLVER = model.SolverSettings()
 _OUTPUT = model.OutputSettings()
 
+RAMP = 0.1
+"""Part of an explicit stage that starts it smoothly, and part that ends it, where it says nothing."""
+
 Whole = Annotated[int, Field(strict=True)]
 
 

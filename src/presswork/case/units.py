@@ -53,6 +53,19 @@ RATE = Dimension("a rate", "1/s", "100 1/s")
 HEAT_CAPACITY = Dimension("a specific heat capacity", "mm^2/(s^2*K)", "460 J/(kg*K)")
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3", 1e30)
 
+_USUAL = {
+    LENGTH: {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "in": 25.4, "inch": 25.4},
+    STRESS: {"MPa": 1.0, "N/mm^2": 1.0, "GPa": 1e3, "kN/mm^2": 1e3, "Pa": 1e-6},
+    FORCE: {"N": 1.0, "kN": 1e3},
+    TIME: {"s": 1.0, "ms": 1e-3, "us": 1e-6},
+    ANGLE: {"degree": 1.0, "deg": 1.0},
+    STIFFNESS: {"N/mm": 1.0, "kN/mm": 1e3},
+    VELOCITY: {"mm/s": 1.0, "m/s": 1e3},
+    DENSITY: {"t/mm^3": 1.0, "kg/m^3": 1.0000000000000002e-12},
+    HEAT_CAPACITY: {"J/(kg*K)": 1e6},
+}
+"""Factors that pint gives, to the last bit, of the units in most cases: pint takes as long to load as such a run."""
+
 
 def fault(expected: str, remedy: str = "", key: str = "") -> PydanticCustomError:
     """Make the error that a validator of the schema raises; `key` names the sub-key at fault."""
@@ -73,9 +86,16 @@ def unit_factor(unit: str, dimension: Dimension) -> float:
 
     Raises ValueError, with the reason, for a unit that is unknown or of another dimension.
     """
+    if unit in (usual := _USUAL.get(dimension, {})):
+        return usual[unit]
     if len(unit) > _LONGEST or not (unit == "" or _UNIT.fullmatch(unit)):
         shown = unit if len(unit) <= _LONGEST else f"{unit[:_LONGEST]} ..."
         raise ValueError(f"`{shown}` is no known unit")
+    return _ask_pint(unit, dimension)
+
+
+def _ask_pint(unit: str, dimension: Dimension) -> float:
+    """Return what pint says of a unit that has the form of one. Raises ValueError, as unit_factor."""
     import pint
 
     registry = _unit_registry()

@@ -18,6 +18,7 @@ it whole. A node's area A_a is the integral of its hat function over that surfac
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -25,7 +26,6 @@ from presswork.mesh.edges import edge_shape_functions
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.state import ContactArray
 
-EDGE_RULES = {2: np.polynomial.legendre.leggauss(2), 3: np.polynomial.legendre.leggauss(12)}
 LEAVES = 2.0
 """An edge beside the contact counts by 1 - LEAVES gap / length of its free node: not at all from 30 degrees on."""
 CORNER = np.cos(np.radians(30.0))
@@ -254,13 +254,20 @@ def _integrate_hats(
     """
     n_nodes = edges.shape[1]
     x = points[edges]
-    s, weight = EDGE_RULES[n_nodes]
+    s, weight = _edge_rule(n_nodes)
     rise = 0.5 * (s + 1)
     at = start + (end - start) * rise
     N, dN = (np.array(v) for v in zip(*(edge_shape_functions(n_nodes, place) for place in at), strict=True))
     area = 0.5 * (end - start) * weight * np.linalg.norm(np.einsum("sa,eai->esi", dN, x), axis=2)
     area *= 2 * np.pi * (x[:, :, 0] @ N.T) if depth is None else depth
     return area @ np.column_stack([1 - rise, rise]), area @ N
+
+
+@cache
+def _edge_rule(n_nodes: int) -> tuple[FloatArray, FloatArray]:
+    """Return places and weights of the points by which an edge of 2 or 3 nodes is integrated."""
+    s, weight = np.polynomial.legendre.leggauss({2: 2, 3: 12}[n_nodes])
+    return s, weight
 
 
 def edge_shares(model: Model, points: FloatArray, edges: IntArray, part: FloatArray | None = None) -> FloatArray:

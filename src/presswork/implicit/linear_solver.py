@@ -8,14 +8,15 @@ the same matrix gives the same bits with any number of threads.
 from __future__ import annotations
 
 import ctypes
+import glob
 import os
+import sys
 import weakref
 from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.linalg as spl
+import scipy
 from numpy.typing import NDArray
 
 from presswork.model import FloatArray, IntArray
@@ -53,15 +54,17 @@ class SuperLU:
     def __init__(self, indptr: IntArray, indices: IntArray, *, symmetric: bool) -> None:
         self._pattern = (indices, indptr)
         self._symmetric = symmetric
-        self._factor: spl.SuperLU | None = None
+        self._factor: Any = None
 
     def factorise(self, data: FloatArray) -> None:
+        from scipy.sparse.linalg import splu
+
         n = len(self._pattern[1]) - 1
-        matrix = sp.csr_matrix((data, *self._pattern), shape=(n, n))
+        matrix = scipy.sparse.csr_matrix((data, *self._pattern), shape=(n, n))
         if self._symmetric:
-            matrix = matrix + sp.triu(matrix, 1).T
+            matrix = matrix + scipy.sparse.triu(matrix, 1).T
         try:
-            self._factor = spl.splu(matrix.tocsc())
+            self._factor = splu(matrix.tocsc())
         except RuntimeError as error:
             if "memory" in str(error).lower():
                 raise MemoryError(str(error)) from error
@@ -92,22 +95,33 @@ def _explain(error: int) -> SolverError | MemoryError:
     return SolverError("the matrix is singular" if error == -4 else f"PARDISO error {error}")
 
 
-@cache
-def _load_mkl() -> tuple[Any, Any] | None:
-    """Return the library and its function pardiso, with argument types of our own; None where it is not installed.
+def _find_mkl() -> str | None:
+    """Return the path of MKL's library: PYPARDISO_MKL_RT says it, or it lies where pip and conda put it.
 
-    Once a process: to find the library, the wrapper walks the folders of the environment.
+    Elsewhere pypardiso finds it, which walks all folders of the environment and loads SciPy's sparse matrices first.
     """
-    # one OpenMP runtime for our loops and MKL's, or the idle threads of one slow down the other
-    os.environ.setdefault("MKL_THREADING_LAYER", "GNU")
-    os.environ.setdefault("MKL_CBWR", "AUTO")  # the same bits from run to run
+    named = os.environ.get("PYPARDISO_MKL_RT")
+    here = [named] if named else sorted(glob.glob(f"{glob.escape(sys.prefix)}/lib/libmkl_rt.so*"))
+    if here:
+        return here[0]
     try:
         from pypardiso.pardiso_wrapper import PyPardisoSolver
 
-        library = PyPardisoSolver().libmkl
+        return str(PyPardisoSolver().libmkl._name)
     except ImportError:
         return None
-    pardiso = ctypes.CDLL(library._name).pardiso
+
+
+@cache
+def _load_mkl() -> tuple[Any, Any] | None:
+    """Return the library and its function pardiso, with argument types of our own; None where it is not installed."""
+    # one OpenMP runtime for our loops and MKL's, or the idle threads of one slow down the other
+    os.environ.setdefault("MKL_THREADING_LAYER", "GNU")
+    os.environ.setdefault("MKL_CBWR", "AUTO")  # the same bits from run to run
+    path = _find_mkl()
+    if path is None:
+        return None
+    library, pardiso = ctypes.CDLL(path), ctypes.CDLL(path).pardiso
     pardiso.argtypes = [ctypes.c_void_p] * 16
     pardiso.restype = None
     return library, pardiso

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
@@ -89,15 +89,24 @@ class LinearSystem:
         self._analyse()
 
     def _analyse(self) -> None:
-        """Make matrix and solver for the assembler's pattern."""
+        """Make the matrix for the assembler's pattern; the solver follows."""
         started = perf_counter()
         assembler = self._analysed = self._mechanics.assembler
         self.data = np.zeros(len(assembler.indices))
         self._unconstrained = self.data
-        self.solver: LinearSolver = make_solver(
-            assembler.indptr, assembler.indices, symmetric=self._model.solver.symmetric, threads=self._threads
-        )
+        self._solver: LinearSolver | None = None
         self._timing.add("analysis", started)
+
+    @property
+    def solver(self) -> LinearSolver:
+        """The linear solver of the assembler's pattern; it is analysed when it is first asked for."""
+        if self._solver is None:
+            started, assembler = perf_counter(), self._analysed
+            self._solver = make_solver(
+                assembler.indptr, assembler.indices, symmetric=self._model.solver.symmetric, threads=self._threads
+            )
+            self._timing.add("analysis", started)
+        return self._solver
 
     def _add_friction(self, friction: FrictionForces, constraints: Constraints) -> None:
         """Add friction's stiffness; Coulomb's dependence on the normal force only to an unsymmetric matrix."""
@@ -177,11 +186,11 @@ class LinearSystem:
         """Prescribe values (n_points, 2) in a matrix and its right-hand side, in place."""
         self._mechanics.assembler.constrain(mask.reshape(-1), value.reshape(-1), self._diagonal, data, rhs)
 
-    def _full_matrix(self, data: FloatArray) -> sp.csr_matrix:
+    def _full_matrix(self, data: FloatArray) -> scipy.sparse.csr_matrix:
         """Return the matrix with both its halves."""
         assembler = self._mechanics.assembler
-        matrix = sp.csr_matrix((data, assembler.indices, assembler.indptr))
-        return matrix + sp.triu(matrix, 1).T if self._model.solver.symmetric else matrix
+        matrix = scipy.sparse.csr_matrix((data, assembler.indices, assembler.indptr))
+        return matrix + scipy.sparse.triu(matrix, 1).T if self._model.solver.symmetric else matrix
 
 
 def turn(constraints: Constraints, vector: FloatArray) -> FloatArray:

@@ -14,14 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 
 from presswork.interaction.friction import FrictionForces
 from presswork.interaction.tool_contact import Constraints, Contact
 from presswork.model import FloatArray, Model
 from presswork.state import State
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 MAX_CHANGES = 4
 """Times that a spring-backed tool may leave or reach its stop in an increment."""
@@ -137,7 +140,7 @@ class FloatingTools:
         return 1
 
     def correct(
-        self, floating: Floating, friction: FrictionForces | None, matrix: sp.csr_matrix, correction: FloatArray,
+        self, floating: Floating, friction: FrictionForces | None, matrix: csr_matrix, correction: FloatArray,
         respond: Callable[[FloatArray, FloatArray], FloatArray],
     ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
         """Return the correction with the tools' travel in it, and that travel (n,) [mm].

@@ -13,9 +13,10 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
+if TYPE_CHECKING:
+    import h5py
 
 CHECKPOINT, HISTORY = "checkpoint.h5", "history.csv"
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -70,6 +71,8 @@ def write_hdf5(path: Path, mode: str) -> Iterator[h5py.File]:
     The HDF5 library does not survive a failed write (it can crash the process as it closes the file), so it is shown a
     file whose writes always succeed, and the failure is raised once the library has let go of it.
     """
+    import h5py
+
     with _ForgivingFile(path, "w+" if mode == "w" else "r+") as raw:
         try:
             with h5py.File(raw, mode) as file:

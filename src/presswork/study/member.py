@@ -12,13 +12,15 @@ import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from presswork.api import run
 from presswork.case import CaseError
-from presswork.case.kinds import AnyCase
 from presswork.recorder import Progress, StartError
 from presswork.results import OutputError
+
+if TYPE_CHECKING:
+    from presswork.case.kinds import AnyCase
 
 Mode = Literal["new", "overwrite", "resume"]
 

@@ -7,10 +7,13 @@ import re
 from copy import deepcopy
 from typing import Any
 
+import numpy as np
 import pytest
+from scipy.ndimage import label
 
 from presswork import Case
 from presswork.case import CaseError, build_model, read_case
+from presswork.case.tools.cavity import _flood
 from presswork.examples import copy_example, list_examples
 
 # A billet of radius 8 and height 10 mm, 2011 mm3, in a closed die of radius 10 mm: it fills it at a height of 6.4 mm.
@@ -109,3 +112,12 @@ def test_limits_that_do_not_stop_let_it_run_with_a_warning(caplog) -> None:
 @pytest.mark.parametrize("name", list_examples())
 def test_no_example_is_refused(name, tmp_path) -> None:
     build_model(read_case(copy_example(name, tmp_path)))
+
+
+def test_flood_reaches_what_connected_components_join() -> None:
+    rng = np.random.default_rng(1)
+    for free_share in np.linspace(0.4, 0.9, 60):
+        free = rng.random(rng.integers(1, 60, 2)) < free_share
+        start = free & (rng.random(free.shape) < 0.01)
+        regions, _ = label(free)
+        np.testing.assert_array_equal(_flood(free, start), np.isin(regions, np.unique(regions[start])))

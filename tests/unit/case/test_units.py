@@ -6,7 +6,19 @@ from __future__ import annotations
 import pytest
 from pydantic_core import PydanticCustomError
 
-from presswork.case.units import FORCE, LENGTH, PURE_NUMBER, STRESS, TIME, Dimension, to_number, to_pair, unit_factor
+from presswork.case.units import (
+    _USUAL,
+    FORCE,
+    LENGTH,
+    PURE_NUMBER,
+    STRESS,
+    TIME,
+    Dimension,
+    _ask_pint,
+    to_number,
+    to_pair,
+    unit_factor,
+)
 
 
 @pytest.mark.parametrize(
@@ -47,3 +59,9 @@ def test_pair_takes_units_per_value() -> None:
 def test_unit_factor_names_the_dimension_that_is_wrong() -> None:
     with pytest.raises(ValueError, match="has the dimension time"):
         unit_factor("s", LENGTH)
+
+
+def test_factors_of_usual_units_are_those_of_pint() -> None:
+    for dimension, factors in _USUAL.items():
+        for unit, factor in factors.items():
+            assert _ask_pint(unit, dimension) == factor

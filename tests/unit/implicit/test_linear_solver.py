@@ -47,15 +47,9 @@ def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
 
 def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:
     """However many analyses follow; it takes longer than a small one."""
-    wrapper = pytest.importorskip("pypardiso.pardiso_wrapper")
-    looked = []
-
-    class Counted(wrapper.PyPardisoSolver):
-        def __init__(self) -> None:
-            looked.append(1)
-            super().__init__()
-
-    monkeypatch.setattr(wrapper, "PyPardisoSolver", Counted)
+    pytest.importorskip("pypardiso")
+    looked, find = [], linear_solver._find_mkl
+    monkeypatch.setattr(linear_solver, "_find_mkl", lambda: (looked.append(1), find())[1])
     linear_solver._load_mkl.cache_clear()
     matrix, rhs = system(symmetric=False)
     for _ in range(3):
@@ -63,6 +57,15 @@ def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:
         solver.factorise(matrix.data)
         np.testing.assert_allclose(matrix @ solver.solve(rhs), rhs, atol=1e-10)
     assert len(looked) == 1
+
+
+def test_library_elsewhere_is_found_by_pypardiso(monkeypatch, tmp_path) -> None:
+    wrapper = pytest.importorskip("pypardiso.pardiso_wrapper")
+    library = linear_solver._find_mkl()
+    monkeypatch.delenv("PYPARDISO_MKL_RT", raising=False)
+    monkeypatch.setattr(linear_solver.sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(wrapper, "find_library", lambda name: library)
+    assert linear_solver._find_mkl() == library
 
 
 def test_a_singular_matrix_is_an_error() -> None:

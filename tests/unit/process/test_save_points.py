@@ -4,7 +4,7 @@
 import pytest
 
 from presswork import Case, build_model
-from presswork.case.describe import describe
+from presswork.case.description import describe
 from presswork.implicit.stepping import ImplicitProcedure
 
 

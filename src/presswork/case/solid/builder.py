@@ -17,12 +17,11 @@ from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.material.hardening import build_hardening
 from presswork.case.material.umat import UmatMaterial, build_umat
-from presswork.case.settings import build_output, build_solver
+from presswork.case.settings import RAMP, build_output, build_solver
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
-from presswork.case.stamping.schema import RAMP
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.cavity import check_cavity
 from presswork.mesh.edges import edge_areas

@@ -13,6 +13,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.material.forming_limit.build import build_sheets
+from presswork.case.settings import RAMP
 from presswork.case.shell.schema import FREEDOMS, HOLDS
 from presswork.case.solid.references import check_set_names
 from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing
@@ -30,7 +31,7 @@ from presswork.case.stamping.checks import (
 from presswork.case.stamping.clashes import check_clashes
 from presswork.case.stamping.place import build_tools
 from presswork.case.stamping.plan_line import LineFile, draw_line
-from presswork.case.stamping.schema import RAMP, VELOCITY, StampingCase, StampingStage
+from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
 from presswork.mesh import MeshError

@@ -24,8 +24,6 @@ from presswork.model import ExplicitElement, SolverSettings
 
 VELOCITY = 2000.0
 """Of what moves farthest where a stage says nothing [mm/s]."""
-RAMP = 0.1
-"""Part of a stage that starts it smoothly, and part that ends it, where it says nothing."""
 
 _EXPLICIT = model_stamping.ExplicitSettings()
 _SPRINGBACK = model_stamping.Springback()

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork import _core
 from presswork.case.errors import Problem
@@ -129,8 +130,6 @@ class _Cavity:
 
     def part_of_volume(self, displacement: Mapping[str, FloatArray]) -> float:
         """Return the room that the displaced tools leave, over the workpiece's volume; infinite where it is open."""
-        from scipy.ndimage import label
-
         free, filled = self._open.copy(), np.ones(self._weight.shape)
         for tool in self._tools:
             local = np.ascontiguousarray((self._places - displacement[tool.name]).reshape(-1, 2))
@@ -138,10 +137,29 @@ class _Cavity:
             cells = np.minimum(gap, other_face).reshape(free.shape) / self._cell
             free &= cells > -SHRUNK
             filled = np.minimum(filled, np.clip(0.5 + cells, 0.0, 1.0))
-        regions, _ = label(free)
-        reached = np.unique(regions[self._workpiece & free])
-        flooded = np.isin(regions, reached)
+        flooded = _flood(free, self._workpiece & free)
         edges = (flooded[0], flooded[-1], flooded[:, 0], flooded[:, -1])
         if any(edge.any() for edge in edges):
             return float("inf")
         return float((self._weight * filled)[flooded].sum()) / self.volume
+
+
+def _flood(free: BoolArray, start: BoolArray) -> BoolArray:
+    """Return the free cells (n, m) that a way over the sides of free cells joins to those of the start.
+
+    The flood runs along whole rows and columns of free cells in turn, until none is added.
+    """
+    runs = [_number_runs(free), _number_runs(free.T).T]
+    flooded, count = start, -1
+    while count != (count := int(np.count_nonzero(flooded))):
+        for run in runs:
+            reached = np.zeros(run.max() + 1, dtype=bool)
+            reached[run[flooded]] = True
+            flooded = reached[run] & free
+    return flooded
+
+
+def _number_runs(free: BoolArray) -> NDArray[np.int64]:
+    """Return the number of the run of free cells that each free cell of a row belongs to (n, m)."""
+    closed = np.pad(~free, ((0, 0), (1, 0)), constant_values=True)
+    return np.cumsum(closed, dtype=np.int64).reshape(closed.shape)[:, 1:]

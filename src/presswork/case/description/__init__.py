@@ -9,11 +9,9 @@ from dataclasses import fields
 import numpy as np
 
 from presswork import model
-from presswork.case.describe.explicit import describe_explicit
-from presswork.case.describe.material import describe_material
-from presswork.case.describe.onestep import describe_onestep
-from presswork.case.describe.shell import describe_sheet, describe_sheet_loads
-from presswork.case.describe.stamping import describe_stamping
+from presswork.case.description.explicit import describe_explicit
+from presswork.case.description.material import describe_material
+from presswork.case.description.shell import describe_sheet, describe_sheet_loads
 from presswork.geometry.crossing import bound_segments
 from presswork.memory import available_memory, estimate_memory
 from presswork.model_onestep import OneStepModel
@@ -36,8 +34,12 @@ _ELEMENTS: dict[str, str] = {
 def describe(problem: AnyModel | OneStepModel) -> str:
     """Describe a Model in words, a line per fact, with an estimate of what computing it takes."""
     if isinstance(problem, OneStepModel):
+        from presswork.case.description.onestep import describe_onestep
+
         return "\n".join([problem.title, *describe_onestep(problem)])
     if isinstance(problem, StampingModel):
+        from presswork.case.description.stamping import describe_stamping
+
         return "\n".join([problem.title, *describe_stamping(problem), _describe_memory(problem)])
     lines = [problem.title, *_describe_body(problem)]
     lines += [f"material {material.name}: {describe_material(material)}" for material in problem.materials]

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from presswork.case.describe.material import describe_forming_limit, describe_material
+from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.stamping.clashes import find_closing_stroke
 from presswork.geometry.swept_tool import SweptTool
 from presswork.geometry.tool_radius import find_least_radius

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.case.describe.material import describe_material
+from presswork.case.description.material import describe_material
 from presswork.model_onestep import OneStepModel
 
 
