@@ -167,9 +167,11 @@ class Interface {
     slot.gap /= slot.weight;
     slot.slip = slot.slip / slot.weight + in_.slip[i];
     const double trial = in_.pressure[i] - in_.stiffness[i] * slot.gap;
-    slot.is_active = in_.held[i] || trial >= -in_.stiffness[i] * in_.touching;
-    slot.pressure = in_.held[i] ? trial : std::max(trial, 0.0);
-    slot.believed = in_.held[i] ? in_.believed[i] : slot.pressure;
+    const bool holds = in_.held[i] == keeps_hold;
+    const double touches = in_.held[i] == let_go ? 0.0 : -in_.stiffness[i] * in_.touching;
+    slot.is_active = holds || trial >= touches;
+    slot.pressure = holds ? trial : std::max(trial, 0.0);
+    slot.believed = holds ? in_.believed[i] : slot.pressure;
     if (!(slot.believed > 0.0)) return;
     const double by_push = in_.mu * slot.believed, limit = std::min(by_push, in_.shear_limit[i]);
     const double spring = in_.shear[i] - tangential(i) * slot.slip;
@@ -242,7 +244,8 @@ class Interface {
     pressure_slope.add(slot.weight_slope, in_.stiffness[i] * slot.gap / slot.weight);
     store_slopes(i, pressure_slope);
     if (!slot.is_active) return;
-    if (slot.status == SlotStatus::sticks || (slot.believed <= 0.0 && in_.mu > 1.0)) {
+    const bool will_stick = in_.held[i] == by_gap && slot.believed <= 0.0 && in_.mu > 1.0;
+    if (slot.status == SlotStatus::sticks || will_stick) {
       shear_slope.add(slot.slip_slope, -tangential(i) / slot.weight);
       shear_slope.add(slot.weight_slope, tangential(i) * (slot.slip - in_.slip[i]) / slot.weight);
     } else if (slot.follows_push) {

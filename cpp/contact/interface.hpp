@@ -37,6 +37,10 @@ struct EdgeList {
 std::vector<HalfEdgePair> find_edge_pairs(const EdgeList& slave, const EdgeList& master, const double* x, double margin,
                                           bool self);
 
+// What an iteration has decided of a slot: by_gap, it pushes where its gap is closed; keeps_hold, it keeps contact even
+// where it pulls; let_go, as by_gap, but a gap just closed is none: it has pulled in this increment.
+enum SlotHold : std::uint8_t { by_gap, keeps_hold, let_go };
+
 struct InterfaceInput {
   EdgeList slave, master;
   const int* slots;  // (slave.n, 2): the slots of each slave edge's ends
@@ -46,7 +50,7 @@ struct InterfaceInput {
   const double *slave_depth, *master_depth;  // (n): how deep the other body may reach behind each edge [mm]
   double reach;                              // gaps larger than this are not looked at [mm]
   double thickness;                          // normal to the plane [mm]; 0 for full rings
-  const std::uint8_t* held;                  // (n_slots): keeps contact even where it pulls
+  const std::uint8_t* held;                  // (n_slots): SlotHold
   const double *pressure, *shear, *slip;     // (n_slots): multipliers [MPa], slip still to be undone [mm]
   const double* believed;                    // (n_slots): pressure for the tangent and for who sticks [MPa]
   const double* least_weight;                // (n_slots): no mean is taken over less than this [mm2]
@@ -54,7 +58,7 @@ struct InterfaceInput {
   double tangential_part;
   const double* shear_limit;  // (n_slots): m k [MPa], infinite without
   double mu;
-  double touching;  // gaps below this [mm] count as contact in the tangent
+  double touching;  // gaps below this [mm] count as contact in the tangent, but at slots let go
   bool with_tangent;
 };
 

@@ -118,6 +118,40 @@ def test_tangent_and_friction_follow_the_believed_pressure() -> None:
     assert (np.asarray(surfaces.evaluate(lifted).shear)[pulls] == 0.0).all()
 
 
+BY_GAP, KEEPS_HOLD, LET_GO = 0, 1, 2
+
+
+def tangent_of(surfaces: Surfaces, x: np.ndarray, hold: int, **other: object):
+    """Return pressure, shear and the sum of the tangent's squares, all slots alike."""
+    n = len(surfaces.arguments["held"])
+    surfaces.arguments |= {"held": np.full(n, hold, dtype=np.uint8), **other}
+    found = surfaces.evaluate(x)
+    return np.asarray(found.pressure), np.asarray(found.shear), float((np.asarray(found.blocks) ** 2).sum())
+
+
+def test_a_slot_let_go_has_no_tangent_where_it_just_touches() -> None:
+    """It has pulled: a stiff gap that is closed but for a nanometre would hold it against its own release."""
+    surfaces = Surfaces(2, LAWS["frictionless"], 1.0)
+    apart = surfaces.x - [0.0, 0.1] * (np.arange(len(surfaces.x)) < len(surfaces.lower))[:, None]
+    found = {hold: tangent_of(surfaces, apart, hold, pressure=np.zeros(5), touching=1.0) for hold in (BY_GAP, LET_GO)}
+    assert (found[BY_GAP][0] == 0.0).all()
+    assert found[BY_GAP][2] > 1.0
+    assert found[LET_GO][2] == 0.0
+    closed = tangent_of(surfaces, surfaces.x, LET_GO, pressure=np.full(5, 5.0))
+    assert (closed[0] > 0.0).any()
+    assert closed[2] > 1.0, "it pushes again where the gap is closed"
+
+
+def test_a_sticking_slot_that_pulls_has_no_shear_and_no_tangent_against_slip() -> None:
+    """Its tangent is the frictionless one; with a stiffness that no force follows, Newton's method would crawl."""
+    pulling = {"pressure": np.full(5, -50.0), "believed": np.full(5, -50.0)}
+    sticking = tangent_of(surfaces := Surfaces(2, LAWS["sticking"], 1.0), surfaces.x, KEEPS_HOLD, **pulling)
+    smooth = tangent_of(surfaces := Surfaces(2, LAWS["frictionless"], 1.0), surfaces.x, KEEPS_HOLD, **pulling)
+    assert (sticking[0] < 0.0).any()
+    assert (sticking[1] == 0.0).all()
+    assert sticking[2] == pytest.approx(smooth[2], rel=1e-12)
+
+
 @pytest.mark.parametrize("nodes", [2, 3])
 def test_interface_forces_balance(nodes, law) -> None:
     surfaces = Surfaces(nodes, law, 1.0)

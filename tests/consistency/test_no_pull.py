@@ -68,7 +68,7 @@ def press_body(law: dict[str, Any]) -> ImplicitProcedure:
                     {"set": "punch.top", "component": "x", "value": 0}]},
                 {"name": "draw", "displacement": [
                     {"set": "punch.top", "component": "y", "value": 0},
-                    {"set": "punch.top", "component": "x", "value": 0.03}]}],
+                    {"set": "punch.top", "component": "x", "value": 0.2}]}],
         solver={"initial_increment": 0.2, "max_increment": 0.2},
     )  # fmt: skip
     return ImplicitProcedure(build_model(case), threads=1)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from sliding_arches import beams, slide
 
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import SolverSettings
 
 FIRST_WAY = 0.315
@@ -40,3 +41,23 @@ def test_force_between_bodies_is_the_reaction_at_the_feet(at_once) -> None:
     np.testing.assert_allclose(between, -on_feet, rtol=1e-3)
     of_nodes = procedure.state.interface_force[list(procedure.model.bodies[0].points)].sum(axis=0)
     np.testing.assert_allclose(between, of_nodes, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("way", "allowed"), [(FIRST_WAY, 2.0), (3 * FIRST_WAY, 0.2)])
+def test_energy_of_a_frictionless_slide_balances_over_an_edge(way, allowed) -> None:
+    """Straight edges that slide past each other do work on each other within the length of one, and take it back.
+
+    The pressure acts along the normal of one surface's edges, and the other's are inclined to them. All that the
+    balance lacks is this work; nothing of it is left after three edges (0.36 mm long).
+    """
+    solver = SolverSettings(initial_increment=0.05, max_increment=0.05, symmetric=False)
+    procedure = ImplicitProcedure(beams(0.0, solver, way=way), threads=1)
+    work, before = 0.0, procedure.state.interface_force
+    for _ in procedure.advance():
+        state = procedure.state
+        work += 0.5 * float(((before + state.interface_force) * state.increment).sum())
+        before = state.interface_force
+    energy = procedure.energy_balance()
+    assert abs(energy["error_percent"]) < allowed
+    lacking = energy["external_work"] - energy["elastic_energy"] - energy["plastic_work"]
+    assert lacking == pytest.approx(-work, abs=1e-3 * energy["external_work"])

@@ -30,6 +30,8 @@ MAX_CHANGES = 4
 """Changes after which a slot keeps contact until the increment ends."""
 RELEASE = 1e-3
 """A slot that may change no more may pull with no more than this part of the largest pressure."""
+BY_GAP, KEEPS_HOLD, LET_GO = 0, 1, 2
+"""What the iteration has decided of a slot (SlotHold in cpp/contact/interface.hpp)."""
 STICKS = 1
 """Status of a slot that sticks."""
 
@@ -86,7 +88,7 @@ class BodyContacts:
     def begin_increment(self, state_n: State) -> None:
         """Take contact and shear flow stress [MPa] as they are at the start of the increment."""
         self.n_unsettled = 0
-        self._held = (state_n.interface_pressure > 0).astype(np.uint8)
+        self._held = np.where(state_n.interface_pressure > 0, KEEPS_HOLD, BY_GAP).astype(np.uint8)
         self._believed = state_n.interface_pressure.copy()
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
         if any(i.contact.contact in ("shear", "coulomb_capped") for i in self.interfaces):
@@ -145,13 +147,13 @@ class BodyContacts:
     def update(self, found: BodyForces, *, near: bool) -> int:
         """Take hold of slots that penetrate and, near equilibrium, let go of those that pull; return the changes."""
         before = self._held.copy()
-        fresh = (found.pressure > 0) & (before == 0)
+        fresh = (found.pressure > 0) & (before != KEEPS_HOLD)
         self._believed[fresh] = np.minimum(found.pressure, self._credible)[fresh]
-        self._held[found.pressure > 0] = 1
-        self._held[found.pressure == 0] = 0
+        self._held[found.pressure > 0] = KEEPS_HOLD
+        self._held[(found.pressure == 0) & (before == KEEPS_HOLD)] = BY_GAP
         if near:
             pulls = found.pressure < 0
-            self._held[pulls & (self._changes < MAX_CHANGES)] = 0
+            self._held[pulls & (self._changes < MAX_CHANGES)] = LET_GO
             strongly = found.pressure < -RELEASE * found.pressure.max(initial=0.0)
             self.n_unsettled = int((strongly & (self._changes >= MAX_CHANGES)).sum())
         changed = before != self._held
