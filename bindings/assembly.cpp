@@ -45,7 +45,7 @@ void bind_assembler(nb::module_& m, const char* name, const char* doc) {
           [](const Assembler& a, const std::vector<Doubles>& stiffness, Bytes turned, Doubles frames,
              MutableDoubles data) {
             require(turned.size() == std::size_t(a.n_nodes()) && frames.size() == frame_values * turned.size(),
-                    "turned (n_nodes) and frames (n_nodes, F, F), F = 2 or, with six freedoms a node, 3");
+                    "turned (n_nodes) and frames (n_nodes, F, F), F = 2 in the plane, else 3");
             require(data.size() == a.indices().size(), "data must have the length of indices");
             const auto sources = pointers(stiffness);
             nb::gil_scoped_release release;
@@ -87,6 +87,7 @@ void bind_assembler(nb::module_& m, const char* name, const char* doc) {
 
 void bind_assembly(nb::module_& m) {
   bind_assembler<2>(m, "Assembler", "Sparsity pattern and scatter of element arrays, two freedoms a node.");
+  bind_assembler<3>(m, "SpaceAssembler", "The same with three freedoms a node.");
   bind_assembler<6>(m, "ShellAssembler", "The same with six freedoms a node, rotations in the nodes' frames.");
 }
 

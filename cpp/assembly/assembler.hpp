@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sparsity pattern and scatter, D freedoms a node: 2 for solids in the plane, 6 for shells.
+// Sparsity pattern and scatter, D freedoms a node: 2 for solids in the plane, 3 for solids in space, 6 for shells.
 //
 // Element arrays are gathered, not scattered: every DxD node pair of the global matrix knows which element entries add
 // up to it, in a fixed order, so that rows can be filled by any number of threads with the same bits. Symmetric
@@ -76,6 +76,7 @@ class Assembler {
 };
 
 extern template class Assembler<2>;
+extern template class Assembler<3>;
 extern template class Assembler<6>;
 
 }  // namespace presswork

@@ -87,7 +87,7 @@ class VonMises:
 
     def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Advance points by strain increments (n, 4); returns stress (n, 4), eqps (n) and tangent (n, 4, 4).
+        Advance points by strain increments (n, N), N = 4 (xx, yy, zz, xy) or 6 (and yz, zx); returns stress (n, N), eqps (n) and tangent (n, N, N).
         """
 
 class RateLaw(enum.Enum):
@@ -432,6 +432,31 @@ class SheetUnder:
 
 class Assembler:
     """Sparsity pattern and scatter of element arrays, two freedoms a node."""
+
+    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
+
+    @property
+    def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
+    @property
+    def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
+    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """
+        Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
+        """
+
+    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Add blocks (n, D, D) at node pairs (n, 2)."""
+
+    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+        """Nodal force (n_nodes, D) of packed element forces."""
+
+    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Prescribe the masked freedoms in the matrix and the right-hand side."""
+
+class SpaceAssembler:
+    """The same with three freedoms a node."""
 
     def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
 

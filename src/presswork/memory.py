@@ -14,7 +14,7 @@ from presswork.model_stamping import AnyModel, StampingModel
 
 _POINTS: dict[str, int] = {
     "tri3": 1, "tri6_6pt": 6, "tri6_7pt": 7, "quad4": 4, "quad4_fbar": 4, "quad4_1pt": 1,
-    "quad8": 9, "quad8_2x2": 4, "quad9": 9, "quad9_2x2": 4,
+    "quad8": 9, "quad8_2x2": 4, "quad9": 9, "quad9_2x2": 4, "hex8": 8, "hex8_fbar": 8,
 }  # fmt: skip
 _BYTES_PER_POINT = 4 * 8 * 16
 """Four copies of about 16 numbers at a quadrature point: converged, trial, and work arrays."""
@@ -22,7 +22,7 @@ _BYTES_PER_LAYER = 3 * 8 * 8
 """Three copies of about 8 numbers at a point of a layer of a shell."""
 _BYTES_PER_ENTRY = 8 + 0.6 * 12
 """Of an element's matrix: the value, and 12 bytes an entry once merged."""
-_FACTOR_BYTES_PER_FREEDOM = {2: 2500.0, 6: 3500.0}
+_FACTOR_BYTES_PER_FREEDOM = {2: 2500.0, 3: 12000.0, 6: 3500.0}
 """Of a sparse factorisation at 100,000 freedoms, by freedoms of a node; grows with the logarithm of their number."""
 _EXPLICIT_BYTES_PER_CELL = 2000.0
 """Of an explicit cell beside its layers: mesh, forces, work arrays and what is written."""
@@ -34,7 +34,7 @@ class TooLargeError(Exception):
 
 def estimate_memory(problem: AnyModel) -> float:
     """Estimate the bytes for mesh, state, matrix and factors."""
-    freedoms = 2 if isinstance(problem, model.Model) and problem.analysis != "shell" else 6
+    freedoms = problem.freedoms if isinstance(problem, model.Model) else 6
     with_matrix = problem.procedure == "implicit" if isinstance(problem, StampingModel) else problem.explicit is None
     if isinstance(problem, StampingModel) and problem.springback is not None:
         with_matrix = True
@@ -74,6 +74,11 @@ def estimate_rectangle(cells: int, element: str, layers: int, *, explicit: bool)
     """Estimate the bytes for a rectangle of so many cells, before it is meshed. layers: of a shell, else 0."""
     nodes = cells * {3: 0.5, 6: 2.0, 4: 1.0, 8: 3.0, 9: 4.0}[_count_nodes(element)]
     return _estimate_block(cells, element, layers, nodes, 6 if layers else 2, not explicit)
+
+
+def estimate_box(cells: int, element: str) -> float:
+    """Estimate the bytes for a box of so many hexahedra, before it is meshed."""
+    return _estimate_block(cells, element, 0, float(cells), 3, with_matrix=True)
 
 
 def check_memory(problem: AnyModel) -> None:

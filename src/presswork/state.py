@@ -54,8 +54,8 @@ class State:
     """Arrays at one instant; units mm, N, MPa. A checkpoint is a dump of the converged State."""
 
     displacement: FloatArray
-    """Since the start (n_points, 2); of a shell (n_points, 6): x, y, z and the sum of the increments' rotation vectors
-    [rad]."""
+    """Since the start (n_points, 2); of a solid in space (n_points, 3); of a shell (n_points, 6): x, y, z and the sum
+    of the increments' rotation vectors [rad]."""
     increment: FloatArray
     """Of the last increment, in the same form: the first guess of the next."""
     reaction: FloatArray
@@ -117,8 +117,8 @@ class State:
     search_displacement: FloatArray
     """At which edges that may touch were last looked for (n_points, 2) [mm]; no rows without contact of bodies."""
     stress: list[FloatArray]
-    """Cauchy stress xx, yy, zz, xy per block (n_cells, n_points, 4); of shells xx, yy, xy in the lamina frame,
-    (n_cells, q k, 3), layers within points."""
+    """Cauchy stress xx, yy, zz, xy per block (n_cells, n_points, 4), in space also yz, zx; of shells xx, yy, xy in the
+    lamina frame, (n_cells, q k, 3), layers within points."""
     eqps: list[FloatArray]
     """Equivalent plastic strain per block (n_cells, n_points)."""
     user: list[FloatArray]
@@ -146,15 +146,16 @@ class State:
         n_moving = n if model.solver.inertia else 0
         solids = () if model.analysis == "shell" else model.mesh.blocks
         sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in solids]
+        d, components = model.dimension, 6 if model.dimension == 3 else 4
         n_tools, n_sheet_tools = len(model.tools), len(model.sheet_tools)
         n_bead_points = sum(len(b.place) for b in model.sheet_beads)
         return cls(
-            displacement=np.zeros((n, 2)),
-            increment=np.zeros((n, 2)),
-            reaction=np.zeros((n, 2)),
-            external_force=np.zeros((n, 2)),
-            velocity=np.zeros((n_moving, 3 if model.analysis == "shell" else 2)),
-            inertia_force=np.zeros((n_moving, 3 if model.analysis == "shell" else 2)),
+            displacement=np.zeros((n, d)),
+            increment=np.zeros((n, d)),
+            reaction=np.zeros((n, d)),
+            external_force=np.zeros((n, d)),
+            velocity=np.zeros((n_moving, d)),
+            inertia_force=np.zeros((n_moving, d)),
             tool_displacement=np.zeros((n_tools, 2)),
             tool_angle=np.zeros(n_tools),
             tool_travel=np.zeros((n_tools, 2)),
@@ -179,7 +180,7 @@ class State:
             interface_force=np.zeros((n_coupled, 2)),
             interface_friction=np.zeros((n_coupled, 2)),
             search_displacement=np.zeros((n_coupled, 2)),
-            stress=[np.zeros((*s, 4)) for s in sizes],
+            stress=[np.zeros((*s, components)) for s in sizes],
             eqps=[np.zeros(s) for s in sizes],
             user=[_user_at_rest(model.materials[b.material].umat, s) for b, s in zip(solids, sizes, strict=True)],
             hourglass=[np.zeros((s[0], 2)) for s in sizes],

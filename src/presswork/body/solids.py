@@ -121,10 +121,9 @@ NOISE = 1e-8
 class Mechanics:
     """Evaluates all cells of the model over one increment and assembles the result."""
 
-    freedoms = 2
-
     def __init__(self, model: Model, timing: Timing) -> None:
         self._model = model
+        self.freedoms = model.freedoms
         self._timing = timing
         self._settings = make_point_settings(model.solver)
         laws = [make_law(m, model.solver) for m in model.materials]
@@ -135,19 +134,20 @@ class Mechanics:
         self.assembler = self._make_assembler(None)
         self._couplings: IntArray | None = None
         self.supports = Supports(model)
-        self.length = np.ones(2)
+        self.length = np.ones(self.freedoms)
         """What each freedom is multiplied by to make it a length [mm]."""
         self._force: list[FloatArray] = []
         self._stiffness: list[FloatArray] = []
         for connectivity in self._connectivity:
             cells, nodes = connectivity.shape
             packs = -(-cells // _core.pack_width)
-            self._force.append(np.zeros((packs, 2 * nodes, _core.pack_width)))
-            self._stiffness.append(np.zeros((packs, 2 * nodes, 2 * nodes, _core.pack_width)))
+            self._force.append(np.zeros((packs, self.freedoms * nodes, _core.pack_width)))
+            self._stiffness.append(np.zeros((packs, self.freedoms * nodes, self.freedoms * nodes, _core.pack_width)))
 
-    def _make_assembler(self, couplings: IntArray | None) -> _core.Assembler:
+    def _make_assembler(self, couplings: IntArray | None) -> _core.Assembler | _core.SpaceAssembler:
         n_points = len(self._model.mesh.points)
-        return _core.Assembler(n_points, self._connectivity, self._model.solver.symmetric, couplings)
+        assembler = _core.SpaceAssembler if self.freedoms == 3 else _core.Assembler
+        return assembler(n_points, self._connectivity, self._model.solver.symmetric, couplings)
 
     def couple(self, couplings: IntArray) -> None:
         """Let the matrix hold these node pairs (n, 2) beside those of the cells; a change makes a new assembler."""
@@ -188,6 +188,8 @@ class Mechanics:
         """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
         model = self._model
         size = float(np.ptp(model.mesh.points, axis=0).max())
+        if model.analysis == "solid":
+            return NOISE * max(m.young for m in model.materials) * size**2
         axisymmetric = model.analysis == "axisymmetric"
         thickness = 2 * np.pi * float(model.mesh.points[:, 0].max()) if axisymmetric else model.depth
         return NOISE * max(m.young for m in model.materials) * size * thickness
@@ -283,11 +285,13 @@ class Mechanics:
         self, state: State, contact: ContactForces, between_bodies: tuple[FloatArray, FloatArray] | None
     ) -> dict[str, FloatArray]:
         """Return the fields that are saved of the nodes."""
+        if self._model.analysis == "solid":  # which no tool touches
+            return {"displacement": state.displacement.copy()}
         return point_fields(self._model, state, contact, self.nodal_flow_stress(state), between_bodies)
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""
-        stress = np.concatenate([s.reshape(-1, 4) for s in state.stress])
+        stress = np.concatenate([s.reshape(-1, s.shape[-1]) for s in state.stress])
         return {
             "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.eqps]),
             "effective_stress": effective_stress(stress),
@@ -311,7 +315,7 @@ class Mechanics:
             if material.umat is not None:
                 continue  # told with the plastic work
             trace = stress[..., :3].sum(axis=-1)
-            square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * stress[..., 3] ** 2
+            square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * (stress[..., 3:] ** 2).sum(axis=-1)
             density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * material.young)
             total += float((density * volume).sum())
         return total

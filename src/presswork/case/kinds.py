@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from presswork.case.onestep.schema import OneStepCase
     from presswork.case.shell.schema import ShellCase
     from presswork.case.solid.schema import Case
+    from presswork.case.space.schema import SpaceCase
     from presswork.case.stamping.schema import StampingCase
     from presswork.model_stamping import AnyModel
 
-    AnyCase: TypeAlias = Case | ShellCase | StampingCase | OneStepCase
+    AnyCase: TypeAlias = Case | SpaceCase | ShellCase | StampingCase | OneStepCase
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,9 @@ KINDS = {
         ("axisymmetric", "plane_strain"),
         "presswork.case.solid.schema:Case",
         "presswork.case.solid.builder:build_solid_model",
+    ),
+    "space": Kind(
+        ("solid",), "presswork.case.space.schema:SpaceCase", "presswork.case.space.builder:build_space_model"
     ),
     "shell": Kind(
         ("shell",), "presswork.case.shell.schema:ShellCase", "presswork.case.shell.builder:build_shell_model"

@@ -12,9 +12,11 @@ from presswork.state import State
 
 
 def effective_stress(stress: FloatArray) -> FloatArray:
-    """Return the von Mises stress of xx, yy, zz, xy (..., 4)."""
-    sxx, syy, szz, sxy = np.moveaxis(stress, -1, 0)
-    squares: FloatArray = 0.5 * ((sxx - syy) ** 2 + (syy - szz) ** 2 + (szz - sxx) ** 2) + 3 * sxy**2
+    """Return the von Mises stress of xx, yy, zz, xy (..., 4), in space also yz, zx (..., 6)."""
+    sxx, syy, szz, *shears = np.moveaxis(stress, -1, 0)
+    squares: FloatArray = 0.5 * ((sxx - syy) ** 2 + (syy - szz) ** 2 + (szz - sxx) ** 2)
+    for shear in shears:
+        squares = squares + 3 * shear**2
     return np.asarray(np.sqrt(squares))
 
 
@@ -27,7 +29,7 @@ def cell_fields(model: Model, state: State) -> dict[str, FloatArray]:
         mean = np.einsum("cq,cqi->ci", weight, stress)
         parts["equivalent_plastic_strain"].append((weight * eqps).sum(axis=1))
         parts["effective_stress"].append((weight * effective_stress(stress)).sum(axis=1))
-        parts["stress"].append(np.column_stack([mean, np.zeros((len(mean), 2))]))
+        parts["stress"].append(np.column_stack([mean, np.zeros((len(mean), 6 - mean.shape[1]))]))
         parts["hydrostatic_stress"].append(mean[:, :3].mean(axis=1))
     fields = {name: np.concatenate(values) for name, values in parts.items()}
     fields.update(_state_variables(model, state))

@@ -15,7 +15,7 @@ from presswork import _core
 from presswork.body.solids import make_mechanics
 from presswork.implicit.energy import add_external_work, add_work_of_inertia, balance
 from presswork.implicit.newton import Equilibrium
-from presswork.interaction.supports import NotHeldError, check_shell_held
+from presswork.interaction.supports import NotHeldError, check_shell_held, check_solid_held
 from presswork.interaction.tool_contact import Contact
 from presswork.model import Body, BoolArray, FloatArray, Model, Stage, ToolMotion
 from presswork.outcome import Converged, Failed, GaveUpError, IterationLog, Step
@@ -50,7 +50,7 @@ class ImplicitProcedure:
     """Advances one model through its stages."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
-        freedoms = (6 if model.analysis == "shell" else 2) * len(model.mesh.points)
+        freedoms = model.freedoms * len(model.mesh.points)
         threads = threads or (available_threads() if freedoms > ENOUGH_FOR_THREADS else 1)
         _core.set_threads(threads)
         self.model = model
@@ -73,6 +73,9 @@ class ImplicitProcedure:
             sheet = self.equilibrium.sheet
             touched = sheet.held_directions(self.state) if sheet else None
             check_shell_held(self.model, self.equilibrium.fixed(0), touched)
+            return
+        if self.model.analysis == "solid":
+            check_solid_held(self.model, self.equilibrium.fixed(0))
             return
         whole = Body("workpiece", range(len(self.model.mesh.points)), range(len(self.model.mesh.blocks)))
         bodies = self.model.bodies or (whole,)

@@ -42,7 +42,7 @@ class Inertia:
     def __init__(self, model: Model) -> None:
         self.is_needed = model.solver.inertia > 0.0
         self._damping = model.solver.damping
-        self._freedoms, self._moving = (6, 3) if model.analysis == "shell" else (2, 2)
+        self._freedoms, self._moving = model.freedoms, model.dimension
         self._mass = np.zeros(len(model.mesh.points))
         for block in model.mesh.blocks if self.is_needed else ():
             density = model.solver.inertia * model.materials[block.material].density

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.mesh.edges import GAUSS_3, edge_areas, edge_shape_functions
+from presswork.mesh.faces import face_areas, press_faces
 from presswork.model import FloatArray, IntArray, Model
 
 
 @dataclass(frozen=True)
 class AppliedLoads:
-    """Nodal force (n_points, 2) [N] and, for pressures, the stiffness to subtract: node pairs (n, 2), blocks (n, 2,
-    2).
+    """Nodal force (n_points, d) [N] and, for pressures, the stiffness to subtract: node pairs (n, 2), blocks (n, d, d);
+    d = 2, in space 3.
     """
 
     force: FloatArray
@@ -25,10 +26,11 @@ class AppliedLoads:
 def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float) -> AppliedLoads:
     """Return the loads at a fraction of a stage; loads grow linearly and end with their stage.
 
-    points: on which pressures act (n_points, 2): the deformed ones, with small displacements the undeformed ones.
+    points: on which pressures act (n_points, d): the deformed ones, with small displacements the undeformed ones.
     """
+    d = points.shape[1]
     force = np.zeros_like(points)
-    pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 2, 2))]
+    pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, d, d))]
     for load in model.stages[stage].forces:
         nodes = model.mesh.node_sets[load.node_set]
         force[nodes] += fraction * np.asarray(load.force) / len(nodes)
@@ -42,6 +44,16 @@ def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float
         edge_pairs, edge_blocks = _add_pressure(model, points, edges, fraction * pressure.value, force)
         pairs.append(edge_pairs)
         blocks.append(edge_blocks)
+    for face_load in model.stages[stage].face_forces:
+        faces = model.mesh.face_sets[face_load.face_set]
+        areas = face_areas(model.mesh.points, faces)[..., None] * np.asarray(face_load.force)
+        np.add.at(force, faces, fraction * areas)
+    for face_pressure in model.stages[stage].face_pressures:
+        faces = model.mesh.face_sets[face_pressure.face_set]
+        face_force, face_blocks = press_faces(points, faces, fraction * face_pressure.value)
+        np.add.at(force, faces, face_force)
+        pairs.append(pair_nodes(faces))
+        blocks.append(face_blocks.reshape(-1, d, d))
     return AppliedLoads(force, np.concatenate(pairs), np.concatenate(blocks))
 
 
@@ -65,6 +77,11 @@ def _add_pressure(
         if axisymmetric:
             stiffness[..., 0] += pressure * weight * 2 * np.pi * np.einsum("a,b,ei->eabi", N, N, normal)
     np.add.at(force, edges, edge_force)
-    rows, columns = np.repeat(edges, n, axis=1), np.tile(edges, (1, n))
-    pairs = np.stack([rows, columns], axis=-1).reshape(-1, 2).astype(np.int32)
-    return np.ascontiguousarray(pairs), stiffness.reshape(-1, 2, 2)
+    return pair_nodes(edges), stiffness.reshape(-1, 2, 2)
+
+
+def pair_nodes(sides: IntArray) -> IntArray:
+    """Return the node pairs (n k^2, 2) of edges or faces (n, k), the second node fastest."""
+    k = sides.shape[1]
+    rows, columns = np.repeat(sides, k, axis=1), np.tile(sides, (1, k))
+    return np.ascontiguousarray(np.stack([rows, columns], axis=-1).reshape(-1, 2).astype(np.int32))

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What supports and prescribed displacements make of an increment: prescribed freedoms, and frames for rotations.
 
-Solids have two freedoms a node, taken along x and y. Shells have six; their rotations are taken in a frame of the
-node's own, so that any set of them can be prescribed: those about x, y, z that supports hold, and, where the sheet is
-smooth, the drilling about the director, which means nothing there.
+Solids have two or three freedoms a node, taken along x, y and z. Shells have six; their rotations are taken in a frame
+of the node's own, so that any set of them can be prescribed: those about x, y, z that supports hold, and, where the
+sheet is smooth, the drilling about the director, which means nothing there.
 """
 
 from __future__ import annotations
@@ -28,16 +28,35 @@ def check_shell_held(model: Model, fixed: BoolArray, touched: tuple[IndexArray, 
 
     touched: nodes (n,) that tools hold too, and along which unit vectors (n, 3).
     """
-    points = model.mesh.points - model.mesh.points.mean(axis=0)
-    size = float(np.abs(points).max())
-    modes = np.zeros((len(points), 6, 6))  # of each point and freedom, by rigid mode
-    modes[:, :3, :3] = np.eye(3)
-    modes[:, 3:, 3:] = np.eye(3)
-    modes[:, :3, 3:] = np.cross(np.eye(3)[None], points[:, None] / size).transpose(0, 2, 1)
+    modes = _rigid_modes(model.mesh.points)
     held = modes[fixed]
     if touched is not None:
         nodes, directions = touched
         held = np.concatenate([held, np.einsum("ni,nij->nj", directions, modes[nodes, :3])])
+    _refuse_loose("shell", held)
+
+
+def check_solid_held(model: Model, fixed: BoolArray) -> None:
+    """Refuse a solid in space that is free to move as a rigid body: `fixed` (n_points, 3) marks what is held."""
+    _refuse_loose("workpiece", _rigid_modes(model.mesh.points)[:, :3][fixed])
+
+
+def _rigid_modes(points: FloatArray) -> FloatArray:
+    """Return displacement and rotation of each point (n_points, 6) in the six rigid motions, about the middle.
+
+    Shape (n_points, 6, 6); the moves of a rotation are over the size of the body.
+    """
+    from_middle = points - points.mean(axis=0)
+    modes = np.zeros((len(points), 6, 6))
+    modes[:, :3, :3] = np.eye(3)
+    modes[:, 3:, 3:] = np.eye(3)
+    size = float(np.abs(from_middle).max())
+    modes[:, :3, 3:] = np.cross(np.eye(3)[None], from_middle[:, None] / size).transpose(0, 2, 1)
+    return modes
+
+
+def _refuse_loose(body: str, held: FloatArray) -> None:
+    """Raise NotHeldError for rigid motions that the rows of `held` (n, 6) do not prevent."""
     values, vectors = np.linalg.eigh(held.T @ held)
     loose = vectors[:, values < 1e-12 * max(float(values.max()), 1.0)]
     if loose.shape[1] == 0:
@@ -46,7 +65,7 @@ def check_shell_held(model: Model, fixed: BoolArray, touched: tuple[IndexArray, 
     most = np.abs(loose).max(axis=1)
     free = " and ".join(name for name, part in zip(names, most, strict=True) if part > 0.3)
     raise NotHeldError(
-        f"nothing holds the shell against {loose.shape[1]} rigid motion{'s' * (loose.shape[1] > 1)} ({free}). Add a "
+        f"nothing holds the {body} against {loose.shape[1]} rigid motion{'s' * (loose.shape[1] > 1)} ({free}). Add a "
         "[boundary] entry"
     )
 
@@ -61,13 +80,13 @@ class Supports:
         self._smooth = np.zeros(0, dtype=bool) if smooth is None else smooth
         self._director_node = np.zeros(0, dtype=np.int32) if director_node is None else director_node
         n = len(model.mesh.points)
-        self.freedoms = 2 if smooth is None else 6
+        self.freedoms = model.freedoms
         self._frames_of: tuple[State, int] | None = None
         self._frames, self._held = np.zeros((0, 3, 3)), np.zeros((0, 3), dtype=bool)
         self._supported = np.zeros((n, self.freedoms), dtype=bool)
         for support in model.supports:
             self._supported[model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix)
-        self._identity = np.tile(np.eye(2), (n, 1, 1))
+        self._identity = np.tile(np.eye(model.dimension), (n, 1, 1))
 
     def fixed(self, stage: int) -> BoolArray:
         """Return the components that supports and prescribed displacements hold in a stage (n_points, freedoms)."""
@@ -87,7 +106,7 @@ class Supports:
             nodes = self._model.mesh.node_sets[p.node_set]
             target[nodes, p.component] = p.value * part
         mask = fixed.astype(np.uint8)
-        if self.freedoms == 2:
+        if self.freedoms < 6:
             value = np.where(mask, target - increment, 0.0)
             return Constraints(mask, value, np.zeros(len(mask), dtype=np.uint8), self._identity)
         if self._frames_of is None or self._frames_of[0] is not state_n or self._frames_of[1] != stage:

@@ -20,6 +20,8 @@ class RawMesh:
     """Connectivity by kind: tri3, tri6, quad4, quad8, quad9."""
     other_kinds: set[str] = field(default_factory=set)
     """Names of kinds in the file that are no 2D cells, lines or points."""
+    hexahedra: list[IntArray] = field(default_factory=list)
+    """Connectivity of hexahedra of 8 nodes, whose name is among other_kinds too."""
     node_sets: dict[str, list[IntArray]] = field(default_factory=dict)
     """Node indices by name, from groups of nodes, points and cells."""
     line_sets: dict[str, list[IntArray]] = field(default_factory=dict)

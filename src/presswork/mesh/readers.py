@@ -154,6 +154,8 @@ def _from_meshio(mesh: Any) -> RawMesh:
             raw.add_cells(kind, np.asarray(block.data))
         elif kind is None:
             raw.other_kinds.add(block.type)
+            if block.type == "hexahedron":
+                raw.hexahedra.append(np.asarray(block.data, dtype=np.int32))
     return raw
 
 

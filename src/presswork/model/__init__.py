@@ -28,6 +28,7 @@ from presswork.model.mesh import (
     Section,
     ShellElement,
     SolidElement,
+    SpaceElement,
     ThicknessRule,
 )
 from presswork.model.model import Analysis, Model
@@ -44,6 +45,8 @@ from presswork.model.settings import (
 from presswork.model.stage import (
     BodyForce,
     EdgeForce,
+    FaceForce,
+    FacePressure,
     PointForce,
     PrescribedDisplacement,
     Pressure,
@@ -67,6 +70,8 @@ __all__ = [
     "ElementName",
     "ExplicitElement",
     "ExplicitSolid",
+    "FaceForce",
+    "FacePressure",
     "FloatArray",
     "FrictionTangent",
     "Hardening",
@@ -94,6 +99,7 @@ __all__ = [
     "ShellPressure",
     "SolidElement",
     "SolverSettings",
+    "SpaceElement",
     "Spring",
     "Stage",
     "StrainMeasure",

@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
+
+import numpy as np
 
 from presswork.model.arrays import FloatArray, IntArray
 
 SolidElement = Literal[
     "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
 ]
+SpaceElement = Literal["hex8", "hex8_fbar"]
 ShellElement = Literal[
     "shell3", "shell3_mitc", "shell3_mitc_plus",
     "shell6", "shell6_selective", "shell6_reduced", "shell6_mitc",
@@ -20,7 +23,7 @@ ShellElement = Literal[
     "shell9", "shell9_selective", "shell9_reduced", "shell9_mitc",
 ]  # fmt: skip
 ExplicitElement = Literal["shell4_one_point", "shell4_mitc_plus", "shell3_one_point"]
-ElementName = Literal[SolidElement, ShellElement, ExplicitElement]
+ElementName = Literal[SolidElement, SpaceElement, ShellElement, ExplicitElement]
 ThicknessRule = Literal["gauss", "lobatto", "simpson"]
 
 
@@ -42,7 +45,8 @@ class CellBlock:
 
     element: ElementName
     connectivity: IntArray
-    """Node indices, shape (n_cells, n_nodes), counter-clockwise: corners first, then mid-sides, then the centre."""
+    """Node indices, shape (n_cells, n_nodes), counter-clockwise: corners first, then mid-sides, then the centre; of a
+    hexahedron the lower face, then the upper one, each counter-clockwise seen from above."""
     material: int
     """Index into Model.materials."""
     section: Section | None = None
@@ -54,14 +58,18 @@ class Mesh:
     """Points, cell blocks and named sets."""
 
     points: FloatArray
-    """Coordinates [mm], shape (n_points, 2); of shells (n_points, 3)."""
+    """Coordinates [mm], shape (n_points, 2); of shells and of solids in space (n_points, 3)."""
     blocks: tuple[CellBlock, ...]
     node_sets: Mapping[str, IntArray]
     """Node indices by name, each sorted and unique."""
     edge_sets: Mapping[str, IntArray]
     """Boundary edges by name, shape (n_edges, 2 | 3): first end, last end[, mid-side], the body on the left."""
     boundary_edges: IntArray
-    """Every boundary edge of the mesh, in the same form."""
+    """Every boundary edge of the mesh, in the same form; of a solid in space none."""
     normals: FloatArray | None = None
     """Of a shell whose exact surface is known: its unit normals at the nodes (n_points, 3); without it, means of the
     cells' normals."""
+    face_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    """Boundary faces of a solid in space by name, shape (n_faces, 4), counter-clockwise seen from outside."""
+    boundary_faces: IntArray = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
+    """Every boundary face of the mesh, in the same form."""

@@ -13,7 +13,7 @@ from presswork.model.mesh import Mesh
 from presswork.model.settings import ExplicitSolid, OutputSettings, SolverSettings
 from presswork.model.stage import Stage, Support
 
-Analysis = Literal["axisymmetric", "plane_strain", "shell"]
+Analysis = Literal["axisymmetric", "plane_strain", "solid", "shell"]
 
 
 @dataclass(frozen=True)
@@ -45,3 +45,13 @@ class Model:
     limits: Limits = field(default_factory=Limits)
     case_text: str = ""
     """The case file as read, kept with the results."""
+
+    @property
+    def dimension(self) -> int:
+        """How many coordinates a point has: 2 in the plane and in axisymmetry, else 3."""
+        return 3 if self.analysis in ("solid", "shell") else 2
+
+    @property
+    def freedoms(self) -> int:
+        """How many freedoms a node has: its displacement, of a shell its rotation too."""
+        return 6 if self.analysis == "shell" else self.dimension

@@ -19,7 +19,7 @@ class Support:
 
     node_set: str
     fix: tuple[bool, ...]
-    """Of x, y; of a shell x, y, z and the rotations about x, y, z."""
+    """Of x, y; of a solid in space x, y, z; of a shell x, y, z and the rotations about x, y, z."""
     name: str = ""
     """By which its reaction is recorded; empty: it is not."""
 
@@ -37,8 +37,8 @@ class PrescribedDisplacement:
 class PointForce:
     """A total force [N] on a node set, shared equally by its nodes, reached linearly at the end of the stage.
 
-    In axisymmetry it is the force on the whole ring; in plane strain on the whole depth. On a shell it has x, y, z and
-    the moments about x, y, z [N mm]; its directions stay as they are.
+    In axisymmetry it is the force on the whole ring; in plane strain on the whole depth. On a solid in space it has
+    x, y, z; on a shell also the moments about x, y, z [N mm]; its directions stay as they are.
     """
 
     node_set: str
@@ -61,6 +61,24 @@ class ShellPressure:
 
     node_set: str
     value: float
+
+
+@dataclass(frozen=True)
+class FacePressure:
+    """A follower pressure [MPa] on a face set of a solid in space, positive into the body, reached linearly at the end
+    of the stage.
+    """
+
+    face_set: str
+    value: float
+
+
+@dataclass(frozen=True)
+class FaceForce:
+    """A force per undeformed area [MPa] of fixed direction on a face set, reached linearly at the end of the stage."""
+
+    face_set: str
+    force: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -138,6 +156,8 @@ class Stage:
     pressures: tuple[Pressure, ...] = ()
     shell_pressures: tuple[ShellPressure, ...] = ()
     edge_forces: tuple[EdgeForce, ...] = ()
+    face_pressures: tuple[FacePressure, ...] = ()
+    face_forces: tuple[FaceForce, ...] = ()
     body_forces: tuple[BodyForce, ...] = ()
 
     def time_between(self, start: float, end: float) -> float:

@@ -9,6 +9,7 @@ from .neutral_radius import NeutralRadius, find_neutral_radius
 from .nodal import average_to_nodes, cell_areas, count_corners
 from .outline import OutlineLoop, find_outline, trace_outline
 from .section import cut_sheet, cut_tool, measure_draw_in, write_section
+from .skin import find_skin
 from .tool_profile import distance_to_profile, trace_profile
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "distance_to_profile",
     "find_neutral_radius",
     "find_outline",
+    "find_skin",
     "fit_flange",
     "integrate_contact_force",
     "judge_cells",

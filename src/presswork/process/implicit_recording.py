@@ -132,7 +132,7 @@ class ImplicitRecording(IncrementRecording):
         points = procedure.mechanics.point_fields(state, forces, procedure.interface_stress())
         if model.analysis != "shell":
             held = state.reaction * self.reactions.mask(self.mesh, self._stage())
-            points["reaction_force"] = np.column_stack([held, np.zeros(len(held))])
+            points["reaction_force"] = np.column_stack([held, np.zeros((len(held), 3 - held.shape[1]))])
         return Snapshot(
             time=float(state.progress[TIME]),
             point_data=points,
@@ -205,7 +205,9 @@ class ImplicitRecording(IncrementRecording):
         }
 
     def _shortest_edge(self) -> float:
-        edges, points = self.model.mesh.boundary_edges, self.model.mesh.points
+        mesh, points = self.model.mesh, self.model.mesh.points
+        sides = np.stack([mesh.boundary_faces, np.roll(mesh.boundary_faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+        edges = np.concatenate([mesh.boundary_edges[:, :2], sides])
         return float(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).min(initial=np.inf))
 
 

@@ -82,13 +82,13 @@ def measure_sheet_penetration(name: str, depth: float, thickness: float) -> Meas
 def measure_hydrostatic_stress(stress: FloatArray, flow_stress: FloatArray, centres: FloatArray) -> Measure:
     """Return the largest hydrostatic stress over the flow stress.
 
-    stress, flow_stress: of points (n,) [MPa]; centres: of their cells (n, 2) [mm].
+    stress, flow_stress: of points (n,) [MPa]; centres: of their cells (n, 2), in space (n, 3) [mm].
     """
     share = np.abs(stress) / np.maximum(flow_stress, 1e-300)
     worst = int(np.argmax(share))
-    x, y = centres[worst]
+    where = ", ".join(f"{c:.4g}" for c in centres[worst])
     fact = (
-        f"the hydrostatic stress is {stress[worst]:.4g} MPa at ({x:.4g}, {y:.4g}) mm, {share[worst]:.3g} times the "
+        f"the hydrostatic stress is {stress[worst]:.4g} MPa at ({where}) mm, {share[worst]:.3g} times the "
         f"flow stress of {flow_stress[worst]:.4g} MPa"
     )
     return Measure("hydrostatic_stress", float(share[worst]), fact)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork.mesh.faces import select_faces
 from presswork.model import Body, BoolArray, FloatArray, IntArray, Mesh, Model
 from presswork.model_stamping import AnyModel
 from presswork.process.recording import Row
@@ -116,6 +117,10 @@ class Reactions:
         whole = Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks)))
         for holder in self.holders:
             moved = np.flatnonzero(holder.moved[:3])
+            if model.analysis == "solid":
+                if len(moved) == 1 and (gauge := _gauge_faces(mesh, holder, int(moved[0]))) is not None:
+                    found[f"gauge_{holder.name}"] = gauge
+                continue
             edges = _edges_within(mesh, mesh.node_sets[holder.node_set])
             if len(moved) != 1 or not len(edges):
                 continue
@@ -139,6 +144,19 @@ def _quantities(holder: Holder) -> list[str]:
     names += [f"moment_{axis}" for axis, is_held in zip(AXES, held[3:], strict=False) if is_held]
     names += [f"displacement_{axis}" for axis, is_moved in zip(AXES, holder.moved[:3], strict=False) if is_moved]
     return names + [f"rotation_{axis}" for axis, is_moved in zip(AXES, holder.moved[3:], strict=False) if is_moved]
+
+
+def _gauge_faces(mesh: Mesh, holder: Holder, axis: int) -> FloatArray | None:
+    """Return what Reactions.gauges tells of a set on the surface of a solid in space that moves along an axis."""
+    faces = select_faces(mesh.boundary_faces, mesh.node_sets[holder.node_set])
+    if not len(faces):
+        return None
+    x = mesh.points[faces]
+    normal = 0.5 * np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
+    along = mesh.points[:, axis]
+    side = 1.0 if 2.0 * x[..., axis].mean() > along.min() + along.max() else -1.0
+    area = float(np.abs(normal[:, axis]).sum())
+    return np.array([area, float(np.ptp(along)), side]) if area > 0.0 else None
 
 
 def _edges_within(mesh: Mesh, nodes: IntArray) -> IntArray:

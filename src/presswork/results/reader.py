@@ -58,7 +58,7 @@ class ResultMesh:
     """The undeformed mesh."""
 
     points: FloatArray
-    """Coordinates [mm], shape (n_points, 2); of shells (n_points, 3)."""
+    """Coordinates [mm], shape (n_points, 2); of shells and of solids in space (n_points, 3)."""
     blocks: tuple[ResultBlock, ...]
     boundary_edges: NDArray[np.int64]
     """Shape (n_edges, 2 | 3): first end, last end[, mid-side], the body on the left."""
@@ -233,7 +233,7 @@ class Result:
         return self.field_names[self._resolve(name)[0]]
 
     def points(self, step: int = -1) -> FloatArray:
-        """Return the coordinates of the deformed mesh [mm], shape (n_points, 2); of shells (n_points, 3)."""
+        """Return the coordinates of the deformed mesh [mm], shape (n_points, 2); in space (n_points, 3)."""
         moved = self.field("displacement", step)[:, : self._dimension]
         return np.asarray(self.mesh_at(step).points + moved, dtype=np.float64)
 
@@ -241,6 +241,11 @@ class Result:
     def is_shell(self) -> bool:
         """Whether the body is a sheet in space."""
         return self.is_stamping or self.info.get("analysis") in ("shell", "onestep")
+
+    @property
+    def is_space_solid(self) -> bool:
+        """Whether the body is a solid in space."""
+        return self.info.get("analysis") == "solid"
 
     @property
     def is_onestep(self) -> bool:
@@ -254,7 +259,7 @@ class Result:
 
     @property
     def _dimension(self) -> int:
-        return 3 if self.is_shell else 2
+        return 3 if self.is_shell or self.is_space_solid else 2
 
     def _resolve(self, name: str) -> tuple[str, int | None]:
         """Return the stored field and the component that a name stands for."""

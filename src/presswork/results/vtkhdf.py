@@ -42,6 +42,7 @@ from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 VTK_TYPES = {
     "tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28,
     "shell3": 5, "shell6": 22, "shell4": 9, "shell8": 23, "shell9": 28,
+    "hex8": 12,
 }  # fmt: skip
 
 _PLACES = ("bottom", "middle", "top")

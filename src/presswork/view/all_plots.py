@@ -60,12 +60,12 @@ def plot_all(
 ) -> list[Path]:
     """Write the pictures of a run as PNG and return their paths.
 
-    For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell one picture in
-    space. For each moving tool: force against stroke; without one, for each set that is moved: reaction against
-    displacement, and nominal stress against nominal strain. For each tool in contact: contact stress along the contact
-    surface. Of dynamics and of stampings: energies against time; of a stamping the section along x, the outline from
-    above with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its
-    symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
+    For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell or a solid in
+    space one picture in space. For each moving tool: force against stroke; without one, for each set that is moved:
+    reaction against displacement, and nominal stress against nominal strain. For each tool in contact: contact stress
+    along the contact surface. Of dynamics and of stampings: energies against time; of a stamping the section along x,
+    the outline from above with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part,
+    mirrored by its symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
     `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a stamping
     STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder. sections:
     x, y of where a section begins [mm], and its angle from x [degree]; each is drawn, and its thickness written as CSV.
@@ -108,9 +108,10 @@ def plot_all(
             figure.set_size_inches(7.0, 5.2)
             paths.append(save_picture(figure, folder / f"forming_limit_{step:03d}.png"))
         for field in fields:
-            if result.is_shell:
+            if result.is_shell or result.is_space_solid:
                 figure = plot_shell(result, field, step, mirror=mirror, figure=bare_figure())
-                paths.append(save_picture(figure, folder / f"shell_{field}_{step:03d}.png"))
+                kind = "shell" if result.is_shell else "solid"
+                paths.append(save_picture(figure, folder / f"{kind}_{field}_{step:03d}.png"))
                 continue
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=bare_figure())
             paths.append(save_picture(contours, folder / f"contours_{field}_{step:03d}.png"))

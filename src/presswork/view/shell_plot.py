@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of a deformed sheet in space."""
+"""Pictures of a deformed sheet or solid in space."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.formability import ZONES
 from presswork.model import FloatArray
+from presswork.post import find_skin
 from presswork.post.section import cut_tool
-from presswork.results import Result, ResultError
+from presswork.results import Result, ResultError, ResultMesh
 from presswork.results.reader import IN_PLANE
 from presswork.view.cells import outline_cells
 from presswork.view.extremes import describe_extremes
@@ -43,8 +45,9 @@ def plot_shell(
     show_edges: bool = True,
     figure: Figure | None = None,
 ) -> Figure:
-    """Draw the deformed sheet coloured by a field, shaded by its slope; `field=None` draws the bare mesh.
+    """Draw the deformed sheet, or the surface of a solid, coloured by a field and shaded by its slope.
 
+    `field=None` draws the bare mesh.
     Tools are drawn as sections along x and y. Point fields are shown as the mean of a cell's nodes; of a vector the
     length is shown. scale: factor on the displacement. view: elevation and azimuth [degree]. mirror: planes through the
     origin, normal to x, y or both.
@@ -58,8 +61,9 @@ def plot_shell(
     ax.view_init(*view)
     mesh, moved = result.mesh_at(step), result.points(step)
     points = mesh.points + scale * (moved - mesh.points)
-    outlines = outline_cells(mesh, points)
-    values = None if field is None else _cell_values(result, field, step)
+    skin, owner = find_skin(mesh)
+    outlines = outline_cells(skin, points)
+    values = None if field is None else _face_values(result, field, step, skin, owner)
     scaled = None if values is None else _scale(values, diverging=field in DIVERGING)
     colours = _colours(values, outlines, scaled, by_zone=field == ZONE_FIELD)
     width = float(np.clip(10.0 / np.sqrt(len(outlines)), 0.04, 0.6)) if show_edges else 0.0
@@ -125,16 +129,18 @@ def _clip(lines: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
     return np.asarray(start[kept] + ends * along[kept])
 
 
-def _cell_values(result: Result, field: str, step: int) -> FloatArray:
-    """Return a field as one number per cell."""
+def _face_values(
+    result: Result, field: str, step: int, skin: ResultMesh, owner: NDArray[np.int32] | None
+) -> FloatArray:
+    """Return a field as one number per face of the skin: of its cell, or the mean of its nodes."""
     values = result.field(field, step)
     if values.ndim == 2 and values.shape[1] == 3 and not field.startswith(IN_PLANE):
         values = np.linalg.norm(values, axis=1)
     if values.ndim != 1:
         raise ResultError(f"{field} has {values.shape[1]} components; choose one, as {field}_xx")
     if result.kind(field) == "cell":
-        return values
-    return np.concatenate([values[block.connectivity].mean(axis=1) for block in result.mesh_at(step).blocks])
+        return values if owner is None else values[owner]
+    return np.concatenate([values[block.connectivity].mean(axis=1) for block in skin.blocks])
 
 
 def _colours(

@@ -12,9 +12,10 @@ from presswork.mesh import fitting_patterns, grade_line, mesh_rectangle
 from presswork.mesh.checks import corner_jacobians
 from presswork.mesh.structured import NODES_OF_KIND, Pattern, cell_kind
 from presswork.mesh.topology import count_corners
-from presswork.model import ElementName, FloatArray, Mesh
+from presswork.model import ElementName, FloatArray, Mesh, SpaceElement
 
-MESHES = [(element, pattern) for element in get_args(ElementName) for pattern in fitting_patterns(element)]
+FLAT = [element for element in get_args(ElementName) if element not in get_args(SpaceElement)]
+MESHES = [(element, pattern) for element in FLAT for pattern in fitting_patterns(element)]
 X_LINES = grade_line(1.0, [(10.0, 3, 2.0)])
 Y_LINES = grade_line(-2.0, [(15.0, 5, 0.5)])
 

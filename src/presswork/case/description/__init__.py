@@ -28,6 +28,8 @@ _ELEMENTS: dict[str, str] = {
     "quad8_2x2": "8-node quadrilaterals, 2 x 2 points",
     "quad9": "9-node quadrilaterals, 3 x 3 points",
     "quad9_2x2": "9-node quadrilaterals, 2 x 2 points",
+    "hex8": "8-node hexahedra, full integration",
+    "hex8_fbar": "8-node hexahedra, F-bar",
 }
 
 
@@ -65,6 +67,9 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
     if problem.analysis == "shell":
         yield from describe_sheet(problem)
         return
+    if problem.analysis == "solid":
+        yield from _describe_space_solid(problem)
+        return
     depth = f", depth {problem.depth:g} mm" if problem.analysis == "plane_strain" else " (x is the radius, y the axis)"
     yield f"analysis: {problem.analysis.replace('_', ' ')}{depth}"
     whole = model.Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks)))
@@ -79,6 +84,21 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
     yield f"nodes: {n_points}, freedoms: {2 * n_points} before supports, boundary edges: {len(mesh.boundary_edges)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     yield f"edge sets: {', '.join(f'{name} ({len(edges)})' for name, edges in sorted(mesh.edge_sets.items()))}"
+
+
+def _describe_space_solid(problem: model.Model) -> Iterator[str]:
+    mesh = problem.mesh
+    yield "analysis: solid in space"
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    extent = ", ".join(f"{axis} {a:g} to {b:g} mm" for axis, a, b in zip("xyz", low, high, strict=True))
+    yield f"workpiece: {extent}"
+    for block in mesh.blocks:
+        material = problem.materials[block.material].name
+        yield f"elements: {len(block.connectivity)} {block.element} ({_ELEMENTS[block.element]}) of {material}"
+    n_points = len(mesh.points)
+    yield f"nodes: {n_points}, freedoms: {3 * n_points} before supports, boundary faces: {len(mesh.boundary_faces)}"
+    yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
+    yield f"face sets: {', '.join(f'{name} ({len(faces)})' for name, faces in sorted(mesh.face_sets.items()))}"
 
 
 def _describe_tool(tool: model.Tool) -> str:
@@ -142,6 +162,10 @@ def _describe_stage(stage: model.Stage) -> Iterator[str]:
         yield f"force ({', '.join(f'{f:g}' for f in edge.force)}) {unit} along {edge.edge_set}"
     for pressure in stage.pressures:
         yield f"pressure {pressure.value:g} MPa on {pressure.edge_set}"
+    for face in stage.face_forces:
+        yield f"force ({', '.join(f'{f:g}' for f in face.force)}) MPa on the faces of {face.face_set}"
+    for face_pressure in stage.face_pressures:
+        yield f"pressure {face_pressure.value:g} MPa on the faces of {face_pressure.face_set}"
 
 
 def _describe_force(components: tuple[float, ...]) -> str:

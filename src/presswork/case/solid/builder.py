@@ -108,14 +108,15 @@ def _build_materials(case: schema.Case, run_user_code: bool) -> tuple[tuple[mode
     built = [
         build_umat(name, material, _folder(case), run_user_code=run_user_code)
         if isinstance(material, UmatMaterial)
-        else _build_material(name, material)
+        else build_material(name, material)
         for name, material in case.materials.items()
     ]
     materials = tuple(material for material in built if isinstance(material, model.Material))
     return materials, [problem for problem in built if isinstance(problem, Problem)]
 
 
-def _build_material(name: str, material: schema.Material) -> model.Material:
+def build_material(name: str, material: schema.Material) -> model.Material:
+    """Return the Model's material of a table that is no UMAT."""
     return model.Material(
         name,
         material.young,

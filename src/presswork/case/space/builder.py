@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the case of a solid in space to the Model: names resolved, the body meshed, everything checked."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+from presswork import model
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.material.umat import UmatMaterial
+from presswork.case.settings import build_output, build_solver, check_small_displacements
+from presswork.case.solid.builder import build_material
+from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage
+from presswork.case.units import LENGTH, unit_factor
+from presswork.memory import available_memory, estimate_box, explain_shortage
+from presswork.mesh import MeshError, grade_line
+from presswork.mesh.box import mesh_box, read_solid_mesh
+from presswork.mesh.faces import face_areas
+
+logger = logging.getLogger(__name__)
+
+
+def build_space_model(case: SpaceCase) -> model.Model:
+    """Build the Model of a solid in space; raises CaseError with every problem of the first kind that is found."""
+    _stop_at(_check_names(case), case)
+    mesh = _build_mesh(case)
+    _stop_at(_check_sets(case, mesh), case)
+    materials = tuple(
+        build_material(name, material)
+        for name, material in case.materials.items()
+        if not isinstance(material, UmatMaterial)
+    )
+    return model.Model(
+        title=case.title,
+        analysis="solid",
+        depth=1.0,
+        mesh=mesh,
+        materials=materials,
+        tools=(),
+        supports=tuple(
+            model.Support(entry.set, tuple(axis in entry.fix for axis in AXES), name)
+            for name, entry in case.boundary.items()
+        ),
+        stages=tuple(_build_stage(stage, mesh) for stage in case.stages),
+        solver=build_solver(case.solver, with_coulomb=False),
+        output=build_output(case.output),
+        limits=case.limits.build(),
+        case_text=case.text,
+    )
+
+
+def _stop_at(problems: list[Problem], case: SpaceCase) -> None:
+    if problems:
+        raise CaseError(problems, case.source)
+
+
+def _check_names(case: SpaceCase) -> list[Problem]:
+    """Return the problems that show without the mesh."""
+    piece = case.workpiece
+    problems = [*_check_materials(case), *_check_solver(case)]
+    if piece.material not in case.materials:
+        remedy = suggest(piece.material, case.materials, "materials")
+        problems.append(Problem("workpiece.material", "no such material", remedy, piece.material))
+    if isinstance(piece.mesh, Box):
+        x, y, z = piece.mesh.cells
+        needed, there = estimate_box(x * y * z, piece.element), available_memory()
+        if needed > there:
+            fault, _, remedy = explain_shortage(needed, there).partition("; ")
+            problems.append(Problem("workpiece.mesh.cells", fault, remedy, list(piece.mesh.cells)))
+    else:
+        try:
+            unit_factor(piece.mesh.unit, LENGTH)
+        except ValueError as error:
+            fault = f"expected a unit of length, but {error}"
+            problems.append(Problem("workpiece.mesh.unit", fault, "e.g. mm, m, inch", piece.mesh.unit))
+    names = [stage.name for stage in case.stages]
+    loaded = False
+    for index, stage in enumerate(case.stages):
+        if stage.name in names[:index]:
+            fault = "two stages have this name"
+            problems.append(Problem(f"stages.{index}.name", fault, "give each its own", stage.name))
+        is_loaded = bool(stage.force or stage.face_force or stage.pressure)
+        if not (is_loaded or loaded or any(entry.value != 0.0 for entry in stage.displacement)):
+            remedy = "add [[stages.displacement]], [[stages.face_force]], [[stages.pressure]] or [[stages.force]]"
+            problems.append(Problem(f"stages.{index}", f'the stage "{stage.name}" changes nothing', remedy))
+        loaded = is_loaded
+    return problems
+
+
+def _check_materials(case: SpaceCase) -> list[Problem]:
+    """Return the problems of laws that no solid in space takes."""
+    problems = []
+    for name, material in case.materials.items():
+        if isinstance(material, UmatMaterial):
+            fault, remedy = "solids in space take no UMAT yet", "give young, poisson and hardening"
+            problems.append(Problem(f"materials.{name}.umat", fault, remedy))
+            continue
+        for key in ("rate", "heating"):
+            if getattr(material, key) is not None:
+                fault, remedy = "is for the explicit procedure of solids in the plane", "remove it"
+                problems.append(Problem(f"materials.{name}.{key}", fault, remedy))
+        if case.solver.inertia and material.density is None and name == case.workpiece.material:
+            remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
+            problems.append(Problem(f"materials.{name}.density", "missing key", remedy))
+    return problems
+
+
+def _check_solver(case: SpaceCase) -> list[Problem]:
+    """Return the problems of settings that mean nothing here."""
+    problems = check_small_displacements(case.solver)
+    if case.solver.control == "arc_length":
+        fault = "arc length is for shells under loads alone"
+        problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
+    if case.solver.strain_measure == "small" and case.solver.displacements == "large":
+        fault = "the small strain changes with a rotation, and is offered in the plane alone, for comparison"
+        remedy = 'take "log", or displacements = "small"'
+        problems.append(Problem("solver.strain_measure", fault, remedy, "small"))
+    if "rows" in case.output.model_fields_set:
+        fault = "solids in space are implicit: a row an increment"
+        problems.append(Problem("output.rows", fault, "remove it", case.output.rows))
+    return problems
+
+
+def _check_sets(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of set names, once the mesh is known."""
+    uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
+    for index, stage in enumerate(case.stages):
+        key = f"stages.{index}"
+        uses += [(f"{key}.displacement.{row}.set", entry.set, False) for row, entry in enumerate(stage.displacement)]
+        uses += [(f"{key}.force.{row}.set", load.set, False) for row, load in enumerate(stage.force)]
+        uses += [(f"{key}.face_force.{row}.set", load.set, True) for row, load in enumerate(stage.face_force)]
+        uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
+    problems = []
+    for key, name, is_face_set in uses:
+        what, known = ("face sets", mesh.face_sets) if is_face_set else ("node sets", mesh.node_sets)
+        if name not in known:
+            problems.append(Problem(key, f"no such {what[:-1]}", suggest(name, known, what), name))
+        elif len(known[name]) == 0:
+            problems.append(Problem(key, f"the {what[:-1]} is empty", "choose another", name))
+    return problems
+
+
+def _build_mesh(case: SpaceCase) -> model.Mesh:
+    """Mesh the body, or read its mesh."""
+    piece = case.workpiece
+    material = list(case.materials).index(piece.material)
+    if isinstance(piece.mesh, Box):
+        box = piece.mesh
+        x, y, z = (
+            grade_line(box.origin[axis], [(box.size[axis], box.cells[axis], box.grading[axis])]) for axis in range(3)
+        )
+        return mesh_box(x, y, z, element=piece.element, material=material)
+    folder = case.source.parent if case.source is not None else Path()
+    scale = unit_factor(piece.mesh.unit, LENGTH)
+    try:
+        mesh, notes = read_solid_mesh(folder / piece.mesh.path, element=piece.element, scale=scale, material=material)
+    except MeshError as error:
+        problem = Problem("workpiece.mesh.path", error.fault, error.remedy, piece.mesh.path)
+        raise CaseError([problem], case.source) from error
+    for note in notes:
+        logger.warning("workpiece.mesh.path = %s: %s", piece.mesh.path, note)
+    return mesh
+
+
+def _build_stage(stage: SpaceStage, mesh: model.Mesh) -> model.Stage:
+    """Turn a case's stage into the Model's."""
+    return model.Stage(
+        name=stage.name,
+        duration=stage.duration,
+        prescribed=tuple(
+            model.PrescribedDisplacement(entry.set, AXES.index(entry.component), entry.value)  # type: ignore[arg-type]
+            for entry in stage.displacement
+        ),
+        forces=tuple(model.PointForce(entry.set, entry.value) for entry in stage.force),
+        face_forces=tuple(_build_face_force(entry, mesh) for entry in stage.face_force),
+        face_pressures=tuple(model.FacePressure(entry.set, entry.value) for entry in stage.pressure),
+    )
+
+
+def _build_face_force(entry: FaceForce, mesh: model.Mesh) -> model.FaceForce:
+    if entry.value is not None:
+        return model.FaceForce(entry.set, entry.value)
+    assert entry.total is not None
+    area = float(face_areas(mesh.points, mesh.face_sets[entry.set]).sum())
+    x, y, z = entry.total
+    return model.FaceForce(entry.set, (x / area, y / area, z / area))

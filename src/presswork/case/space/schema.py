@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The case of a solid in x, y, z with supports and loads. Units as in case/units.py."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from presswork import model
+from presswork.case.case_file import CaseFile
+from presswork.case.limits import Limits
+from presswork.case.names import Name, Title
+from presswork.case.part import Part
+from presswork.case.settings import Output, Solver
+from presswork.case.solid.schema import MaterialTable
+from presswork.case.solid.workpiece import Count, MeshFile
+from presswork.case.units import Force3, Length, Number, Point3, Stress, StressVector3, Time, fault
+
+Axis = Literal["x", "y", "z"]
+AXES: tuple[Axis, ...] = ("x", "y", "z")
+
+
+class Box(Part):
+    """A box meshed by the program; its sets are left, right (x), bottom, top (y), back, front (z) and all."""
+
+    kind: Literal["box"] = Field(default="box", description="a box meshed by the program")
+    origin: Point3 = Field(default=(0.0, 0.0, 0.0), description="lowest corner [x, y, z] [mm]")
+    size: Point3 = Field(description="extent along x, y and z [mm]")
+    cells: tuple[Count, Count, Count] = Field(description="number of cells along x, y and z")
+    grading: tuple[Number, Number, Number] = Field(
+        default=(1.0, 1.0, 1.0), description="size of the last cell over the first along x, y and z"
+    )
+
+    @model_validator(mode="after")
+    def _check_positive(self) -> Self:
+        for name in ("size", "grading"):
+            if min(getattr(self, name)) <= 0:
+                raise fault("expected three values > 0", "give [x, y, z], all positive", key=name)
+        return self
+
+
+def assume_box(mesh: object) -> object:
+    """Take a mesh without `kind` for a box, unless it names a file."""
+    if isinstance(mesh, dict) and "kind" not in mesh:
+        return {"kind": "file" if "path" in mesh else "box", **mesh}
+    return mesh
+
+
+class SpaceWorkpiece(Part):
+    """The body that is formed."""
+
+    material: str = Field(description="name of one of the [materials]")
+    element: model.SpaceElement = Field(
+        default="hex8_fbar", description="element formulation; without it hex8_fbar, which does not lock in volume"
+    )
+    mesh: Annotated[Box | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_box)] = Field(
+        description="the mesh of the workpiece"
+    )
+
+
+class SpaceBoundary(Part):
+    """Displacement components held at zero in every stage."""
+
+    set: str = Field(description="name of a node set")
+    fix: tuple[Axis, ...] = Field(min_length=1, description="components held at zero, out of x, y and z")
+
+
+class SpaceDisplacement(Part):
+    """A displacement component that grows linearly over the stage."""
+
+    set: str = Field(description="name of a node set")
+    component: Axis = Field(description="x, y or z")
+    value: Length = Field(description="displacement over the stage [mm]")
+
+
+class SpaceForce(Part):
+    """A total force, shared equally by the nodes of a set, reached linearly at the end of the stage.
+
+    Equal shares are even stress on few meshes only: face_force is spread by area.
+    """
+
+    set: str = Field(description="name of a node set")
+    value: Force3 = Field(description="force [x, y, z] [N]")
+
+
+class FaceForce(Part):
+    """A force of fixed direction on a face set, spread by undeformed area, reached linearly at the stage's end."""
+
+    set: str = Field(description="name of a face set")
+    value: StressVector3 | None = Field(default=None, description="force per undeformed area [x, y, z] [MPa]")
+    total: Force3 | None = Field(default=None, description="instead: the whole force [x, y, z] [N]")
+
+    @model_validator(mode="after")
+    def _check_one_value(self) -> Self:
+        if (self.value is None) == (self.total is None):
+            remedy = "for instance value = [0, 0, 100] (MPa), or total = [0, 0, 5000] (N)"
+            raise fault("give either value or total", remedy, key="value")
+        return self
+
+
+class FacePressure(Part):
+    """A pressure that follows the surface, reached linearly at the end of the stage."""
+
+    set: str = Field(description="name of a face set")
+    value: Stress = Field(description="pressure [MPa], positive into the body")
+
+
+class SpaceStage(Part):
+    """A part of the process in which every motion and load is linear in time."""
+
+    name: Name = Field(description="name of the stage")
+    duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
+    displacement: tuple[SpaceDisplacement, ...] = Field(default=(), description="prescribed displacements")
+    force: tuple[SpaceForce, ...] = Field(default=(), description="forces")
+    face_force: tuple[FaceForce, ...] = Field(default=(), description="forces on faces, spread by area")
+    pressure: tuple[FacePressure, ...] = Field(default=(), description="pressures")
+
+
+class SpaceCase(CaseFile):
+    """A complete case of a solid in space. Raises CaseError, with every problem found, when it is not valid."""
+
+    title: Title = Field(description="what the case shows, in one line")
+    analysis: Literal["solid"] = Field(description="solid")
+    workpiece: SpaceWorkpiece = Field(description="the body that is formed")
+    materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
+    boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
+    stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")
+    solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
+    output: Output = Field(default=Output(), description="what is saved, and when")
+    limits: Limits = Field(default=Limits(), description="beyond which a run stops")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_tools(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "tools" in data:
+            raise fault("tools cannot touch a solid in space yet", "move its faces, or load them", key="tools")
+        return data

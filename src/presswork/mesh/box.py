@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes of solids in space: a box of hexahedra, and hexahedra from a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from presswork.mesh.checks import MeshError
+from presswork.mesh.faces import find_boundary_faces, select_faces
+from presswork.mesh.raw import RawMesh
+from presswork.mesh.readers import read_raw
+from presswork.mesh.topology import drop_unused_points, find_parts
+from presswork.model import CellBlock, FloatArray, IntArray, Mesh, SpaceElement
+
+SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))
+"""Names of the lower and upper sides normal to x, y and z."""
+
+
+def mesh_box(
+    x_lines: FloatArray, y_lines: FloatArray, z_lines: FloatArray, *, element: SpaceElement, material: int = 0
+) -> Mesh:
+    """Mesh the box between grid lines (increasing coordinates [mm]) by hexahedra.
+
+    material: index into Model.materials. Node and face sets: left, right, bottom, top, back, front; all nodes are
+    `all`, all faces `boundary`. Nodes are numbered fastest along the direction with the fewest cells.
+    """
+    lines = (x_lines, y_lines, z_lines)
+    counts = np.array([len(line) for line in lines])
+    order = np.argsort(counts, kind="stable")
+    stride = np.empty(3, dtype=np.int64)
+    stride[order] = np.concatenate([[1], np.cumprod(counts[order])[:-1]])
+    grids = np.meshgrid(*(np.arange(count) for count in counts), indexing="ij")
+    number = np.einsum("a...,a->...", np.array(grids), stride)
+    points = np.empty((number.size, 3))
+    for axis, (grid, line) in enumerate(zip(grids, lines, strict=True)):
+        points[number.ravel(), axis] = line[grid.ravel()]
+    first = number[:-1, :-1, :-1].ravel(order="F")[:, None]
+    x, y, z = stride
+    cells = first + np.array([0, x, x + y, y, z, z + x, z + x + y, z + y])
+    return finish_mesh(points, cells.astype(np.int32), {}, element, material)
+
+
+def read_solid_mesh(
+    path: Path, *, element: SpaceElement, scale: float = 1.0, material: int = 0
+) -> tuple[Mesh, tuple[str, ...]]:
+    """Read a mesh of hexahedra; return it and notes on what was changed.
+
+    scale: factor of the file's coordinates to mm. material: index into Model.materials. Node sets come from the file's
+    groups of nodes, faces and cells, face sets from its groups of quadrilaterals and from node sets that hold whole
+    faces; the sides of the box that holds the body are added where the file has none of that name. Raises MeshError.
+    """
+    raw = read_raw(path)
+    if not raw.hexahedra:
+        there = ", ".join(sorted({*raw.cells, *raw.other_kinds})) or "nothing"
+        raise MeshError(f"the file has no hexahedra of 8 nodes (it has {there})", "mesh the body with such cells")
+    if not np.isfinite(raw.points).all():
+        raise MeshError("some coordinates are no finite numbers", "write it again from the mesher")
+    cells = np.concatenate(raw.hexahedra)
+    if cells.min() < 0 or cells.max() >= len(raw.points):
+        raise MeshError("cells use nodes that the file does not have", "the file is cut short; write it again")
+    points, number = drop_unused_points(raw.points * scale, [cells])
+    cells = number[cells].astype(np.int32)
+    notes = []
+    if len(points) < len(raw.points):
+        notes.append(f"{len(raw.points) - len(points)} nodes belong to no cell: they were left out")
+    volumes = ("tetra", "wedge", "pyramid", "hexahedron", "C3D")
+    if others := [kind for kind in sorted(raw.other_kinds - {"hexahedron", "C3D8"}) if kind.startswith(volumes)]:
+        raise MeshError(f"the file has cells of other kinds too ({', '.join(others)})", "mesh with hexahedra only")
+    cells, turned = _wind_outwards(points, cells)
+    if turned:
+        notes.append("all cells are numbered inside out: they were turned over")
+    n_parts, _ = find_parts([cells], len(points))
+    if n_parts > 1:
+        raise MeshError(f"the cells fall into {n_parts} parts that share no node", "keep one part, or join them")
+    return finish_mesh(points, cells, _number_sets(raw, number), element, material), tuple(notes)
+
+
+def finish_mesh(
+    points: FloatArray, cells: IntArray, node_sets: dict[str, IntArray], element: SpaceElement, material: int
+) -> Mesh:
+    """Return the mesh of hexahedra with its boundary faces and sets; to `node_sets` the sides of the box are added."""
+    faces, _ = find_boundary_faces([cells])
+    sets = dict(node_sets)
+    tolerance = 1e-9 * float(np.linalg.norm(np.ptp(points, axis=0)))
+    low, high = points.min(axis=0), points.max(axis=0)
+    for axis, (lower, upper) in enumerate(SIDES):
+        for name, is_there in (
+            (lower, points[:, axis] <= low[axis] + tolerance),
+            (upper, points[:, axis] >= high[axis] - tolerance),
+        ):
+            sets.setdefault(name, np.flatnonzero(is_there).astype(np.int32))
+    sets.setdefault("all", np.arange(len(points), dtype=np.int32))
+    face_sets = {name: select_faces(faces, nodes) for name, nodes in sets.items() if name != "all"}
+    face_sets = {name: own for name, own in face_sets.items() if len(own)}
+    face_sets.setdefault("boundary", faces)
+    no_edges = np.zeros((0, 2), dtype=np.int32)
+    return Mesh(
+        points, (CellBlock(element, cells, material),), sets, {}, no_edges, face_sets=face_sets, boundary_faces=faces
+    )
+
+
+def _number_sets(raw: RawMesh, number: IntArray) -> dict[str, IntArray]:
+    """Return the node sets of a file in the new numbers of its points."""
+    found = {}
+    for name in sorted({*raw.node_sets, *raw.line_sets}):
+        nodes = np.concatenate([part.ravel() for part in (*raw.node_sets.get(name, []), *raw.line_sets.get(name, []))])
+        kept = number[nodes.astype(np.int64)]
+        found[name] = np.unique(kept[kept >= 0]).astype(np.int32)
+    return found
+
+
+def corner_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
+    """Return the triple product of the three edges at each corner (n_cells, 8) [mm3]: the Jacobian's sign there."""
+    next_ones = np.array([[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]])
+    x = points[cells]
+    edges = x[:, next_ones] - x[:, :, None]
+    return np.asarray(np.linalg.det(edges))
+
+
+def _wind_outwards(points: FloatArray, cells: IntArray) -> tuple[IntArray, bool]:
+    """Return the cells the right way out, and whether all of them were turned over. Raises MeshError."""
+    volumes = corner_volumes(points, cells)
+    if (volumes > 0.0).all():
+        return cells, False
+    if (volumes < 0.0).all():
+        return np.ascontiguousarray(cells[:, [4, 5, 6, 7, 0, 1, 2, 3]]), True
+    wrong = np.flatnonzero(~(volumes > 0.0).all(axis=1))
+    centre = ", ".join(f"{c:.6g}" for c in points[cells[wrong[0]]].mean(axis=0))
+    raise MeshError(
+        f"{len(wrong)} of {len(cells)} cells are inverted, folded or without volume: cell {wrong[0] + 1}, near "
+        f"({centre})",
+        "mend these cells in the mesher; the three edges at each corner must span a volume, in all cells alike",
+    )

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Boundary faces of solids in space: four nodes each, counter-clockwise seen from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswork.model import FloatArray, IntArray
+
+FACES_OF_HEX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+"""Corners of the faces of a hexahedron, counter-clockwise seen from outside."""
+_GAUSS_2 = (-np.sqrt(1 / 3), np.sqrt(1 / 3))
+
+
+def list_cell_faces(connectivity: IntArray) -> IntArray:
+    """Return the six faces of every hexahedron, shape (6 n_cells, 4), those of a cell one after the other."""
+    return connectivity[:, FACES_OF_HEX].reshape(-1, 4)
+
+
+def find_boundary_faces(connectivities: Sequence[IntArray]) -> tuple[IntArray, IntArray]:
+    """Return the faces that one cell only has (n, 4), and the number of that cell, counted through the blocks (n,)."""
+    faces = np.concatenate([list_cell_faces(connectivity) for connectivity in connectivities])
+    _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    own = np.sort(index[count == 1])
+    return np.ascontiguousarray(faces[own], dtype=np.int32), (own // len(FACES_OF_HEX)).astype(np.int32)
+
+
+def select_faces(faces: IntArray, nodes: IntArray) -> IntArray:
+    """Return the faces all of whose nodes are among the nodes given."""
+    return faces[np.isin(faces, nodes).all(axis=1)]
+
+
+def face_areas(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the area that each node of each face stands for, int N dA (n_faces, 4) [mm2]."""
+    areas = np.zeros(faces.shape)
+    for N, dN in _rule():
+        first, second = np.einsum("ja,fai->jfi", dN, points[faces])
+        areas += np.linalg.norm(np.cross(first, second), axis=1)[:, None] * N
+    return areas
+
+
+def press_faces(points: FloatArray, faces: IntArray, pressure: float) -> tuple[FloatArray, FloatArray]:
+    """Return the nodal forces (n_faces, 4, 3) [N] of a pressure [MPa] against faces, and its stiffness.
+
+    The stiffness is d(-force)/d(position), (n_faces, 4, 4, 3, 3) by nodes and components. points (n_points, 3): where
+    the nodes are. With the tangents t of the face the force is -p int N t_1 x t_2.
+    """
+    x = points[faces]
+    force, stiffness = np.zeros(x.shape), np.zeros((len(faces), 4, 4, 3, 3))
+    for N, dN in _rule():
+        first, second = np.einsum("ja,fai->jfi", dN, x)
+        force -= pressure * np.einsum("a,fi->fai", N, np.cross(first, second))
+        # d(t_1 x t_2) = dN_1 (dx x t_2) - dN_2 (dx x t_1)
+        along = dN[0][None, :, None] * second[:, None] - dN[1][None, :, None] * first[:, None]
+        stiffness += pressure * np.einsum("a,fbij->fabij", N, _cross_matrix(along))
+    return force, stiffness
+
+
+def _rule() -> list[tuple[FloatArray, FloatArray]]:
+    """Return shape functions (4,) and their derivatives (2, 4) at the four points of weight 1."""
+    corner = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    found = []
+    for r in _GAUSS_2:
+        for s in _GAUSS_2:
+            one, two = 0.5 * (1 + corner[:, 0] * r), 0.5 * (1 + corner[:, 1] * s)
+            found.append((one * two, 0.5 * np.stack([corner[:, 0] * two, corner[:, 1] * one])))
+    return found
+
+
+def _cross_matrix(v: FloatArray) -> FloatArray:
+    """Return the matrices (..., 3, 3) that take dx to dx x v."""
+    zero = np.zeros(v.shape[:-1])
+    x, y, z = np.moveaxis(v, -1, 0)
+    return np.stack([zero, z, -y, -z, zero, x, y, -x, zero], axis=-1).reshape(*v.shape[:-1], 3, 3)

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is seen of a body in space."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.mesh.faces import find_boundary_faces
+from presswork.results import ResultMesh
+from presswork.results.reader import ResultBlock
+from presswork.results.vtkhdf import VTK_TYPES
+
+
+def find_skin(mesh: ResultMesh) -> tuple[ResultMesh, NDArray[np.int32] | None]:
+    """Return what is seen of a mesh in space, and the cell that each of its faces belongs to.
+
+    Of a solid it is the boundary faces, as quadrilaterals; a sheet is seen itself, and comes without numbers.
+    """
+    if not any(block.element.startswith("hex") for block in mesh.blocks):
+        return mesh, None
+    faces, owner = find_boundary_faces([block.connectivity.astype(np.int32) for block in mesh.blocks])
+    return replace(mesh, blocks=(ResultBlock("quad4", VTK_TYPES["quad4"], faces.astype(np.int64)),)), owner

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cases of solids in space: what is built, and what is refused before anything is computed."""
+
+import copy
+
+import numpy as np
+import pytest
+
+from presswork import CaseError, build_model
+from presswork.case import describe
+from presswork.case.space.schema import SpaceCase
+from presswork.mesh.faces import face_areas
+
+CASE = {
+    "title": "a block",
+    "analysis": "solid",
+    "workpiece": {"material": "steel", "mesh": {"size": [4, 2, 3], "cells": [2, 1, 3]}},
+    "materials": {
+        "steel": {
+            "young": 200e3,
+            "poisson": 0.3,
+            "hardening": {"law": "linear", "yield_stress": 300, "modulus": 1000},
+        }
+    },
+    "boundary": {"wall": {"set": "left", "fix": ["x", "y", "z"]}},
+    "stages": [{"name": "load", "pressure": [{"set": "right", "value": 10}]}],
+}
+
+
+def change(**changes) -> dict:
+    """Return the case with values replaced, their keys joined by two underscores."""
+    case = copy.deepcopy(CASE)
+    for key, value in changes.items():
+        *path, last = key.split("__")
+        table = case
+        for name in path:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return case
+
+
+def problems(case: dict) -> list[str]:
+    with pytest.raises(CaseError) as error:
+        build_model(SpaceCase(**case))
+    return [f"{p.key}: {p.expected}" for p in error.value.problems]
+
+
+def test_a_box_has_its_cells_sides_and_faces() -> None:
+    model = build_model(SpaceCase(**CASE))
+    mesh = model.mesh
+    assert mesh.blocks[0].element == "hex8_fbar"
+    assert mesh.blocks[0].connectivity.shape == (6, 8)
+    assert mesh.points.shape == (24, 3)
+    counts = {name: len(faces) for name, faces in mesh.face_sets.items()}
+    assert counts == {"left": 3, "right": 3, "bottom": 6, "top": 6, "back": 2, "front": 2, "boundary": 22}
+    areas = {name: face_areas(mesh.points, faces).sum() for name, faces in mesh.face_sets.items()}
+    assert areas["right"] == pytest.approx(6.0)
+    assert areas["front"] == pytest.approx(8.0)
+    x = mesh.points[mesh.face_sets["right"]]
+    assert (np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 1])[:, 0] > 0).all()
+
+
+def test_a_total_force_is_spread_by_area() -> None:
+    stage = {"name": "load", "face_force": [{"set": "right", "total": [60, 0, -30]}]}
+    model = build_model(SpaceCase(**change(stages=[stage])))
+    assert model.stages[0].face_forces[0].force == pytest.approx((10.0, 0.0, -5.0))
+
+
+def test_the_model_is_described() -> None:
+    text = describe(build_model(SpaceCase(**CASE)))
+    assert "6 hex8_fbar (8-node hexahedra, F-bar) of steel" in text
+    assert "freedoms: 72" in text
+    assert "pressure 10 MPa on the faces of right" in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"workpiece__material": "stele"}, "workpiece.material: no such material"),
+        ({"boundary__wall__set": "lft"}, "boundary.wall.set: no such node set"),
+        (
+            {"stages": [{"name": "a", "pressure": [{"set": "all", "value": 1}]}]},
+            "stages.0.pressure.0.set: no such",
+        ),
+        ({"stages": [{"name": "a"}]}, 'stages.0: the stage "a" changes nothing'),
+        ({"solver": {"strain_measure": "small"}}, "solver.strain_measure: the small strain changes with a rotation"),
+        ({"solver": {"control": "arc_length"}}, "solver.control: arc length is for shells"),
+        ({"output": {"rows": 3}}, "output.rows: solids in space are implicit"),
+        ({"workpiece__mesh__cells": [9000, 9000, 900]}, "workpiece.mesh.cells: about"),
+        ({"solver": {"inertia": 1.0}}, "materials.steel.density: missing key"),
+        ({"materials__steel__rate": {"law": "cowper_symonds", "D": 40, "q": 5}}, "materials.steel.rate: is for"),
+    ],
+)
+def test_bad_input_is_named(changes, expected) -> None:
+    assert any(problem.startswith(expected) for problem in problems(change(**changes)))
+
+
+def test_tools_are_refused() -> None:
+    with pytest.raises(CaseError, match="tools cannot touch a solid in space yet"):
+        SpaceCase(**change(tools={"punch": {}}))
+
+
+def test_a_box_without_extent_is_refused() -> None:
+    with pytest.raises(CaseError, match="expected three values > 0"):
+        SpaceCase(**change(workpiece__mesh__size=[4, 0, 3]))
