@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Iterable
-from contextlib import AbstractContextManager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,7 +22,7 @@ from presswork.geometry.pose import ToolPose, place_segments
 from presswork.model import FloatArray, IntArray
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
 from presswork.results.history import read_history
-from presswork.results.vtkhdf import locate_mesh, open_results
+from presswork.results.vtkhdf import damage_told, locate_mesh, open_file, open_results
 from presswork.results.vtkhdf_tools import find_body
 from presswork.results.whole_file import OutputError
 
@@ -69,6 +69,7 @@ class Result:
 
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
+        self._file: h5py.File | None = None
         if not self.folder.is_dir():
             raise ResultError(f"there is no folder {self.folder}")
         if not (self.folder / RESULTS).is_file():
@@ -288,9 +289,24 @@ class Result:
             raise ResultError(f"{self.folder} has {count} saved steps, 0 to {count - 1}; there is no step {step}")
         return step % count
 
-    def _open(self) -> AbstractContextManager[h5py.File]:
+    @contextmanager
+    def kept_open(self) -> Iterator[None]:
+        """Open the results file once for all that the block reads, rather than at every call."""
+        with open_file(self.folder / RESULTS) as self._file:
+            try:
+                yield
+            finally:
+                self._file = None
+
+    @contextmanager
+    def _open(self) -> Iterator[h5py.File]:
         """Open the results file for reading; a run that appends meanwhile replaces it, which does no harm."""
-        return open_results(self.folder / RESULTS)
+        if self._file is None:
+            with open_results(self.folder / RESULTS) as file:
+                yield file
+        else:
+            with damage_told(self.folder / RESULTS):
+                yield self._file
 
 
 def _attributes(file: h5py.File) -> list[tuple[str, Any]]:

@@ -168,15 +168,28 @@ def truncate_steps(path: Path | str, n: int) -> None:
 @contextmanager
 def open_results(path: Path | str) -> Iterator[h5py.File]:
     """Open the file for reading. Raises OutputError if it is not a results file, or what the block reads is damaged."""
+    with damage_told(path), open_file(path) as file:
+        yield file
+
+
+def open_file(path: Path | str) -> h5py.File:
+    """Open the file for reading, for the caller to close. Raises OutputError if it is not a results file."""
     try:
         file = h5py.File(path, "r")
     except (OSError, ValueError) as error:
         raise OutputError(f"{path} cannot be read as a results file: {error}") from error
+    with damage_told(path):
+        if "VTKHDF/Steps" not in file or "presswork" not in file:
+            file.close()
+            raise OutputError(f"{path} is not a results file of presswork")
+    return file
+
+
+@contextmanager
+def damage_told(path: Path | str) -> Iterator[None]:
+    """Raise OutputError for whatever reading of the file raises in the block."""
     try:
-        with file:
-            if "VTKHDF/Steps" not in file or "presswork" not in file:
-                raise OutputError(f"{path} is not a results file of presswork")
-            yield file
+        yield
     except OutputError:
         raise
     except Exception as error:  # HDF5 meets damage with errors of every kind

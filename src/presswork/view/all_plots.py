@@ -72,7 +72,20 @@ def plot_all(
     Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
     """
     require_matplotlib()
-    folder = result.folder / "plots" if out_dir is None else Path(out_dir)
+    with result.kept_open():
+        return _plot_all(result, result.folder / "plots" if out_dir is None else Path(out_dir), fields, steps, mirror,
+                         sections)  # fmt: skip
+
+
+def _plot_all(
+    result: Result,
+    folder: Path,
+    fields: Sequence[str] | None,
+    steps: Literal["last"] | Sequence[int],
+    mirror: Mirror,
+    sections: Sequence[tuple[float, float, float]],
+) -> list[Path]:
+    """Write the pictures, as plot_all says."""
     chosen = [-1] if steps == "last" else list(steps)
     if fields is None:
         fields = default_fields(result)

@@ -12,7 +12,15 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.post import Interface, trace_interface
 from presswork.results import Result
-from presswork.view.style import COLOURS, begin_at_zero, clean_axes, find_turning_tool, measure_progress, new_figure
+from presswork.view.style import (
+    COLOURS,
+    Progress,
+    begin_at_zero,
+    clean_axes,
+    find_turning_tool,
+    measure_progress,
+    new_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,20 +51,21 @@ def plot_interface(
     traces = {step: trace for step, trace in traces.items() if len(trace.nodes)}
     if x is None:
         x = "radius" if result.info.get("analysis") == "axisymmetric" and _spreads(traces.values()) else "arc_length"
-    pressed = _is_pressed(result, traces)
+    progress = {step: measure_progress(result, step) for step in traces}
+    pressed = all(p is not None and p.reduction > -1e-3 for p in progress.values())
     for number, (step, trace) in enumerate(traces.items()):
         colour = _colour(number, len(traces))
-        _draw(upper, trace, trace.contact_pressure, x, colour, _label(result, step, pressed=pressed))
+        _draw(upper, trace, trace.contact_pressure, x, colour, _label(result, step, progress[step], pressed=pressed))
         _draw(lower, trace, trace.contact_shear, x, colour, "")
     if traces:
         _draw_limit(lower, list(traces.values())[-1], x)
     _finish(upper, lower, x, " r" if result.info.get("analysis") == "axisymmetric" else "")
     if traces:
-        progress = measure_progress(result, -1)
-        working = {p.tool for step in traces if (p := measure_progress(result, step))}
-        title = f"{' or '.join(sorted(working))} stroke" if progress else "time"
-        if _is_pressed(result, traces) and progress:
-            title += f",\n{progress.direction} reduction"
+        last = progress.get(len(result.times) - 1) or measure_progress(result, -1)
+        working = {p.tool for p in progress.values() if p}
+        title = f"{' or '.join(sorted(working))} stroke" if last else "time"
+        if pressed and last:
+            title += f",\n{last.direction} reduction"
         title = f"{roll} turned by" if (roll := find_turning_tool(result)) is not None else title
         figure.legend(loc="outside right upper", frameon=False, title=title, alignment="left")
     what = f"contact with {tool}" if tool else "contact"
@@ -79,17 +88,10 @@ def _spread(count: int) -> list[int]:
     return sorted({round(step) for step in np.linspace(0, count - 1, _N_CURVES + 1)[1:]})
 
 
-def _is_pressed(result: Result, steps: Iterable[int]) -> bool:
-    """Say whether the working tool makes the body shorter along its way, which extrusion does not."""
-    progress = [measure_progress(result, step) for step in steps]
-    return all(p is not None and p.reduction > -1e-3 for p in progress)
-
-
-def _label(result: Result, step: int, *, pressed: bool) -> str:
-    """Return a curve's label."""
+def _label(result: Result, step: int, progress: Progress | None, *, pressed: bool) -> str:
+    """Return a curve's label; pressed: the working tool makes the body shorter along its way, as extrusion does not."""
     if (roll := find_turning_tool(result)) is not None:
         return f"{abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
-    progress = measure_progress(result, step)
     if progress is None:
         return f"{result.times[step]:.4g} s"
     return f"{progress.stroke:.2f} mm" + (f", {100 * progress.reduction:.1f} %" if pressed else "")

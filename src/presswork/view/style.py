@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
@@ -20,6 +21,10 @@ COLOURS = "viridis"
 ZONE_COLOURS = ("#3a9d4a", "#f2b134", "#c8102e", "#b8bcc2", "#7fb2e5", "#2b4c9b")
 """Of formability.ZONES: green, amber and red towards cracks, grey where little happens, blues towards wrinkles."""
 DPI = 150
+MARGIN = 0.1
+"""White around what is drawn [inch]."""
+WHITE = 0xFFFFFFFF
+"""A white pixel, of four bytes."""
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -31,10 +36,40 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def save_picture(figure: Figure, path: Path, *, needed_bytes: int = 200_000) -> Path:
-    """Write a PNG in the place of what is there; needed_bytes: free on the disk. Raises OutputError."""
+    """Write a PNG in the place of what is there; needed_bytes: free on the disk. Raises OutputError.
+
+    The figure is drawn once and its white margin cut to MARGIN; matplotlib's tight bounding box would draw it twice.
+    """
+    from matplotlib.image import imsave
+
+    picture = _cut_margin(_draw_pixels(figure))
     with replace_whole(path, needed_bytes=needed_bytes) as temporary:
-        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.1)
+        imsave(temporary, picture, format="png", dpi=DPI, pil_kwargs={"compress_level": 3})
     return path
+
+
+def _draw_pixels(figure: Figure) -> NDArray[np.uint8]:
+    """Return the pixels of a figure (n_rows, n_columns, 4); red, green, blue and opacity."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas, dpi = figure.canvas, figure.dpi
+    try:
+        figure.set_dpi(DPI)
+        drawing = FigureCanvasAgg(figure)
+        drawing.draw()  # type: ignore[no-untyped-call]
+        return np.asarray(drawing.buffer_rgba())  # type: ignore[no-untyped-call]
+    finally:
+        figure.set_canvas(canvas)
+        figure.set_dpi(dpi)
+
+
+def _cut_margin(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the part of a picture that is not white, in a white margin."""
+    inked = picture.view(np.uint32)[..., 0] != WHITE
+    places = [np.flatnonzero(inked.any(axis=axis)) for axis in (1, 0)]
+    rows, columns = (slice(ink[0], ink[-1] + 1) if len(ink) else slice(None) for ink in places)
+    margin = round(MARGIN * DPI)
+    return np.pad(picture[rows, columns], ((margin, margin), (margin, margin), (0, 0)), constant_values=255)
 
 
 def require_matplotlib() -> None:
