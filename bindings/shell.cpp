@@ -24,9 +24,9 @@ auto tabulate(const std::string& name) {
   return std::make_tuple(values, slopes, weights, node_slopes);
 }
 
-auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doubles points, Doubles increment,
-              Doubles director, Doubles layer_position, Doubles layer_weight, const SheetLaw& law, double dt,
-              double penalty, const std::vector<Doubles>& state_n, const std::vector<MutableDoubles>& state,
+auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doubles undeformed, Doubles points,
+              Doubles increment, Doubles director, Doubles layer_position, Doubles layer_weight, const SheetLaw& law,
+              double dt, double penalty, const std::vector<Doubles>& state_n, const std::vector<MutableDoubles>& state,
               MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric,
               bool small_displacements) {
   const auto shell = shell_named(name);
@@ -37,6 +37,7 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
   require(director_of.size() == connectivity.size(), "director_of must have the shape of connectivity");
   require(increment.size() == 2 * points.size() && points.ndim() == 2 && points.shape(1) == 3,
           "points must have shape (n, 3), increment (n, 6)");
+  require(undeformed.size() == points.size(), "undeformed must have the shape of points");
   require(layer_weight.size() == k && k > 0, "layer positions and weights must have the same length");
   require(h <= std::size_t(most_history), "the law keeps more values than a layer has room for");
   const std::size_t sizes[6] = {q, 3 * q * k, h * q * k, 2 * q * k, 2 * q, n * shell.internal};
@@ -54,6 +55,7 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
                        static_cast<int>(h),
                        connectivity.data(),
                        director_of.data(),
+                       undeformed.data(),
                        points.data(),
                        increment.data(),
                        director.data(),
@@ -107,7 +109,7 @@ void bind_shell(nb::module_& m) {
         "Shape functions (q, nodes), their slopes (q, nodes, 2) and weights (q) at a shell's points, and the slopes at "
         "its nodes (nodes, nodes, 2).");
   m.def("evaluate_shells", &evaluate, nb::arg("element"), nb::arg("connectivity"), nb::arg("director_of"),
-        nb::arg("points"), nb::arg("increment"), nb::arg("director"), nb::arg("layer_position"),
+        nb::arg("undeformed"), nb::arg("points"), nb::arg("increment"), nb::arg("director"), nb::arg("layer_position"),
         nb::arg("layer_weight"), nb::arg("law"), nb::kw_only(), nb::arg("dt"), nb::arg("penalty"), nb::arg("state_n"),
         nb::arg("state"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(), nb::arg("symmetric"),
         nb::arg("small_displacements") = false,

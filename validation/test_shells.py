@@ -34,18 +34,21 @@ def test_pinched_cylinder_with_diaphragms() -> None:
     assert deviation(found[:, [0, 2]], "pinched_cylinder_diaphragms", [2]) < 0.03
 
 
-def test_pinched_cylinder_with_diaphragms_by_arc_length() -> None:
-    """MITC4+, which control by load takes to 77 %, passes all limit loads; its end is that of the table."""
-    mesh = cylinder(100.0, 100.0, 1.0, (40, 40), "shell4_mitc_plus")
+@pytest.mark.parametrize(("element", "n", "tolerance"), [
+    ("shell4_mitc_plus", 40, 0.004), ("shell9_mitc", 24, 0.012), ("shell3_mitc_plus", 40, 0.022),
+])  # fmt: skip
+def test_pinched_cylinder_with_diaphragms_by_arc_length(element, n, tolerance) -> None:
+    """Control by load stops at the first limit load that Newton does not jump over; the arc passes them all."""
+    mesh = cylinder(100.0, 100.0, 1.0, (n, n), element)
     held = [("left", symmetry(Y)), ("right", fixing(X, Z)), ("bottom", symmetry(X)), ("top", symmetry(Z))]
     model = shell_model(mesh, elastic(3e4, 0.3), held, forces=[("bottom_left", (0, 0, -3000.0))],
                         control="arc_length", initial_increment=0.02)  # fmt: skip
     procedure = ArcLengthProcedure(model, threads=1)
-    for _ in procedure.advance():
-        pass
+    increments = sum(1 for _ in procedure.advance())
     moved = procedure.state.displacement
     found = [-moved[mesh.node_sets["bottom_left"], Z].mean(), moved[mesh.node_sets["top_left"], X].mean()]
-    assert found == pytest.approx(TABLES["pinched_cylinder_diaphragms"]["data"][-1][1:], rel=0.005)
+    assert found == pytest.approx(TABLES["pinched_cylinder_diaphragms"]["data"][-1][1:], rel=tolerance)
+    assert increments < 150
 
 
 def test_pinched_semi_cylinder() -> None:

@@ -9,8 +9,10 @@
 // written as products with the increment, so that nothing cancels however thin the shell. Stress of a layer:
 // shell_layer.hpp. Transverse shear is elastic, constant through the thickness, with the factor 5/6; its contravariant
 // components p^i per area of the reference cell are kept, p^i += 5/6 G h A^ij shear_j (a Lie derivative: objective, and
-// no frame to turn). Internal work: sum over layers of S:dE, plus p.dshear; three resultants (1, z, z^2) of the layers
-// carry it to the nodes, so the cost of a layer is that of its law.
+// no frame to turn). The force at the end of an increment is that at the start of the next (docs/theory/shells.md):
+// the metric comes from the strains' tables, and all layers of a point share the change of its thickness. Internal
+// work: sum over layers of S:dE, plus p.dshear; three resultants (1, z, z^2) of the layers carry it to the nodes, so
+// the cost of a layer is that of its law.
 //
 // Six freedoms a node: displacement, and the rotation vector of the increment (director.hpp). The residual's derivative
 // is complete: law, stress on second derivatives of strain, and curvature of the rotation. `penalty` adds the Kirchhoff
@@ -98,10 +100,24 @@ struct Shell {
     T area, inverse[3];  // A^11, A^22, A^12
   };
 
-  // Resultants of the layers by powers of z, and moments of their moduli
+  // Resultants of the layers by powers of z, moments of their moduli at constant thickness, and what E0, E1, E2 change
+  // the logarithm of the thickness by
   struct Resultants {
     T S[3][3];
     T C[5][3][3];
+    T thickness[3][3];
+
+    // layers of a sheet of constant thickness to those of one that is so many times as thick
+    void change_thickness(T stretch) {
+      const T over = T(1.0) / stretch;
+      for (auto& row : S)
+        for (auto& s : row) s *= stretch;
+      for (auto& matrix : C)
+        for (auto& row : matrix)
+          for (auto& c : row) c *= stretch;
+      for (auto& row : thickness)
+        for (auto& t : row) t *= over;
+    }
   };
 
   static void differentiate(const Forms& forms, int q, const T x[][3], const T d[][3], Gradient& g) {
@@ -161,14 +177,30 @@ struct Shell {
     return !(dot3(normal, mean) > T(0.0));
   }
 
-  static Mask<T> measure_surface(const Table& table, int q, const Nodes& n, Surface& s) {
+  // The metric comes from the tables that the strains come from, so that it changes by twice the increment's strain and
+  // stress that a converged increment left is in balance where the next one starts.
+  static Mask<T> measure_surface(const Forms& forms, int q, const Nodes& n, Surface& s) {
     T a[2][3], b[2][3];
-    auto bad = base_vectors(table, q, n.x, n.d, a, b);
-    for (int c = 0; c < 3; ++c) {
-      const int i = c == 1, j = c != 0;
-      s.a[0][c] = dot3(a[i], a[j]);
-      s.a[1][c] = dot3(a[i], b[j]) + dot3(b[i], a[j]);
-      s.a[2][c] = dot3(b[i], b[j]);
+    auto bad = base_vectors(forms.table, q, n.x, n.d, a, b);
+    if constexpr (Table::ties_in_plane) {
+      Gradient g;
+      differentiate(forms, q, n.x, n.d, g);
+      for (int c = 0; c < 3; ++c) {
+        const T half(c == 2 ? 0.5 : 1.0);
+        for (auto& power : s.a) power[c] = T(0.0);
+        for (int node = 0; node < nodes; ++node) {
+          s.a[0][c] += half * dot3(g.V[c][node], n.x[node]);
+          s.a[1][c] += T(2.0) * half * dot3(g.W[c][node], n.x[node]);
+          s.a[2][c] += half * dot3(g.W[c][node], n.d[node]);
+        }
+      }
+    } else {
+      for (int c = 0; c < 3; ++c) {
+        const int i = c == 1, j = c != 0;
+        s.a[0][c] = dot3(a[i], a[j]);
+        s.a[1][c] = dot3(a[i], b[j]) + dot3(b[i], a[j]);
+        s.a[2][c] = dot3(b[i], b[j]);
+      }
     }
     T squared = s.a[0][0] * s.a[0][1] - s.a[0][2] * s.a[0][2];
     T over = T(1.0) / squared;
@@ -240,20 +272,27 @@ struct Shell {
           px[k] = D[k][0] * g.X[0][b][j] + D[k][1] * g.X[1][b][j];
           pd[k] = D[k][0] * g.Y[0][b][j] + D[k][1] * g.Y[1][b][j];
         }
+        T thickness_x(0.0), thickness_d(0.0);
+        for (int c = 0; c < 3; ++c) {
+          thickness_x += r.thickness[0][c] * g.V[c][b][j] + r.thickness[1][c] * g.W[c][b][j];
+          thickness_d += r.thickness[1][c] * g.V[c][b][j] + r.thickness[2][c] * g.W[c][b][j];
+        }
         for (int a = 0; a < nodes; ++a)
           for (int i = 0; i < 3; ++i) {
-            T xx(0.0), xd(0.0), dd(0.0);
+            T xx(0.0), xd(0.0), dd(0.0), force_x(0.0), force_d(0.0);
             for (int c = 0; c < 3; ++c) {
               xx += g.V[c][a][i] * t[0][c] + g.W[c][a][i] * t[1][c];
               xd += g.V[c][a][i] * t[1][c] + g.W[c][a][i] * t[2][c];
               dd += g.V[c][a][i] * t[2][c] + g.W[c][a][i] * t[3][c];
+              force_x += r.S[0][c] * g.V[c][a][i] + r.S[1][c] * g.W[c][a][i];
+              force_d += r.S[1][c] * g.V[c][a][i] + r.S[2][c] * g.W[c][a][i];
             }
             T* row_x = &K[6 * a + i][6 * b + j];
             T* row_d = &K[6 * a + 3 + i][6 * b + j];
-            row_x[0] += xx + g.X[0][a][i] * px[0] + g.X[1][a][i] * px[1];
-            row_x[3] += xd + g.X[0][a][i] * pd[0] + g.X[1][a][i] * pd[1];
-            row_d[0] += xd + g.Y[0][a][i] * px[0] + g.Y[1][a][i] * px[1];
-            row_d[3] += dd + g.Y[0][a][i] * pd[0] + g.Y[1][a][i] * pd[1];
+            row_x[0] += xx + g.X[0][a][i] * px[0] + g.X[1][a][i] * px[1] + force_x * thickness_x;
+            row_x[3] += xd + g.X[0][a][i] * pd[0] + g.X[1][a][i] * pd[1] + force_x * thickness_d;
+            row_d[0] += xd + g.Y[0][a][i] * px[0] + g.Y[1][a][i] * px[1] + force_d * thickness_x;
+            row_d[3] += dd + g.Y[0][a][i] * pd[0] + g.Y[1][a][i] * pd[1] + force_d * thickness_d;
           }
       }
     if (!with_stress) return;

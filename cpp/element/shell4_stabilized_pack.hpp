@@ -20,7 +20,7 @@ struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
   using Base = ShellPack<Quad4, 1, Tying::mitc, T>;
   using Kernel = typename Base::Kernel;
   using Base::Base, Base::end_d, Base::end_x, Base::find, Base::load, Base::mid_d, Base::mid_x, Base::n, Base::save,
-      Base::table, Base::view;
+      Base::table, Base::undeformed, Base::view;
   static constexpr int freedoms = 24, internal_values = 8;  // hourglass forces; energy stored, lost
   static constexpr int n_forms = 17;                        // order of shell4::Forms
 
@@ -48,12 +48,16 @@ struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
     typename Kernel::Strain strain;
     typename Kernel::Resultants sum;
     T a[2][3], b[2][3], shear[2], D[2][2];
-    auto folded = Kernel::measure_surface(table, 0, n, surface) | Kernel::base_vectors(table, 0, end_x, end_d, a, b);
+    auto folded =
+        Kernel::measure_surface(this->forms, 0, n, surface) | Kernel::base_vectors(table, 0, end_x, end_d, a, b);
     if (auto bad = find(folded, ShellFault::inside_out); bad.cell >= 0) return bad;
     shell4::Patterns<T> start;
-    shell4::to_patterns(n.x, start.g[0], start.g[1], start.h);
+    shell4::to_patterns(undeformed, start.g[0], start.g[1], start.h);
+    const T g11 = dot3(start.g[0], start.g[0]), g22 = dot3(start.g[1], start.g[1]), g12 = dot3(start.g[0], start.g[1]);
+    const T over = T(1.0) / (g11 * g22 - g12 * g12);
     const T along[2] = {dot3(start.h, start.g[0]), dot3(start.h, start.g[1])};
-    for (int k = 0; k < 2; ++k) skew[k] = surface.inverse[k] * along[k] + surface.inverse[2] * along[1 - k];
+    skew[0] = (g22 * along[0] - g12 * along[1]) * over;
+    skew[1] = (g11 * along[1] - g12 * along[0]) * over;
     shell4::Forms<T> e;
     shell4::measure<true>(skew, mid, change, e);
     for (int c = 0; c < 3; ++c)
@@ -74,7 +78,8 @@ struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
         form(r, 3 * p + c) = sum.S[p][c];
         if (view.stiffness)
           for (int o = 0; o < 3; ++o)
-            for (int j = 0; j < 3; ++j) C[3 * p + c][3 * o + j] = sum.C[p + o][c][j];
+            for (int j = 0; j < 3; ++j)
+              C[3 * p + c][3 * o + j] = sum.C[p + o][c][j] + sum.S[p][c] * sum.thickness[o][j];
       }
     for (int k = 0; k < 2; ++k) {
       r.shear[k] = shear[k];

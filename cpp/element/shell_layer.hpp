@@ -3,9 +3,9 @@
 //
 // In: the Green-Lagrange strain E of the increment in the lamina frame at t, which turns with the material. With
 // C = 1 + 2E = U^2 the law sees ln U and gives the Cauchy stress s in the turned frame; the stress that does work on E
-// per volume at t is S = J U^-1 s U^-1, J = det U exp(thickness strain). Order xx, yy, xy, shear strain engineering.
-// The derivative dS/dE is that of this program, by dual numbers, so it is exact. With small displacements E is the
-// strain itself, S the stress, and nothing turns.
+// per area at t is S = det U U^-1 s U^-1, times the change of thickness, which is that of all layers (shell_pack.hpp).
+// Order xx, yy, xy, shear strain engineering. The derivative dS/dE is that of this program, by dual numbers, so it is
+// exact. With small displacements E is the strain itself, S the stress, and nothing turns.
 #pragma once
 
 #include "kinematics/increment.hpp"
@@ -27,7 +27,7 @@ template <class T>
 struct LayerResponse {
   T force[3];       // S
   T modulus[3][3];  // dS/dE
-  T thickness_strain;
+  T thickness_strain, thickness_slope[3];
 };
 
 // Squares of von Mises' stress, of the elastic trial and of the stress itself, with derivatives by E
@@ -68,10 +68,10 @@ void stretch_from(const V E[3], Stretch<V>& out) {
   out.inverse[2] = -c12 * scale;
 }
 
-// J U^-1 s U^-1
+// J U^-1 s U^-1, J = det U
 template <class V>
-void pull_back(const Stretch<V>& u, const V s[3], const V& thickness_strain, V S[3]) {
-  const V *w = u.inverse, J = u.determinant * exponential(thickness_strain);
+void pull_back(const Stretch<V>& u, const V s[3], V S[3]) {
+  const V *w = u.inverse, J = u.determinant;
   V a11 = w[0] * s[0] + w[2] * s[2], a12 = w[0] * s[2] + w[2] * s[1];
   V a21 = w[2] * s[0] + w[1] * s[2], a22 = w[2] * s[2] + w[1] * s[1];
   S[0] = J * (a11 * w[0] + a12 * w[2]);
@@ -147,17 +147,18 @@ Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_mo
       try_elastic(u.strain, trial);
       squares->trial = V(layer::mises_square(trial)), squares->found = V(layer::mises_square(state.stress));
     }
-    layer::pull_back(u, state.stress, out.thickness_strain, out.force);
+    layer::pull_back(u, state.stress, out.force);
     return failed;
   }
-  V E_dual[3], stress[3], across(out.thickness_strain), S[3];
+  V E_dual[3], stress[3], S[3];
   for (int i = 0; i < 3; ++i) E_dual[i] = V::variable(E[i], i);
   layer::Stretch<V> v;
   layer::stretch_from(E_dual, v);
   T slope[3];
   layer::thickness_slope(young, law.poisson, D, slope);
   for (int k = 0; k < 3; ++k) {
-    for (int j = 0; j < 3; ++j) across.slope[k] += slope[j] * v.strain[j].slope[k];
+    out.thickness_slope[k] = T(0.0);
+    for (int j = 0; j < 3; ++j) out.thickness_slope[k] += slope[j] * v.strain[j].slope[k];
     for (int i = 0; i < 3; ++i) {
       if (k == 0) stress[i] = V(state.stress[i]);
       for (int j = 0; j < 3; ++j) stress[i].slope[k] += D[i][j] * v.strain[j].slope[k];
@@ -168,7 +169,7 @@ Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_mo
     try_elastic(v.strain, trial);
     squares->trial = layer::mises_square(trial), squares->found = layer::mises_square(stress);
   }
-  layer::pull_back(v, stress, across, S);
+  layer::pull_back(v, stress, S);
   for (int i = 0; i < 3; ++i) {
     out.force[i] = S[i].value;
     for (int k = 0; k < 3; ++k) out.modulus[i][k] = S[i].slope[k];

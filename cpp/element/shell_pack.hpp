@@ -21,6 +21,7 @@ struct ShellView {
   int n_cells, n_layers, n_history;
   const int* connectivity;       // (n_cells, nodes)
   const int* director_of;        // (n_cells, nodes) into director
+  const double* undeformed;      // (n_points, 3) [mm]: what the shape of a cell ties its strains by
   const double* points;          // (n_points, 3) at t [mm]
   const double* increment;       // (n_points, 6) displacement [mm], rotation vector [rad] since t
   const double* director;        // (m, 3) at t
@@ -108,6 +109,7 @@ struct ShellPack {
   const Table& table = Table::get();
   int first, used, cells[width];
   typename Kernel::Nodes n;
+  T undeformed[nodes][3];
   typename Kernel::Forms forms{table, {}};
   T mid_x[nodes][3], mid_d[nodes][3], end_x[nodes][3], end_d[nodes][3];  // half-way and at t+dt
 
@@ -119,6 +121,7 @@ struct ShellPack {
         const std::size_t at = static_cast<std::size_t>(cells[lane]) * mesh_nodes + a;
         const int node = v.connectivity[at], director = v.director_of[at];
         for (int i = 0; i < 3; ++i) {
+          lanes::set(undeformed[a][i], lane, v.undeformed[3 * node + i]);
           lanes::set(n.x[a][i], lane, v.points[3 * node + i]);
           lanes::set(n.u[a][i], lane, v.increment[6 * node + i]);
           lanes::set(n.turn[a].theta[i], lane, v.increment[6 * node + 3 + i]);
@@ -174,13 +177,22 @@ struct ShellPack {
       T across = view.small ? T(1.0) : exponential(response.thickness_strain);
       T volume = view.small ? weight : weight * across * square_root(c11 * c22 - E[2] * E[2]);
       stretch += T(0.5 * view.layer_weight[k]) * across;
+      if (with_modulus && !view.small) {
+        T power = T(0.5 * view.layer_weight[k]) * across;
+        for (int p = 0; p < 3; ++p, power *= z)
+          for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < 3; ++i) sum.thickness[p][c] += power * Q[i][c] * response.thickness_slope[i];
+      }
       Kernel::add_layer(response, Q, weight, z, with_modulus, sum);
       save(state.stress, rows, row, 3, view.stress);
       save(state.history, rows, row, view.n_history, view.history);
       save(state.direction, rows, row, 2, view.direction);
       save(&volume, rows, row, 1, view.volume);
     }
-    if (!view.small) h *= stretch;
+    if (!view.small) {
+      h *= stretch;
+      sum.change_thickness(stretch);
+    }
     save(&h, n_points, q, 1, view.thickness);
     return {};
   }
@@ -227,7 +239,7 @@ struct ShellPack {
       typename Kernel::Strain strain;
       typename Kernel::Resultants sum;
       T a[2][3], b[2][3], shear[2], D[2][2];
-      auto folded = Kernel::measure_surface(table, q, n, surface) | Kernel::base_vectors(table, q, end_x, end_d, a, b);
+      auto folded = Kernel::measure_surface(forms, q, n, surface) | Kernel::base_vectors(table, q, end_x, end_d, a, b);
       if (auto bad = find(folded, ShellFault::inside_out); bad.cell >= 0) return bad;
       Kernel::differentiate(forms, q, mid_x, mid_d, gradient);
       Kernel::measure(gradient, n, strain);
@@ -274,7 +286,7 @@ struct ShellPack {
   }
 
   ShellFailure evaluate() {
-    forms.fit(n.x);
+    forms.fit(undeformed);
     // 1. directors, and the configuration half-way and at the end
     T turned(0.0);
     for (int a = 0; a < mesh_nodes; ++a) {
@@ -303,6 +315,8 @@ struct ShellPack {
   static void clear(typename Kernel::Resultants& sum) {
     for (auto& row : sum.S)
       for (auto& s : row) s = T(0.0);
+    for (auto& row : sum.thickness)
+      for (auto& t : row) t = T(0.0);
     for (auto& matrix : sum.C)
       for (auto& row : matrix)
         for (auto& c : row) c = T(0.0);

@@ -26,6 +26,9 @@ enum class Tying { none, selective, mitc, mitc_plus };
 template <class Cell, int n_points, Tying tying>
 struct ShellTable {
   static constexpr int nodes = Cell::nodes, points = n_points;
+  static constexpr bool ties_in_plane =
+      tying == Tying::mitc_plus ||
+      (tying == Tying::mitc && (std::is_same_v<Cell, Tri6> || std::is_same_v<Cell, Quad9>));
   ShapeTable<Cell, n_points> shape;
   double x[n_points][2];
   double G[n_points][3][nodes][nodes];

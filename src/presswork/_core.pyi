@@ -8,7 +8,7 @@ import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 4
+pack_width: int = 8
 
 architecture: str = 'native'
 
@@ -300,7 +300,7 @@ def shell_shape(element: str) -> tuple[NDArray[numpy.float64], NDArray[numpy.flo
     Shape functions (q, nodes), their slopes (q, nodes, 2) and weights (q) at a shell's points, and the slopes at its nodes (nodes, nodes, 2).
     """
 
-def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], director_of: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], director: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, *, dt: float, penalty: float, state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], state: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool, small_displacements: bool = False) -> tuple[int, ShellFault]:
+def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], director_of: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], director: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, *, dt: float, penalty: float, state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], state: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool, small_displacements: bool = False) -> tuple[int, ShellFault]:
     """
     Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness (n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear (n_cells, q, 2)]. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and why.
     """

@@ -92,9 +92,9 @@ class SmallShell(Shell):
         new, volume = [a.copy() for a in self.state], np.zeros((1, q, k))
         force, stiffness = np.zeros((1, n, _core.pack_width)), np.zeros((1, n, n, _core.pack_width))
         cell, fault = _core.evaluate_shells(
-            self.element, self.cells, self.cells, self.points, increment, self.director, *self.rule, self.law,
-            dt=1.0, penalty=penalty, state_n=self.state, state=new, volume=volume, force=force, stiffness=stiffness,
-            symmetric=False, small_displacements=True,
+            self.element, self.cells, self.cells, self.points, self.points, increment, self.director, *self.rule,
+            self.law, dt=1.0, penalty=penalty, state_n=self.state, state=new, volume=volume, force=force,
+            stiffness=stiffness, symmetric=False, small_displacements=True,
         )  # fmt: skip
         assert cell == -1, fault
         return force[0, :, 0], stiffness[0, :, :, 0], new, volume

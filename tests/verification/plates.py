@@ -6,13 +6,15 @@ Perfectly plastic; Young's modulus is so large that the plate collapses before i
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from problems import linear_hardening
 from shell_problems import RX, RY, X, Y, Z, fixing, patch, shell_model, symmetry
 
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.mesh.topology import find_boundary_edges
-from presswork.model import CellBlock, ElementName, FloatArray, Material, Mesh, Section
+from presswork.model import CellBlock, ElementName, FloatArray, Material, Mesh, Model, Section
 
 YOUNG, YIELD, THICKNESS, SIZE = 2e9, 200.0, 1.0, 50.0
 """SIZE: radius, or half the side."""
@@ -67,12 +69,17 @@ def quarter_disc(n: int) -> Mesh:
     return Mesh(points, (block,), {**sets, "top": sets["right"]}, {}, find_boundary_edges([block.connectivity]))
 
 
-def collapse_load(mesh: Mesh, expected: float, *, clamped: bool) -> float:
-    """Return the pressure at which the middle goes down without end; `expected` gives the first arc its length."""
+def pressed_plate(mesh: Mesh, pressure: float, *, clamped: bool, **solver: Any) -> Model:
+    """A plate on supports that let its edges move in, under a pressure [MPa]."""
     edge = fixing(Z, RX, RY) if clamped else fixing(Z)
     held = [("left", symmetry(X)), ("bottom", symmetry(Y)), ("right", edge), ("top", edge)]
-    model = shell_model(mesh, STEEL, held, pressures=[("all", 2.0 * expected)], control="arc_length",
-                        initial_increment=0.2, target_iterations=6)  # fmt: skip
+    return shell_model(mesh, STEEL, held, pressures=[("all", pressure)], **solver)
+
+
+def collapse_load(mesh: Mesh, expected: float, *, clamped: bool) -> float:
+    """Return the pressure at which the middle goes down without end; `expected` gives the first arc its length."""
+    model = pressed_plate(mesh, 2.0 * expected, clamped=clamped, control="arc_length", initial_increment=0.2,
+                          target_iterations=6)  # fmt: skip
     procedure = ArcLengthProcedure(model, threads=1)
     middle = mesh.node_sets["bottom_left"]
     for report in procedure.advance():

@@ -14,7 +14,6 @@ from test_shell_snap_through import hinged_roof
 from presswork.case import CaseError, ShellCase, build_model
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.supports import NotHeldError
-from presswork.outcome import GaveUpError
 
 LENGTH, WIDTH, THICKNESS, DENSITY = 20.0, 10.0, 0.8, 7.85e-9
 VELOCITY, DAMPING, DURATION, INCREMENTS = 100.0, 1e5, 0.01, 20
@@ -57,12 +56,10 @@ def test_damping_of_a_sheet_carried_along_is_its_mass_times_velocity(element) ->
 
 
 def test_a_roof_that_snaps_under_its_load_comes_to_rest_on_the_tabulated_branch() -> None:
-    """Under its full load, 1.35 times the limit load of Sze, Liu & Lo (2004), where statics finds no way."""
+    """Under its full load, 1.35 times the limit load of Sze, Liu & Lo (2004)."""
     steps = {"initial_increment": 0.01, "max_increment": 0.01, "symmetric": False}
     slow = [replace(stage, duration=1.0) for stage in hinged_roof(12.7, 6).stages]
     model = replace(hinged_roof(12.7, 6, **steps), stages=tuple(slow))
-    with pytest.raises(GaveUpError):
-        list(ImplicitProcedure(model, threads=1).advance())
     heavy = replace(model.materials[0], density=2e-9)
     settings = replace(model.solver, inertia=1.0, damping=1e3)
     procedure = ImplicitProcedure(replace(model, materials=(heavy,), solver=settings), threads=1)

@@ -104,9 +104,10 @@ def count_modes(element: str, cells: int) -> int:
     state = [np.full((cells, q), H), np.zeros((cells, q, 2, 3)), np.zeros((cells, q, 2, 1)),
              np.tile([1.0, 0.0], (cells, q, 2, 1)), np.zeros((cells, q, 2)), np.zeros((cells, internal))]  # fmt: skip
     _core.evaluate_shells(
-        element, connectivity, connectivity, mesh.points, np.zeros((n, 6)), np.tile([0.0, 0.0, 1.0], (n, 1)),
-        *np.polynomial.legendre.leggauss(2), law, dt=1.0, penalty=0.0, state_n=state, state=[a.copy() for a in state],
-        volume=np.zeros((cells, q, 2)), force=np.zeros((1, 6 * nodes, width)), stiffness=stiffness, symmetric=False,
+        element, connectivity, connectivity, mesh.points, mesh.points, np.zeros((n, 6)),
+        np.tile([0.0, 0.0, 1.0], (n, 1)), *np.polynomial.legendre.leggauss(2), law, dt=1.0, penalty=0.0,
+        state_n=state, state=[a.copy() for a in state], volume=np.zeros((cells, q, 2)),
+        force=np.zeros((1, 6 * nodes, width)), stiffness=stiffness, symmetric=False,
     )  # fmt: skip
     total = np.zeros((6 * n, 6 * n))
     for lane, cell in enumerate(connectivity):

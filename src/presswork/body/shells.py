@@ -167,6 +167,7 @@ class ShellMechanics:
                 block.element,
                 self._connectivity[i],
                 self.directors.of_cell[i],
+                model.mesh.points,
                 points,
                 increment,
                 state_n.shells.director,

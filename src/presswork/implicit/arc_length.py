@@ -34,6 +34,9 @@ from presswork.state import State
 
 SMALLEST = 1e-4
 """Arc length over the first one below which it gives up."""
+SHARPEST = 0.5
+"""Cosine of the angle between an increment and the path's tangents at its ends below which the arc is shortened: an arc
+too long for the path's turns finds the part of the path that lies behind, and goes backwards."""
 LARGEST = 20.0
 """Arc length over the first one beyond which it does not grow."""
 
@@ -172,17 +175,18 @@ class ArcLengthProcedure(ImplicitProcedure):
                 change = float(sign or 1.0) * arc / float(np.linalg.norm(answer[:, :3]))
                 if end or fraction_n + change >= 1.0:  # the end of the stage lies within this arc: load control
                     change, end = 1.0 - fraction_n, True
-                step = correction + change * answer
+                step, ahead = correction + change * answer, change * answer
             elif log.residual[-1] <= settings.force_tolerance and log.correction[-1] <= settings.displacement_tolerance:
                 if point.fraction > 1.0 + 1e-12:
                     return self._follow(stage, fraction_n, arc, end=True)
+                bends = min(_cosine(point.increment, ahead), abs(_cosine(point.increment, answer))) < SHARPEST
+                if bends and not end:
+                    return "the path turns too sharply"
                 trial.peak_force = np.maximum(state_n.peak_force, largest)
                 return _Found(trial, point, log)
             else:
-                root = 0.0 if end else _on_arc(point.increment, correction, answer, arc)
-                if root is None:
-                    return "the arc meets no equilibrium"
-                change, step = root, correction + root * answer
+                change = 0.0 if end else _on_arc(point.increment, correction, answer, arc)
+                step = correction + change * answer
             moved = point.increment + step
             size = float(np.abs(moved * mechanics.length).max())
             log.correction.append(float(np.abs(step * mechanics.length).max()) / size if size > 0 else 0.0)
@@ -197,15 +201,26 @@ def _turn(constraints: Constraints, vector: FloatArray) -> FloatArray:
     return turned
 
 
-def _on_arc(increment: FloatArray, correction: FloatArray, answer: FloatArray, arc: float) -> float | None:
-    """Return the change of load that keeps the increment's translations on the arc; None if there is none."""
+def _cosine(first: FloatArray, second: FloatArray) -> float:
+    """Return the cosine of the angle between the translations of two increments (n_points, 6)."""
+    u, v = first[:, :3], second[:, :3]
+    size = float(np.linalg.norm(u) * np.linalg.norm(v))
+    return float((u * v).sum()) / size if size > 0.0 else 1.0
+
+
+def _on_arc(increment: FloatArray, correction: FloatArray, answer: FloatArray, arc: float) -> float:
+    """Return the change of load that keeps the increment's translations on the arc, or brings them nearest to it.
+
+    Near a limit load the correction alone may be longer than the arc; then no load leads back to it, and a shorter arc
+    would only be missed by more.
+    """
     u, v, w = increment[:, :3], correction[:, :3], answer[:, :3]
     start = u + v
     a, b = float((w * w).sum()), 2.0 * float((start * w).sum())
     c = float((start * start).sum()) - arc**2
     root = b**2 - 4.0 * a * c
     if root < 0.0:
-        return None
+        return -b / (2.0 * a)
     choices = [(-b + s * np.sqrt(root)) / (2.0 * a) for s in (1.0, -1.0)]
     chosen: float = max(choices, key=lambda x: float(((start + x * w) * u).sum()))
     return chosen

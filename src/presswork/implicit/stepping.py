@@ -190,9 +190,11 @@ class ImplicitProcedure:
             if step * (1 + 1e-9) < target - fraction_n < 2 * step:
                 step = 0.5 * (target - fraction_n)
             fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
-            trial, outcome = self._attempt(stage, fraction_n, fraction, gently=False)
+            trial, outcome = self._attempt(stage, fraction_n, fraction)
             if isinstance(outcome, Failed) and self.equilibrium.friction.is_needed:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, gently=True)
+            if isinstance(outcome, Failed) and self._may_turn:
+                trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
             if not isinstance(outcome, Failed):
                 break
             cutbacks.append(f"{step:.3g} of the stage: {outcome.reason}")
@@ -222,12 +224,18 @@ class ImplicitProcedure:
         before, now = (np.floor(f * output.steps * (1 + 1e-12)) for f in (fraction_n, fraction))
         return at_target or bool(now != before)
 
+    @property
+    def _may_turn(self) -> bool:
+        """Say whether the next increment may go another way than the last: shells that buckle, snap or collapse."""
+        return self.model.analysis == "shell" and bool(self.state.increment.any())
+
     def _attempt(
-        self, stage: int, fraction_n: float, fraction: float, *, gently: bool
+        self, stage: int, fraction_n: float, fraction: float, *, gently: bool = False, from_rest: bool = False
     ) -> tuple[State, Converged | Failed]:
+        """Try an increment, from the last one scaled or from where the sheet is (from_rest)."""
         trial = self.state.duplicate()
         last = float(self.state.progress[LAST])
-        ratio = (fraction - fraction_n) / last if last > 0 else 0.0
+        ratio = (fraction - fraction_n) / last if last > 0 and not from_rest else 0.0
         guess = self.state.increment * ratio
         pose = self.tool_base(stage) + fraction * self._motion(self.model.stages[stage])
         floats = (trial.tool_gives > 0) | np.isin(
