@@ -165,6 +165,8 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
           nb::kw_only(), nb::arg("rate") = RateLaw::none, nb::arg("rate_parameters") = std::array<double, 2>{0.0, 1.0},
           nb::arg("chaboche") = nb::none(), nb::arg("yoshida_uemori") = nb::none(), nb::arg("young_saturated") = 0.0,
           nb::arg("young_rate") = 0.0)
+      .def_ro("young", &Law::young, "Young's modulus at the start [MPa].")
+      .def_ro("poisson", &Law::poisson, "Poisson's ratio.")
       .def_prop_ro("history_size", &Law::history_size, "Values a point keeps: eqps, then back stresses.")
       .def("flow_stress", &evaluate_flow<N>, nb::arg("eqps"), nb::arg("rate") = 0.0,
            "Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].")

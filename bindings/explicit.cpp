@@ -158,6 +158,7 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
            nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0, "Energies at the present time.")
       .def("bound_frequencies", &bound_frequencies<Real>,
            "Bound of the squared highest frequency of each element [1/s2].")
+      .def_rw("ironing", &Loop::ironing, "Whether tools squeeze the sheet thinner; to be set before there are any.")
       .def_prop_rw(
           "force", [](const Loop& self) { return get_columns(self.force.data(), self.nodes.n, 6, 0, 6); },
           [](Loop& self, Doubles f) {

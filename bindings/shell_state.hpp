@@ -58,7 +58,19 @@ NewDoubles thickness_of(const ShellLoop<Real>& self, int block) {
   return array;
 }
 
-// Stress (n, points in the plane, points across, 3) as xx, yy, xy.
+// Pressure through the thickness (n, points in the plane).
+template <class Real>
+NewDoubles pressure_of(const ShellLoop<Real>& self, int block) {
+  const auto& elements = block_of(self, block);
+  const auto& rows = elements.rows();
+  double* to;
+  auto array = new_array({std::size_t(elements.n()), std::size_t(rows.in_plane)}, &to);
+  for (int e = 0; e < elements.n(); ++e)
+    for (int q = 0; q < rows.in_plane; ++q) *to++ = elements.value(e, rows.pressure + q * rows.pressure_step);
+  return array;
+}
+
+// Stress (n, points in the plane, points across, 3) as xx, yy, xy, what flows: with the pressure added to xx and yy.
 template <class Real>
 NewDoubles stress_of(const ShellLoop<Real>& self, int block) {
   const auto& elements = block_of(self, block);
@@ -184,9 +196,13 @@ void bind_state(nb::class_<explicit_dynamics::ShellLoop<Real>>& loop) {
       .def_prop_rw("element_mass", &masses_of<Real>, &set_element_masses<Real>, nb::rv_policy::move,
                    "Mass of each element (n) [t]; setting it sets the nodes' masses.")
       .def("stress", &stress_of<Real>, nb::arg("block"),
-           "Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa].")
+           "Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa]; of squeezed "
+           "shells "
+           "with the pressure added to xx and yy.")
       .def("history", &history_of<Real>, nb::arg("block"),
            "What the law of a block keeps (n, points in the plane, layers, size); first eqps.")
+      .def("pressure", &pressure_of<Real>, nb::arg("block"),
+           "Pressure through the thickness (n, points in the plane) of a block that tools squeeze [MPa].")
       .def("thickness", &thickness_of<Real>, nb::arg("block"), "Thickness (n) [mm] of a block.")
       .def("trial_force", &trial_force<Real>, nb::arg("increment"),
            "Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.")

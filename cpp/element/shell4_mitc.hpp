@@ -32,9 +32,10 @@ inline constexpr double at_r[points] = {-place, place, -place, place}, at_s[poin
 // in the bound of the frequency, found by eigenvalues: of membrane and shear
 inline constexpr double of_skew[2] = {0.15, 0.4}, of_warp = 0.6;
 
-// Rows of a shell's state: thickness (mean), work, then those of each point, then the layers, point after point.
-enum Row { thickness = 0, work = 1, first_point = 2 };
-enum PointRow { point_thickness = 0, rounding = 1, reference = 2, shear = 6, point_rows = 8 };
+// Rows of a shell's state: thickness (mean), work, spring of a squeezed node, then those of each point, then the
+// layers, point after point.
+enum Row { thickness = 0, work = 1, spring = 2, first_point = 3 };
+enum PointRow { point_thickness = 0, rounding = 1, reference = 2, shear = 6, pressure = 8, point_rows = 9 };
 inline constexpr int head_rows = first_point + points * point_rows;
 
 // Products of g1, g2, h: the metric at any point.
@@ -156,7 +157,7 @@ T bound_frequency(double young, double poisson, const T x[4][3], const T* state,
 // Advance one shell (or pack) by dt; arguments as those of shell4::advance.
 template <class T, class Law>
 [[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, double dt, const T x[4][3],
-                                           const T v[4][3], const T w[4][3], T* state, T* force) {
+                                           const T v[4][3], const T w[4][3], const T* room, T* state, T* force) {
   using namespace shell4;
   const T none[3] = {T(0.0), T(0.0), T(0.0)};
   // 1. strains of the cell, in the middle of the step
@@ -209,6 +210,8 @@ template <class T, class Law>
     const T area = place_frame(metric, r, s, point + reference, contra), t = point[point_thickness];
     Resultants<T> found;
     advance_section(law, rule, membrane, curvature, t, dt, layers, found);
+    squeeze_between_tools<4>(law, rule, room, T(0.25) * state[spring] / area, t, membrane, layers, point[pressure],
+                             found);
     T n[3], on[3];
     from_sums(found.force, n), from_frame(contra, area, n, on);
     add_point(r, s, on, out.membrane, out.hourglass, on_B[0]);

@@ -25,7 +25,7 @@
 // b of node 3 is minus that of node 1, of 4 minus that of 2: everything is written with the differences 1-3 and 2-4.
 #pragma once
 
-#include "element/layered_section.hpp"
+#include "element/squeezed_section.hpp"
 
 namespace presswork {
 
@@ -43,7 +43,8 @@ namespace shell4 {
 inline constexpr double shear_factor = 5.0 / 6.0;
 // rows of an element's state: thickness, inverse reference sides (2x2), transverse shear stress xz, yz, hourglass
 // forces (membrane x, y, deflection, rotations x, y, none; of stabilised shells those of shell4_forms.hpp), work,
-// hourglass work, rounding of the thickness; then the layers
+// hourglass work, rounding of the thickness, pressure through the thickness and the spring of a node that is squeezed
+// (squeezed_section.hpp); then the layers
 enum Row {
   thickness = 0,
   reference = 1,
@@ -52,9 +53,11 @@ enum Row {
   hourglass = 7,
   work = 13,
   hourglass_work = 14,
-  thickness_rounding = 15
+  thickness_rounding = 15,
+  pressure = 16,
+  spring = 17
 };
-inline constexpr int head_rows = 16;
+inline constexpr int head_rows = 18;
 
 // Adds an increment of thickness strain. What rounding takes is added to the next increment (Kahan 1965): steps of 1e-6
 // are 16 units in the last place of a float, all rounded the same way, and would drift.
@@ -325,10 +328,11 @@ template <bool warped, class T>
 }
 
 // Advance one shell (or pack) by dt: positions x at the end of the step, velocity v and angular velocity w of it.
-// state: rows as above, in place. force: (4, 6), the internal force.
+// room: between tools at the nodes (4), or null. state: rows as above, in place. force: (4, 6), the internal force.
 template <bool warped, class T, class Law>
 [[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const ShellControl& control,
-                                           const T x[4][3], const T v[4][3], const T w[4][3], T* state, T* force) {
+                                           const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
+                                           T* force) {
   // 1. kinematics, in the middle of the step
   const T dt(control.dt);
   Strain<T> strain;
@@ -351,6 +355,8 @@ template <bool warped, class T, class Law>
   T t = state[thickness];
   Resultants<T> r;
   advance_section(law, rule, strain.membrane, strain.curvature, t, control.dt, state + head_rows, r);
+  squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, strain.membrane, state + head_rows,
+                           state[pressure], r);
   // 3. transverse shear
   const double shear_modulus = 0.5 * shear_factor * law.young / (1.0 + law.poisson);
   T shear[2];

@@ -135,7 +135,8 @@ template <class T>
 // Advance one shell (or pack) by dt; arguments as those of `advance` in shell4_one_point.hpp.
 template <class T, class Law>
 [[gnu::always_inline]] inline void advance_stabilized(const Law& law, const LayerRule& rule, double dt, const T x[4][3],
-                                                      const T v[4][3], const T w[4][3], T* state, T* force) {
+                                                      const T v[4][3], const T w[4][3], const T* room, T* state,
+                                                      T* force) {
   // 1. strains, in the middle of the step
   Forms<T> strain;
   T membrane[3], curvature[3], shear_strain[2];
@@ -159,6 +160,7 @@ template <class T, class Law>
   Resultants<T> r;
   T retained[2];
   advance_section(law, rule, membrane, curvature, t, dt, state + head_rows, r, retained);
+  squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, membrane, state + head_rows, state[pressure], r);
   Forms<T> out;
   T n[3];
   from_sums(r.force, n), from_frame(g.contra, g.area, n, out.membrane);

@@ -5,6 +5,7 @@
 // element derives from ElementBlock, fills in the arrays below, and says how a range of packs is advanced.
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct StateRows {
   // stress, then the law's history
   int layers, in_plane, across, law;
   int count() const { return layers + in_plane * across * law; }
+  // Of a squeezed shell: pressure through the thickness of the first point in the plane, and from it to that of the
+  // next; spring of a node [N/mm] (squeezed_section.hpp).
+  int pressure, pressure_step = 0, spring;
   // First rows of what the undeformed shape gives (4), of hourglass forces (6); -1 of shells that cannot be split.
   int reference = -1, hourglass = -1;
 };
@@ -51,6 +55,12 @@ class ElementBlock {
   std::vector<double>& mass() { return mass_; }
   const std::vector<double>& mass() const { return mass_; }
   const std::vector<double>& inertia_ratio() const { return inertia_ratio_; }
+
+  // Take the springs of squeezed shells from their masses and a step.
+  void set_springs(double dt) {
+    for (int e = 0; e < n_; ++e)
+      set_value(e, rows_.spring, std::min(stiffest_spring_[e], mass_[e] / (nodes_each_ * dt * dt)));
+  }
 
   double value(int element, int row) const { return state_.data()[index(element, row)]; }
   // Sets the copies in the last pack as well.
@@ -84,6 +94,7 @@ class ElementBlock {
         packed_(std::size_t(n_packs()) * nodes_each * lanes),
         mass_(n_),
         inertia_ratio_(n_),
+        stiffest_spring_(n_),
         state_(std::size_t(n_packs()) * rows.count() * lanes) {
     for (int slot = 0; slot < n_packs() * lanes; ++slot)
       for (int a = 0; a < nodes_each; ++a)
@@ -101,7 +112,7 @@ class ElementBlock {
   StateRows rows_;
   std::vector<int> connectivity_;  // (n, nodes)
   std::vector<int> packed_;        // [pack][node][lane]
-  std::vector<double> mass_, inertia_ratio_;
+  std::vector<double> mass_, inertia_ratio_, stiffest_spring_;
   AlignedArray<Real> state_;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes of a pack of elements, lane by lane: positions, velocities, angular velocities.
+// Nodes of a pack of elements, lane by lane: positions, velocities, angular velocities, room between tools.
 #pragma once
 
 #include "explicit/nodes.hpp"
@@ -53,6 +53,13 @@ template <int count, class Real>
     load_records<8>(from, eight);
     for (int i = 0; i < 3; ++i) v[a][i] = eight[i], w[a][i] = eight[3 + i];
   }
+}
+
+template <int count, class Real>
+[[gnu::always_inline]] inline void gather_room(const Nodes<Real>& nodes, const int* node, PackOf<Real> room[count]) {
+  constexpr int width = PackOf<Real>::width;
+  for (int a = 0; a < count; ++a, node += width)
+    for (int lane = 0; lane < width; ++lane) room[a].set(lane, static_cast<Real>(nodes.room[node[lane]]));
 }
 
 }  // namespace presswork::explicit_dynamics

@@ -119,6 +119,7 @@ void ShellLoop<Real>::inherit(const ShellLoop& from, const int* node_parents, co
 
 template <class Real>
 void ShellLoop<Real>::advance_elements(double dt) {
+  find_room();
   AlignedArray<Real> scratch = tiles_.make_scratch();
   for (int t = 0; t < tiles_.n(); ++t) tiles_.advance(t, nodes, dt, scratch.data(), internal_force.data());
   tiles_.close_rims(0, tiles_.n_rim_nodes(), internal_force.data());
@@ -196,6 +197,7 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
   const int n_chunks = chunks_of(nodes.n), n_rims = tiles_.n_rim_nodes(), n_hanging = hanging.n();
   std::vector<Sums> sums(n_chunks + chunks_of(n_hanging));
   hanging.measure(nodes, 0, n_hanging);
+  find_room();
   int failed = INT_MAX, failed_in = -1;
   const bool shared = n_elements() >= serial_elements;
   const int most_threads = shared ? omp_get_max_threads() : 1;
@@ -314,12 +316,16 @@ std::unique_ptr<ToolContact> ShellLoop<Real>::make_contact() const {
         edge = std::max(edge, apart(connectivity[i + a], connectivity[i + (a + 1) % each]));
     }
   }
-  return std::make_unique<ToolContact>(nodes.n, start, cells, thinnest, widest, edge);
+  return std::make_unique<ToolContact>(nodes.n, start, cells, thinnest, widest, edge, ironing);
 }
 
 template <class Real>
 void ShellLoop<Real>::set_contact_stiffness(double dt) {
-  contact->set_stiffness(own_mass_, element_masses(), dt);
+  std::vector<double> before(n_elements()), ratio(before.size());
+  for (int e = 0; e < n_elements(); ++e) before[e] = value(e, &StateRows::spring);
+  for (const auto& block : blocks) block->set_springs(dt);
+  for (int e = 0; e < n_elements(); ++e) ratio[e] = before[e] > 0.0 ? value(e, &StateRows::spring) / before[e] : 1.0;
+  contact->set_stiffness(own_mass_, element_masses(), ratio, dt);
 }
 
 template <class Real>

@@ -83,24 +83,28 @@ class ShellLoop {
   std::unique_ptr<Drawbeads> beads;  // none without beads
   contact::SheetUnder find_cells() const;
 
+  bool ironing = true;                   // tools squeeze the sheet; to be set before there are any
   std::unique_ptr<ToolContact> contact;  // none without tools
   // To be called when there are tools, and after a change of masses.
   std::unique_ptr<ToolContact> make_contact() const;
   void set_contact_stiffness(double dt);
   // What contact must know of the sheet, after a step of dt.
   auto view(double dt) const {
-    return SheetView{nodes.position.data(), nodes.motion.data(), [this](int cell) { return thickness(cell); }, dt};
+    return SheetView{nodes.position.data(), nodes.motion.data(), [this](int cell) { return thickness(cell); },
+                     [this](int cell) { return value(cell, &StateRows::spring); }, dt};
   }
-  double thickness(int element) const {
-    std::size_t b = 0;
-    for (; element >= blocks[b]->n(); ++b) element -= blocks[b]->n();
-    return blocks[b]->value(element, blocks[b]->rows().thickness);
-  }
+  double thickness(int element) const { return value(element, &StateRows::thickness); }
 
   double seconds[n_phases] = {};  // of wall time by phase, in all calls of advance
   double work[2] = {0.0, 0.0};    // done by force and prescription, by damping: up to half a step back
 
  private:
+  double value(int element, const int StateRows::* row) const {
+    std::size_t b = 0;
+    for (; element >= blocks[b]->n(); ++b) element -= blocks[b]->n();
+    return blocks[b]->value(element, blocks[b]->rows().*row);
+  }
+  void find_room() { nodes.room = contact ? contact->room() : nullptr; }
   struct Sums {
     double external = 0.0, damping = 0.0;
     double fastest = 0.0;  // speed of a node, squared

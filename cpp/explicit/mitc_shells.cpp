@@ -17,7 +17,10 @@ struct Mitc {
             .layers = shell4_mitc::head_rows,
             .in_plane = shell4_mitc::points,
             .across = static_cast<int>(section.rule.height.size()),
-            .law = std::visit([](const auto& law) { return law.rows(); }, section.law)};
+            .law = std::visit([](const auto& law) { return law.rows(); }, section.law),
+            .pressure = int(shell4_mitc::first_point) + int(shell4_mitc::pressure),
+            .pressure_step = shell4_mitc::point_rows,
+            .spring = shell4_mitc::spring};
   }
 
   // As that of the shell of one point.
@@ -46,8 +49,8 @@ struct Mitc {
 
   template <class T, class Law>
   [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, double dt, const T x[4][3],
-                                             const T v[4][3], const T w[4][3], T* state, T* force) {
-    shell4_mitc::advance(law, section.rule, dt, x, v, w, state, force);
+                                             const T v[4][3], const T w[4][3], const T* room, T* state, T* force) {
+    shell4_mitc::advance(law, section.rule, dt, x, v, w, room, state, force);
   }
 
   template <class T>

@@ -92,6 +92,8 @@ struct Nodes {
   int n;
   AlignedArray<double> position;  // (n, 4): x, y, z [mm], unused
   AlignedArray<Real> motion;  // (n, 8): velocity [mm/s], angular velocity [1/s] (half a step back), 1/mass, 1/inertia
+  // (n): room between two tools that hold the sheet there [mm], else infinite; null: shells are not squeezed
+  const double* room = nullptr;
 };
 
 }  // namespace presswork::explicit_dynamics

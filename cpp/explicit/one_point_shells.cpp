@@ -19,6 +19,8 @@ struct OnePoint {
             .in_plane = 1,
             .across = static_cast<int>(section.rule.height.size()),
             .law = std::visit([](const auto& law) { return law.rows(); }, section.law),
+            .pressure = shell4::pressure,
+            .spring = shell4::spring,
             .reference = shell4::reference,
             .hourglass = shell4::hourglass};
   }
@@ -51,8 +53,8 @@ struct Triangle : OnePoint<3> {
 
   template <class T, class Law>
   [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, double dt, const T x[3][3],
-                                             const T v[3][3], const T w[3][3], T* state, T* force) {
-    shell3::advance(law, section.rule, dt, x, v, w, state, force);
+                                             const T v[3][3], const T w[3][3], const T* room, T* state, T* force) {
+    shell3::advance(law, section.rule, dt, x, v, w, room, state, force);
   }
 
   template <class T>
@@ -79,13 +81,13 @@ struct Quadrilateral : OnePoint<4> {
 
   template <class T, class Law>
   [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, double dt, const T x[4][3],
-                                             const T v[4][3], const T w[4][3], T* state, T* force) {
+                                             const T v[4][3], const T w[4][3], const T* room, T* state, T* force) {
     if constexpr (treatment == Treatment::stabilized) {
-      shell4::advance_stabilized(law, section.rule, dt, x, v, w, state, force);
+      shell4::advance_stabilized(law, section.rule, dt, x, v, w, room, state, force);
     } else {
       ShellControl control = section.control;
       control.dt = dt;
-      shell4::advance<treatment == Treatment::warped>(law, section.rule, control, x, v, w, state, force);
+      shell4::advance<treatment == Treatment::warped>(law, section.rule, control, x, v, w, room, state, force);
     }
   }
 

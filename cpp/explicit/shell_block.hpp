@@ -7,8 +7,8 @@
 //   inertia_ratio(area, thickness)                  rotary inertia over mass [mm2]
 //   begin(x, axis, thickness, area, set)            area and state at the start, by set(row, value); false where the
 //                                                   element has no area or the axis of its law is normal to it
-//   advance(law, section, dt, x, v, w, state, force)  one step of a pack
-//   bound_frequency(young, poisson, x, state, mass, ratio)  bound of the highest frequency squared [1/s2]
+//   advance(law, section, dt, x, v, w, room, state, force)  one step of a pack; room between tools at its nodes, or
+//   null bound_frequency(young, poisson, x, state, mass, ratio)  bound of the highest frequency squared [1/s2]
 #pragma once
 
 #include <algorithm>
@@ -41,6 +41,8 @@ class ShellBlock final : public ElementBlock<Real> {
                        [&](int row, double value) { this->set_value(e, row, value); }))
         throw std::invalid_argument(Kind::name + std::to_string(e) +
                                     " has no area, or the axis of its material is normal to it");
+      const double young = std::visit([](const auto& law) { return law.young; }, section_.law);
+      this->stiffest_spring_[e] = stiffest_spring(young, area, thickness[e], each);
       this->mass_[e] = section_.density * area * thickness[e];
       this->inertia_ratio_[e] = Kind::inertia_ratio(area, thickness[e]);
     }
@@ -76,7 +78,9 @@ class ShellBlock final : public ElementBlock<Real> {
       P x[each][3], v[each][3], w[each][3], nodal[forces];
       gather_positions<each>(nodes, this->pack_nodes(pack), x);
       gather_motion<each>(nodes, this->pack_nodes(pack), v, w);
-      Kind::advance(law, section_, dt, x, v, w, this->pack_state(pack), nodal);
+      P room[each];
+      if (nodes.room) gather_room<each>(nodes, this->pack_nodes(pack), room);
+      Kind::advance(law, section_, dt, x, v, w, nodes.room ? room : nullptr, this->pack_state(pack), nodal);
       Real* to[lanes];
       for (int lane = 0; lane < lanes; ++lane) to[lane] = force + forces * (std::size_t(pack - first) * lanes + lane);
       if constexpr (forces % (lanes / 2) == 0)

@@ -25,13 +25,17 @@ double next_speed(const Tool& tool, double push, double dt) {
 }  // namespace
 
 ToolContact::ToolContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node,
-                         double thickness, double cell_width, double edge)
+                         double thickness, double cell_width, double edge, bool ironing)
     : n_nodes_(n_nodes),
       node_start_(std::size_t(n_nodes) + 1, 0),
       node_cell_(cell_node.size()),
       base_(fill(n_nodes), 0.0),
       half_(base_.size(), 0.0),
+      room_(base_.size(), never),
+      held_(base_.size(), 0.0),
+      ironing_(ironing),
       memory_(0.005 * thickness),
+      awake_within_(ironing ? 0.25 * thickness : memory_),
       reach_(2.0 * std::max(thickness, cell_width)),
       edges_(n_nodes, cell_start, cell_node, edge, 2.0 * memory_, reach_) {
   for (int node : cell_node) ++node_start_[node + 1];
@@ -63,6 +67,10 @@ void ToolContact::remove(int tool) {
   for (int node = 0; node < n_nodes_; ++node) {
     const double pressed = value(tool, node, &Touching::pressed), k = stiffness(tool, node);
     if (pressed > 0.0) normal += 0.5 * k * pressed * pressed;
+    if (value(tool, node, &Touching::squeezed) > 0.0) {
+      normal += held_[node];
+      room_[node] = never, held_[node] = 0.0;
+    }
   }
   if (tools[tool].pushed) normal += 0.5 * tools[tool].mass * dot(tools[tool].velocity, tools[tool].velocity);
   total_.damping += normal;
@@ -71,7 +79,7 @@ void ToolContact::remove(int tool) {
     if (other.stop == tool) other.stop = -1;
   for (Touching& p : pairs_[tool].packs) {
     for (Pack& s : p.shear) s = Pack(0.0);
-    p.pressed = p.viscous = Pack(0.0), p.wake = Pack(never);
+    p.pressed = p.viscous = p.squeezed = Pack(0.0), p.wake = Pack(never);
   }
 }
 
@@ -96,19 +104,27 @@ void ToolContact::add_stored(double& normal, double& shear) const {
   for (int t = 0; t < static_cast<int>(tools.size()); ++t) {
     for (int i = 0; i < n_nodes_; ++i) {
       const double pressed = value(t, i, &Touching::pressed), k = stiffness(t, i);
-      if (!(pressed > 0.0)) continue;
+      if (!(pressed > 0.0 || value(t, i, &Touching::squeezed) > 0.0)) continue;
       normal += 0.5 * k * pressed * pressed;
       shear += 0.5 * shear_squared(t, i) / k;
     }
     edges_.add_stored(t, tools[t].grip, normal, shear);
   }
+  for (double energy : held_) normal += energy;
 }
 
-void ToolContact::set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt) {
+void ToolContact::set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass,
+                                const std::vector<double>& spring_ratio, double dt) {
   double normal[2] = {}, shear[2] = {};
   add_stored(normal[0], shear[0]);
   step_ = dt;
-  for (int i = 0; i < n_nodes_; ++i) base_[i] = node_mass[i] / (dt * dt);
+  for (int i = 0; i < n_nodes_; ++i) {
+    base_[i] = node_mass[i] / (dt * dt);
+    double ratio = 0.0;
+    const int first = node_start_[i], last = node_start_[i + 1];
+    for (int s = first; s < last; ++s) ratio += spring_ratio[node_cell_[s]] / (last - first);
+    held_[i] *= ratio;
+  }
   edges_.set_stiffness(cell_mass, dt);
   add_stored(normal[1], shear[1]);
   total_.squeeze += normal[1] - normal[0] + shear[1] - shear[0];  // no work was done
@@ -123,8 +139,12 @@ void ToolContact::inherit(const ToolContact& from, const int* parents) {
   total_ = from.total_, external_ = from.external_, drag_ = from.drag_, cycle_ = from.cycle_;
   started_ = static_cast<int>(tools.size());
   for (int i = 0; i < n_nodes_; ++i) {
-    half_[i] = 0.0;
-    for (int a = 0; a < 4; ++a) half_[i] += 0.25 * from.half_[parents[4 * std::size_t(i) + a]];
+    half_[i] = room_[i] = held_[i] = 0.0;
+    for (int a = 0; a < 4; ++a) {
+      const int parent = parents[4 * std::size_t(i) + a];
+      half_[i] += 0.25 * from.half_[parent], room_[i] += 0.25 * from.room_[parent];
+      if (from.base_[parent] > 0.0) held_[i] += 0.25 * from.held_[parent] * base_[i] / from.base_[parent];
+    }
   }
   for (std::size_t t = 0; t < tools.size(); ++t) {
     Tool& tool = tools[t];
@@ -146,7 +166,7 @@ void ToolContact::inherit(const ToolContact& from, const int* parents) {
         const double base = from.base_[p[a]];
         for (int r = 0; r < rows; ++r) {
           const Pack* at = &reinterpret_cast<const Pack*>(&to)[r];
-          const bool is_force = at == &to.viscous || (at >= to.shear && at < to.shear + 3);
+          const bool is_force = at == &to.viscous || at == &to.squeezed || (at >= to.shear && at < to.shear + 3);
           row[r] += 0.25 * own[r][p[a] % width] * (is_force && base > 0.0 ? base_[i] / base : 1.0);
         }
       }
@@ -168,11 +188,13 @@ void ToolContact::set_half(int slot, const Pack& half) {
   for (std::size_t t = 0; t < tools.size(); ++t) {
     if (!tools[t].grip.thickness) continue;
     const Pack then = pairs_[t].packs[slot / width].pressed, zero(0.0);
-    if (!any(then > zero)) continue;
+    // springs of squeezed shells follow their thickness, and centring does not ask for it
+    const Mask on = both(then > zero, invert(pairs_[t].packs[slot / width].squeezed > zero));
+    if (!any(on)) continue;
     const Pack moved = then + half - load(half_, slot), now = select(moved > zero, moved, zero);
     const Pack k = Pack(0.5 * tools[t].grip.penalty) * load(base_, slot);
     sums_[slot / chunk * tools.size() + t].add(LaneSums::squeeze, slot,
-                                               select(then > zero, k * (now * now - then * then), zero));
+                                               select(on, k * (now * now - then * then), zero));
   }
   for (int lane = 0; lane < width; ++lane) half_[slot + lane] = half[lane];
 }
@@ -194,43 +216,55 @@ void ToolContact::ask(const Tool& tool, Pairs& of, int slot, int lane, const Pac
   p.offset.set(lane, dot(found.normal, x) - found.gap);
 }
 
-void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt, LaneSums& sums,
-                        Pack on_sheet[3]) {
+// The tangent plane, asked for anew where the point has slipped on.
+void ToolContact::follow(int number, int slot, Mask awake, const Pack x[3], const Pack dx[3], LaneSums& sums) {
   const Tool& tool = tools[number];
-  const Grip& grip = tool.grip;
   Touching& p = pairs_[number].packs[slot / width];
-  const Pack zero(0.0), half = grip.thickness ? load(half_, slot) : zero, base = load(base_, slot);
+  const Pack zero(0.0), along = dot(p.normal, dx);
   Pack place[3], way = zero;
-  const Pack along = dot(p.normal, dx);
   for (int i = 0; i < 3; ++i) {
     place[i] = x[i] - Pack(tool.displacement[i]);
     const Pack slip = dx[i] - along * p.normal[i];
     way += select(slip < zero, -slip, slip);
   }
-  // 1. the tangent plane, asked for anew where the point has slipped on
   p.left = select(awake, p.left - way, p.left);
   const Mask asking = both(awake, p.left.v <= zero.v);
   if (any(asking))
     for (int lane = 0; lane < width; ++lane)
       if (asking[lane]) ask(tool, pairs_[number], slot, lane, place, sums);
-  // 2. off the tool: sleep, unless so near that it would be for a few cycles
+}
+
+void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt,
+                        const Pinch& pinch, LaneSums& sums, Pack on_sheet[3]) {
+  const Tool& tool = tools[number];
+  const Grip& grip = tool.grip;
+  Touching& p = pairs_[number].packs[slot / width];
+  const Pack zero(0.0), half = grip.thickness ? load(half_, slot) : zero, base = load(base_, slot);
+  Pack place[3];
+  for (int i = 0; i < 3; ++i) place[i] = x[i] - Pack(tool.displacement[i]);
+  // 1. off the tool: sleep, unless so near that it would be for a few cycles
   const Pack depth = half - (dot(p.normal, place) - p.offset);
-  const Mask on = both(awake, depth > zero), off = both(awake, depth < Pack(-memory_));
+  const Mask off = both(awake, depth < Pack(-awake_within_));
   const Pack sleep = Pack(reach_awake) * depth;
   p.wake = select(off, Pack(tool.travel) - sleep, p.wake);
   p.left = select(off, p.left + sleep, p.left);  // it may travel as far meanwhile
-  // 3. normal force; the damper never pulls
-  const Pack pressed = select(on, depth, zero), k = Pack(grip.penalty) * base;
+  // 2. normal force; the damper never pulls
+  const Pack off_centre = depth - Pack(0.5) * pinch.excess, k = Pack(grip.penalty) * base;
+  const Pack pressed = select(both(awake, off_centre > zero), off_centre, zero), mine(number);
+  const Mask holds = either(both(pinch.tool[0] > mine - Pack(0.5), pinch.tool[0] < mine + Pack(0.5)),
+                            both(pinch.tool[1] > mine - Pack(0.5), pinch.tool[1] < mine + Pack(0.5)));
+  const Pack squeezed = select(both(awake, holds), pinch.force, zero), elastic = k * pressed + squeezed;
+  const Mask on = elastic > zero;
   const Pack closing = dot(p.normal, dx);
   Pack viscous = zero;
   if (grip.damping > 0.0 && dt > 0.0) {
     const double factor = 2.0 * grip.damping * std::sqrt(grip.penalty) * step_ / dt;
     viscous = -Pack(factor) * base * closing;
-    viscous = select(on, select(viscous < -k * pressed, -k * pressed, viscous), zero);
+    viscous = select(on, select(viscous < -elastic, -elastic, viscous), zero);
   }
-  const Pack normal = k * pressed + viscous;
+  const Pack normal = elastic + viscous;
   sums.add(LaneSums::damping, slot, Pack(-0.5) * (p.viscous + viscous) * closing);
-  // 4. friction: elastic trial in the present tangent plane, shortened to mu N
+  // 3. friction: elastic trial in the present tangent plane, shortened to mu N
   const Pack out = dot(p.normal, p.shear), limit = Pack(grip.friction) * normal;
   Pack shear[3], work = zero;
   for (int i = 0; i < 3; ++i) shear[i] = p.shear[i] - out * p.normal[i] - k * (dx[i] - closing * p.normal[i]);
@@ -246,7 +280,7 @@ void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const
     sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, f);
   }
   sums.add(LaneSums::friction, slot, Pack(-0.5) * work);
-  p.pressed = pressed, p.viscous = viscous;
+  p.pressed = pressed, p.viscous = viscous, p.squeezed = squeezed;
 }
 
 void ToolContact::move_tools(int cycle, double dt, double fastest) {
@@ -320,68 +354,15 @@ ContactEnergies ToolContact::energies(double dt) const {
 void ToolContact::add_forces(double* to) const {
   for (int t = 0; t < static_cast<int>(tools.size()); ++t) {
     for (int node = 0; node < n_nodes_; ++node) {
-      const double pressed = value(t, node, &Touching::pressed);
-      if (!(pressed > 0.0)) continue;
+      const double pressed = value(t, node, &Touching::pressed), squeezed = value(t, node, &Touching::squeezed);
+      if (!(pressed > 0.0 || squeezed > 0.0)) continue;
       const Touching& p = pairs_[t].packs[node / width];
       const int lane = node % width;
-      const double normal = stiffness(t, node) * pressed + p.viscous[lane];
+      const double normal = stiffness(t, node) * pressed + squeezed + p.viscous[lane];
       for (int i = 0; i < 3; ++i) to[3 * std::size_t(node) + i] += normal * p.normal[i][lane] + p.shear[i][lane];
     }
     edges_.add_forces(t, tools[t].grip, to);
   }
-}
-
-// --- dump ----------------------------------------------------------------------------------------------------------
-// Per tool its motion, then of each slot the rows and the hint, and its edges; half thicknesses; sums. It does not
-// depend on the SIMD width.
-
-std::vector<double> ToolContact::dump() const {
-  std::vector<double> to;
-  for (std::size_t t = 0; t < tools.size(); ++t) {
-    const Tool& tool = tools[t];
-    const Pairs& of = pairs_[t];
-    for (const auto* v : {tool.displacement, tool.velocity, tool.force}) to.insert(to.end(), v, v + 3);
-    to.push_back(tool.push), to.push_back(tool.travel);
-    for (std::size_t slot = 0; slot < of.hint.size(); ++slot) {
-      const auto* row = reinterpret_cast<const Pack*>(&of.packs[slot / width]);
-      for (int r = 0; r < rows; ++r) to.push_back(row[r][static_cast<int>(slot % width)]);
-      to.push_back(of.hint[slot]);
-    }
-    edges_.dump(static_cast<int>(t), to);
-  }
-  to.insert(to.end(), half_.begin(), half_.end());
-  for (double x :
-       {total_.friction, total_.damping, total_.squeeze, external_, drag_, step_, double(started_), double(cycle_)})
-    to.push_back(x);
-  return to;
-}
-
-double ToolContact::step_of(const std::vector<double>& from) const {
-  std::size_t size = 8 + half_.size() + edges_.dump_size();
-  for (const Pairs& of : pairs_) size += 11 + (rows + 1) * of.hint.size();
-  if (from.size() != size) throw std::invalid_argument("the dump's tools are not those of this run");
-  return from[size - 3];
-}
-
-void ToolContact::restore(const std::vector<double>& from) {
-  const double* at = from.data();
-  for (std::size_t t = 0; t < tools.size(); ++t) {
-    Tool& tool = tools[t];
-    Pairs& of = pairs_[t];
-    for (auto* v : {tool.displacement, tool.velocity, tool.force})
-      for (int i = 0; i < 3; ++i) v[i] = *at++;
-    tool.push = *at++, tool.travel = *at++;
-    for (std::size_t slot = 0; slot < of.hint.size(); ++slot) {
-      auto* row = reinterpret_cast<Pack*>(&of.packs[slot / width]);
-      for (int r = 0; r < rows; ++r) row[r].set(static_cast<int>(slot % width), *at++);
-      of.hint[slot] = static_cast<int>(*at++);
-    }
-    edges_.restore(static_cast<int>(t), at);
-  }
-  for (double& h : half_) h = *at++;
-  for (double* x : {&total_.friction, &total_.damping, &total_.squeeze, &external_, &drag_, &step_}) *x = *at++;
-  started_ = static_cast<int>(*at++), cycle_ = static_cast<int>(*at++);
-  total_.lost = std::numeric_limits<int>::max();
 }
 
 }  // namespace presswork::explicit_dynamics

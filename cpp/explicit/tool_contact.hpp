@@ -10,6 +10,12 @@
 // m is the node's mass. As this is made of the mass the step stays stable: w^2 dt^2 <= (0.9 x 2)^2 + 2 penalty < 4 for
 // a node between two tools, if penalty < 0.38.
 //
+// Ironing. Where two tools on opposite faces leave the sheet less room than it is thick, springs of the shells stand
+// between its faces and the tools (squeezed_section.hpp): each of the two tools presses with their force,
+//   Q = sum of spring (t - room) over the shells round the node,
+// and of the penalty above only what centres the sheet is left, p less half of t - room. Tools are on opposite faces
+// where the cosine of their normals is below -0.97: in a wider wedge the sheet is not squeezed.
+//
 // Search. Beside the touch a pair of point and tool keeps the tangent plane there, and asks the surface anew after a
 // slip s of 0.5 % of the thickness (on a radius R the plane is then off by s^2/2R), or of up to 10 % where it says that
 // it is flat as far as that. A point off the tool sleeps until the
@@ -35,12 +41,14 @@
 
 namespace presswork::explicit_dynamics {
 
-// What contact must know of the sheet in a cycle. thickness(cell) [mm]; dt is 0 where nothing has moved yet.
-template <class Real, class Thickness>
+// What contact must know of the sheet in a cycle. thickness(cell) [mm], spring(cell) of a node that is squeezed [N/mm];
+// dt is 0 where nothing has moved yet.
+template <class Real, class Thickness, class Spring>
 struct SheetView {
   const double* position;  // (n_nodes, 4)
   const Real* motion;      // (n_nodes, 8), velocity of the step that led here
   Thickness thickness;
+  Spring spring;
   double dt;
 };
 
@@ -50,16 +58,19 @@ class ToolContact {
   static constexpr int refresh_cycles = 8;  // after which all points learn the thickness anew
 
   // The nodes of cell i, in turn round it, are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. The least
-  // thickness, the largest width of a cell and its longest edge [mm] set what is near.
+  // thickness, the largest width of a cell and its longest edge [mm] set what is near. ironing: tools squeeze the
+  // sheet.
   ToolContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node, double thickness,
-              double width, double edge);
+              double width, double edge, bool ironing);
 
   void add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip);
   // Take a tool away, with what its springs hold; the others keep their numbers.
   void remove(int tool);
   void place(int tool, const double displacement[3]);
-  // Take stiffness from the nodes' and the cells' masses [t] and step.
-  void set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass, double dt);
+  // Take stiffness from the nodes' and the cells' masses [t] and step; spring_ratio: of the cells' springs to what they
+  // were.
+  void set_stiffness(const std::vector<double>& node_mass, const std::vector<double>& cell_mass,
+                     const std::vector<double>& spring_ratio, double dt);
 
   // Find the forces of tools that have been added since, at the present place: to be called before the first cycle.
   template <class View, class Real>
@@ -94,6 +105,10 @@ class ToolContact {
   void restore(const std::vector<double>& from);
   double step_of(const std::vector<double>& dump) const;
 
+  // Room between the tools at the nodes in the next cycle (n_nodes) [mm], infinite where two do not hold the sheet;
+  // null without ironing.
+  const double* room() const { return ironing_ ? room_.data() : nullptr; }
+
   int edge_node(int edge, int end) const { return edges_.node(edge, end); }
 
   std::vector<Tool> tools;
@@ -110,9 +125,18 @@ class ToolContact {
     Pack left;      // slip until the surface is asked again [mm]
     Pack pressed;   // [mm]; 0 off the tool
     Pack viscous;   // damping force [N]
+    Pack squeezed;  // force of the springs of squeezed shells [N]
     Pack wake;      // the tool's travel at which the point may touch
   };
   static constexpr int rows = sizeof(Touching) / sizeof(Pack);
+  // The two tools that hold a pack of nodes from opposite faces.
+  struct Pinch {
+    Pack tool[2];  // their numbers; -1: none
+    Pack room;     // between them [mm], infinite where there are none
+    Pack next;     // room after another step like the last one
+    Pack excess;   // thickness less room, not below 0 [mm]
+    Pack force;    // of either tool [N]
+  };
   struct Pairs {
     std::vector<Touching> packs;
     std::vector<int> hint;  // of each slot
@@ -143,17 +167,23 @@ class ToolContact {
   template <class View>
   bool visit_pack(int slot, const View& sheet, int first_tool, int c, Pack on_sheet[3]);
   void set_half(int slot, const Pack& half);
-  void touch(int tool, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt, LaneSums& sums,
-             Pack on_sheet[3]);
+  Pinch find_pinch(int slot, const Pack x[3], const Pack v[3], double dt) const;
+  template <class View>
+  void squeeze(int slot, int last, const View& sheet, Pinch& pinch);
+  void follow(int tool, int slot, Mask awake, const Pack x[3], const Pack dx[3], LaneSums& sums);
+  void touch(int tool, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt, const Pinch& pinch,
+             LaneSums& sums, Pack on_sheet[3]);
   void ask(const Tool& tool, Pairs& of, int slot, int lane, const Pack place[3], LaneSums& sums) const;
 
   int n_nodes_;
   std::vector<int> node_start_, node_cell_;  // cells of each node
   std::vector<double> base_, half_;          // of slots: mass/dt^2 [N/mm], half the thickness [mm]
+  std::vector<double> room_, held_;          // of slots: between tools [mm], energy of squeezed shells' springs [N mm]
   std::vector<Pairs> pairs_;
   std::vector<LaneSums> sums_;  // (chunks, tools)
   ContactSums total_;
-  double memory_, reach_, step_ = 0.0;
+  bool ironing_;
+  double memory_, awake_within_, reach_, step_ = 0.0;
   EdgeContact edges_;
   double external_ = 0.0, drag_ = 0.0;  // work of what moves the tools; lost in their drag
   int started_ = 0, cycle_ = 0;
@@ -175,6 +205,24 @@ void ToolContact::locate(int node, const View& sheet, double x[4], double v[4]) 
 }
 
 template <class View>
+void ToolContact::squeeze(int slot, int last, const View& sheet, Pinch& pinch) {
+  pinch.force = Pack(0.0);
+  for (int lane = 0; lane < width; ++lane) room_[slot + lane] = pinch.next[lane], held_[slot + lane] = 0.0;
+  for (int node = slot; node <= last; ++node) {
+    const double room = pinch.room[node - slot];
+    if (room == std::numeric_limits<double>::infinity()) continue;
+    double force = 0.0, energy = 0.0;
+    for (int s = node_start_[node]; s < node_start_[node + 1]; ++s) {
+      const double over = sheet.thickness(node_cell_[s]) - room;
+      if (!(over > 0.0)) continue;
+      const double spring = sheet.spring(node_cell_[s]);
+      force += spring * over, energy += 0.5 * spring * over * over;
+    }
+    pinch.force.set(node - slot, force), held_[node] = energy;
+  }
+}
+
+template <class View>
 bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c, Pack on_sheet[3]) {
   const int last = std::min(slot + width, n_nodes_) - 1;
   if (cycle_ % refresh_cycles == 0) {  // all at once: nothing may depend on the nodes' numbers
@@ -185,11 +233,18 @@ bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c,
   for (int i = 0; i < 3; ++i) on_sheet[i] = Pack(0.0);
   bool located = false;
   Pack x[4], v[4];
+  Pinch pinch;
+  pinch.excess = pinch.force = Pack(0.0), pinch.tool[0] = pinch.tool[1] = Pack(-1.0);
+  const auto is_awake = [&](std::size_t t) { return pairs_[t].packs[slot / width].wake.v <= Pack(tools[t].travel).v; };
+  const auto way_on = [&](std::size_t t, Pack dx[3]) {
+    for (int i = 0; i < 3; ++i) dx[i] = Pack(sheet.dt) * (v[i] - Pack(tools[t].velocity[i]));
+  };
+  Pack dx[3];
   for (std::size_t t = first_tool; t < tools.size(); ++t) {
     const Touching* pack = &pairs_[t].packs[slot / width];
     for (int line = 0; line < static_cast<int>(sizeof(Touching) / 64); ++line)  // of the next but one
       __builtin_prefetch(reinterpret_cast<const char*>(pack + 2) + 64 * line, 1);
-    const Mask awake = pack->wake.v <= Pack(tools[t].travel).v;
+    const Mask awake = is_awake(t);
     if (!any(awake)) continue;
     if (!located) {
       alignas(64) double at[2][width][4];
@@ -207,10 +262,21 @@ bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c,
       load_records<4>(places, x), load_records<4>(speeds, v);
       located = true;
     }
-    Pack dx[3];
-    for (int i = 0; i < 3; ++i) dx[i] = Pack(sheet.dt) * (v[i] - Pack(tools[t].velocity[i]));
-    touch(static_cast<int>(t), slot, awake, x, dx, sheet.dt, sums_[c * tools.size() + t], on_sheet);
+    way_on(t, dx);
+    follow(static_cast<int>(t), slot, awake, x, dx, sums_[c * tools.size() + t]);
   }
+  if (located) {
+    if (ironing_) pinch = find_pinch(slot, x, v, sheet.dt), squeeze(slot, last, sheet, pinch);
+    for (std::size_t t = first_tool; t < tools.size(); ++t) {
+      const Mask awake = is_awake(t);
+      if (!any(awake)) continue;
+      way_on(t, dx);
+      touch(static_cast<int>(t), slot, awake, x, dx, sheet.dt, pinch, sums_[c * tools.size() + t], on_sheet);
+    }
+  }
+  if (ironing_ && !located)
+    for (int lane = 0; lane < width; ++lane)
+      room_[slot + lane] = std::numeric_limits<double>::infinity(), held_[slot + lane] = 0.0;
   return located;
 }
 

@@ -139,6 +139,14 @@ class SheetLaw:
     def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
 
     @property
+    def young(self) -> float:
+        """Young's modulus at the start [MPa]."""
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio."""
+
+    @property
     def history_size(self) -> int:
         """Values a point keeps: eqps, then back stresses."""
 
@@ -168,6 +176,14 @@ class SolidLaw:
     """
 
     def __init__(self, young: float, poisson: float, yield_function: Sequence[float], hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+
+    @property
+    def young(self) -> float:
+        """Young's modulus at the start [MPa]."""
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio."""
 
     @property
     def history_size(self) -> int:
@@ -606,12 +622,17 @@ class ShellLoop:
 
     def stress(self, block: int) -> NDArray[numpy.float64]:
         """
-        Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa].
+        Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa]; of squeezed shells with the pressure added to xx and yy.
         """
 
     def history(self, block: int) -> NDArray[numpy.float64]:
         """
         What the law of a block keeps (n, points in the plane, layers, size); first eqps.
+        """
+
+    def pressure(self, block: int) -> NDArray[numpy.float64]:
+        """
+        Pressure through the thickness (n, points in the plane) of a block that tools squeeze [MPa].
         """
 
     def thickness(self, block: int) -> NDArray[numpy.float64]:
@@ -741,6 +762,15 @@ class ShellLoop:
         """Bound of the squared highest frequency of each element [1/s2]."""
 
     @property
+    def ironing(self) -> bool:
+        """
+        Whether tools squeeze the sheet thinner; to be set before there are any.
+        """
+
+    @ironing.setter
+    def ironing(self, arg: bool, /) -> None: ...
+
+    @property
     def force(self) -> NDArray[numpy.float64]:
         """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
 
@@ -799,12 +829,17 @@ class ShellLoopSingle:
 
     def stress(self, block: int) -> NDArray[numpy.float64]:
         """
-        Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa].
+        Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa]; of squeezed shells with the pressure added to xx and yy.
         """
 
     def history(self, block: int) -> NDArray[numpy.float64]:
         """
         What the law of a block keeps (n, points in the plane, layers, size); first eqps.
+        """
+
+    def pressure(self, block: int) -> NDArray[numpy.float64]:
+        """
+        Pressure through the thickness (n, points in the plane) of a block that tools squeeze [MPa].
         """
 
     def thickness(self, block: int) -> NDArray[numpy.float64]:
@@ -932,6 +967,15 @@ class ShellLoopSingle:
 
     def bound_frequencies(self) -> NDArray[numpy.float64]:
         """Bound of the squared highest frequency of each element [1/s2]."""
+
+    @property
+    def ironing(self) -> bool:
+        """
+        Whether tools squeeze the sheet thinner; to be set before there are any.
+        """
+
+    @ironing.setter
+    def ironing(self, arg: bool, /) -> None: ...
 
     @property
     def force(self) -> NDArray[numpy.float64]:

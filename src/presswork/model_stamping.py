@@ -101,6 +101,8 @@ class ExplicitSettings:
     """Of shells and velocities; positions and energies are always double."""
     contact_points: Literal["nodes", "edges"] = "edges"
     """What of the blank touches tools: nodes alone, or where a tool is sharp the edges between them, too."""
+    ironing: bool = True
+    """Whether two tools squeeze the sheet thinner that leave it less room than it is thick."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Explicit shells against rigid tools: closed forms of friction, bounce and pressing; bounds of penetration."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from explicit_problems import DENSITY, elastic_options, grid, mises
@@ -135,7 +137,7 @@ def test_holder_force_comes_through_the_sheet() -> None:
     sheet, die, holder = hold(force)
     assert holder.force[2] == pytest.approx(force, rel=2e-3)
     assert die.force[2] == pytest.approx(-force, rel=2e-3)
-    assert holder.position[2] == pytest.approx(THICKNESS - die.penetration - holder.penetration, abs=1e-5)
+    assert holder.position[2] == pytest.approx(sheet.thickness.mean() - die.penetration - holder.penetration, abs=1e-5)
     assert holder.penetration < 2e-3
     assert abs(sheet.energies(damping=2e5).error_percent) < 0.1
     np.testing.assert_allclose(sheet.contact_force.sum(axis=0), -(die.force + holder.force), atol=1e-9)
@@ -266,7 +268,8 @@ def test_dome_over_a_hemispherical_punch() -> None:
 def test_the_largest_penalty_keeps_the_step_stable(penalty: float, damping: float) -> None:
     """A sheet of uneven mesh shaken between two tools closer than its thickness gains no energy in 4000 cycles."""
     points, cells = grid(8, 8, 8.0, 8.0, distort=0.25)
-    sheet = ExplicitShells(points, cells, THICKNESS, mises(), DENSITY, options=elastic_options())
+    options = replace(elastic_options(), ironing=False)  # with it the springs of the thickness take the penalty's place
+    sheet = ExplicitShells(points, cells, THICKNESS, mises(), DENSITY, options=options)
     for name, up in (("die", True), ("holder", False)):
         tool = sheet.add_tool(name, flat(up), mu=0.1, penalty=penalty, damping=damping)
         tool.position = [0.0, 0.0, (-1 if up else 1) * 0.495 * THICKNESS]

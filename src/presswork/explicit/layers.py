@@ -23,6 +23,8 @@ class LayersOfRun:
     _counts: list[int]
     """Shells of each block."""
     _fixed: npt.NDArray[np.uint8]
+    _young: float
+    _poisson: float
 
     def _by_element(self, inside: Array) -> Array:
         out = np.empty_like(inside)
@@ -37,13 +39,35 @@ class LayersOfRun:
 
     @property
     def stress(self) -> Array:
-        """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up; means in the plane."""
+        """Stress xx, yy, xy (n, n_points, 3) [MPa] in the law's frame, from the bottom layer up; means in the plane.
+
+        Where tools squeeze the sheet there is -pressure besides, along its normal.
+        """
         return np.asarray(self.stress_at_points.mean(axis=1))
 
     @property
     def stress_at_points(self) -> Array:
         """Stress (n, q, n_points, 3) at the q points in the plane, in the order of the implicit shells of 2 x 2."""
+        stress = self.flow_stress_at_points
+        stress[..., :2] -= self.pressure_at_points[:, :, None, None]
+        return stress
+
+    @property
+    def flow_stress_at_points(self) -> Array:
+        """Plane stress (n, q, n_points, 3) that flows as the stress does: it with the pressure added to xx and yy."""
         return self._by_element(self._of_blocks(self._loop.stress))
+
+    @property
+    def pressure_at_points(self) -> Array:
+        """Pressure through the thickness (n, q) [MPa] where tools squeeze the sheet, else 0."""
+        points = self.history_at_points.shape[1]
+        parts = [self._loop.pressure(block) for block in range(len(self._counts))]
+        return self._by_element(np.concatenate([np.broadcast_to(p, (len(p), points)) for p in parts]))
+
+    @property
+    def pressure(self) -> Array:
+        """Pressure through the thickness (n) [MPa]; means in the plane."""
+        return np.asarray(self.pressure_at_points.mean(axis=1))
 
     @property
     def equivalent_plastic_strain(self) -> Array:
@@ -82,6 +106,18 @@ class LayersOfRun:
         self._loop.restore(position, velocity, states, forces, *work)
         forces = self._loop.trial_force(np.zeros(self._fixed.shape))
         self._loop.restore(position, velocity, states, forces, *work)
+
+    def released(self) -> tuple[Array, Array]:
+        """Return stress_at_points and thickness once tools no longer squeeze the sheet, held in its plane, elastically.
+
+        The pressure q leaves the normal stresses with q nu/(1 - nu) more, and the sheet thicker by q/M, M the modulus
+        of constrained compression.
+        """
+        nu, pressure = self._poisson, self.pressure_at_points
+        stress = self.stress_at_points
+        stress[..., :2] += nu / (1.0 - nu) * pressure[:, :, None, None]
+        modulus = self._young * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+        return stress, self.thickness * (1.0 + self.pressure / modulus)
 
     @property
     def thickness(self) -> Array:

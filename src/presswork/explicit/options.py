@@ -25,6 +25,8 @@ class ShellOptions:
     with its coefficients for membrane, deflection and rotations.
     tabulate: hardening is looked up in a table that follows its law within 1e-8 where it is smooth; von Mises with
     isotropic hardening alone takes a fast update besides.
+    ironing: shells between two tools that leave less room than they are thick are squeezed thinner, with the pressure
+    as stress through the thickness; without it tools sink into the sheet instead.
     """
 
     element: ExplicitElement = "shell4_one_point"
@@ -34,6 +36,7 @@ class ShellOptions:
     hourglass: Literal["physical", "stiffness", "viscous"] = "physical"
     coefficients: tuple[float, float, float] = (0.03, 0.03, 0.03)
     tabulate: bool = True
+    ironing: bool = True
 
     def __post_init__(self) -> None:
         least = 1 if self.rule == "gauss" else 2

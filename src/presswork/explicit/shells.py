@@ -97,9 +97,11 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
         self._nodes = np.concatenate([used, np.setdiff1d(np.arange(len(x)), used)])
         place = np.empty(len(x), dtype=np.int32)
         place[self._nodes] = np.arange(len(x))
+        self._young, self._poisson = law.young, law.poisson
         self.start, self.connectivity, self.axis, self.options = x, cells, axes, options
         height, weight = layer_rule(options.n_points, options.rule)
         self._loop = LOOPS[precision](x[self._nodes])
+        self._loop.ironing = options.ironing
         try:
             for part, n in kinds:
                 self._loop.add_shells(

@@ -13,6 +13,8 @@ from presswork.explicit.motion import Motion, check_table
 Array = npt.NDArray[np.float64]
 Loop = _core.ShellLoop | _core.ShellLoopSingle
 MOST_PENALTY, MOST_DAMPING = 0.2, 0.5
+LEAST_MASS = 0.5
+"""Of a pushed tool that squeezes the sheet, over the sheet's: its springs are up to mass/dt^2 in all."""
 DEEPEST_START = 0.05
 """Part of the thickness by which a sheet may stick in a tool when it starts."""
 
@@ -70,11 +72,11 @@ class RigidTool:
         [1/s] takes the share damping*dt of its momentum in a step. stop: it goes no further along direction than to
         so many mm beyond the position of another tool, which is not pushed, and stands on that.
         """
-        least = self._penalty * self._sheet_mass()
+        least = max(self._penalty, LEAST_MASS if self._loop.ironing else 0.0) * self._sheet_mass()
         if mass is not None and not mass >= least:
             raise ExplicitError(
                 f"tool {self.name!r}: mass = {mass:g} t, but a tool that a force places needs at least {least:.3g} t "
-                "(penalty times the sheet's mass) to be stable; leave it out for the sheet's mass"
+                f"({least / self._sheet_mass():g} of the sheet's mass) to be stable; leave it out for the sheet's mass"
             )
         if not damping >= 0:
             raise ExplicitError(f"tool {self.name!r}: damping = {damping:g} 1/s: it must not be negative")

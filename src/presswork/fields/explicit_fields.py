@@ -45,9 +45,18 @@ class OnePointFields:
         self._inverse = np.linalg.inv(_components(start, first, second))
 
     def cell_fields(
-        self, points: FloatArray, thickness: FloatArray, stress: FloatArray, eqps: FloatArray
+        self,
+        points: FloatArray,
+        thickness: FloatArray,
+        stress: FloatArray,
+        pressure: FloatArray,
+        eqps: FloatArray,
     ) -> dict[str, FloatArray]:
-        """Return the fields: points (n, 3), thickness (n_cells) now, stress (n_cells, q, k, 3), eqps of the same."""
+        """Return the fields.
+
+        points (n, 3) and thickness (n_cells) now; stress as it flows (n_cells, q, k, 3), pressure (n_cells, q), eqps
+        (n_cells, q, k).
+        """
         direction = np.repeat(self._direction(points)[:, None, None], stress.shape[2], axis=2)
         return layer_fields(
             self._geometry,
@@ -57,6 +66,7 @@ class OnePointFields:
             direction,
             stress,
             eqps,
+            pressure,
         )
 
     def _direction(self, points: FloatArray) -> FloatArray:

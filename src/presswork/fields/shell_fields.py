@@ -94,14 +94,17 @@ def layer_fields(
     direction: FloatArray,
     stress: FloatArray,
     eqps: FloatArray,
+    pressure: FloatArray | None = None,
 ) -> dict[str, FloatArray]:
     """Return the cell means of one block of shells.
 
     now (n_points, 3) and director (n_directors, 3): where the nodes are, and their unit directors. thickness (n_cells,
     q) [mm]; direction (n_cells, q, k, 2): the first base vector in the frame of the stress; stress xx, yy, xy
-    (n_cells, q, k, 3) [MPa]; eqps (n_cells, q, k).
+    (n_cells, q, k, 3) [MPa]; eqps (n_cells, q, k). pressure (n_cells, q) [MPa] of tools that squeeze the sheet: stress
+    is then what flows, with the pressure added to xx and yy.
     """
     k = len(g.layers)
+    squeezed = np.zeros(thickness.shape) if pressure is None else pressure
     fields = {
         "thickness": thickness.mean(axis=1),
         "thickness_strain": np.log(thickness / g.thickness).mean(axis=1),
@@ -119,8 +122,10 @@ def layer_fields(
         fields |= {
             f"equivalent_plastic_strain_{place}": eqps[:, :, own].mean(axis=(1, 2)),
             f"effective_stress_{place}": sheet_effective_stress(lamina).mean(axis=1),
-            f"lamina_stress_{place}": lamina.mean(axis=1),
-            f"stress_{place}": _to_global(frame, lamina).mean(axis=1),
+            f"lamina_stress_{place}": (lamina - squeezed[..., None] * [1.0, 1.0, 0.0]).mean(axis=1),
+            f"stress_{place}": (_to_global(frame, lamina) - squeezed[..., None] * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).mean(
+                axis=1
+            ),
             f"strain_{place}": _voigt(strain).mean(axis=1),
             f"lamina_strain_{place}": _in_frame(frame, strain).mean(axis=1),
             f"major_strain_{place}": major.mean(axis=1),

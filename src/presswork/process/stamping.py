@@ -80,7 +80,12 @@ class ExplicitStamping(RowRecording):
             make_sheet_law(material),
             material.density,
             axis=rolling,
-            options=ShellOptions(element=model.explicit.element, n_points=section.points, rule=section.rule),
+            options=ShellOptions(
+                element=model.explicit.element,
+                n_points=section.points,
+                rule=section.rule,
+                ironing=model.explicit.ironing,
+            ),
             precision=model.explicit.precision,
             hanging=self._blank.sheet.hanging(),
         )
@@ -248,7 +253,9 @@ class ExplicitStamping(RowRecording):
     def _cell_fields(self) -> dict[str, FloatArray]:
         shells = self.shells
         eqps = shells.history_at_points[..., 0]
-        return self._fields.cell_fields(shells.position, shells.thickness, shells.stress_at_points, eqps)
+        return self._fields.cell_fields(
+            shells.position, shells.thickness, shells.flow_stress_at_points, shells.pressure_at_points, eqps
+        )
 
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
         """Return the verdict on the sheet by its cell fields."""

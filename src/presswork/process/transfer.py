@@ -64,9 +64,13 @@ class SheetState:
 
 
 def sheet_of_explicit(shells: ExplicitShells) -> SheetState:
-    """Return the present state of explicit shells: of one point each, or of four of quadrilaterals."""
-    axis, thickness = law_axes(shells)[:, None], shells.thickness[:, None]
-    layers = (shells.stress_at_points, shells.history_at_points)
+    """Return the present state of explicit shells: of one point each, or of four of quadrilaterals.
+
+    Where tools squeeze them the pressure is taken away, elastically, with the sheet held in its plane.
+    """
+    axis = law_axes(shells)[:, None]
+    stress, thickness = shells.released()
+    thickness, layers = thickness[:, None], (stress, shells.history_at_points)
     blocks = []
     three = is_triangle(shells.connectivity)
     for n_nodes, own in ((4, ~three), (3, three)):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe, read_case
+from presswork.case.description.stamping import describe_stamping
 from presswork.geometry.polygon import polygon_area
 from presswork.model_stamping import StampingModel
 
@@ -170,8 +171,31 @@ def test_the_clearance_of_rectangles_counts_in_their_corners_too(punch, die, cle
     if clearance is None:
         build_model(StampingCase.model_validate(data))
         return
+    data["explicit"] = {"ironing": False}
     with pytest.raises(CaseError, match=clearance):
         build_model(StampingCase.model_validate(data))
+
+
+@pytest.mark.parametrize(("diameter", "how", "told"), [
+    (51.2, {}, None),
+    (51.2, {"explicit": {"ironing": False}}, "less than the blank's 0.8 mm"),
+    (51.2, {"procedure": "implicit"}, 'or take procedure = "explicit", which irons sheets'),
+    (51.6, {}, "less than 0.6 of the blank's 0.8 mm"),
+])  # fmt: skip
+def test_a_clearance_below_the_thickness_is_for_ironing(diameter: float, how: dict[str, Any], told: str | None) -> None:
+    data = {**copy.deepcopy(CUP), **how}
+    data["tools"]["punch"]["diameter"] = diameter
+    if told is None:
+        text = list(describe_stamping(build_model(StampingCase.model_validate(data))))
+        assert any(line.startswith("ironing: two tools") for line in text)
+        return
+    with pytest.raises(CaseError, match=told):
+        build_model(StampingCase.model_validate(data))
+
+
+def test_the_check_says_that_the_implicit_procedure_does_not_iron() -> None:
+    model = build_model(StampingCase.model_validate({**copy.deepcopy(CUP), "procedure": "implicit"}))
+    assert any("the implicit procedure does not offer it" in line for line in describe_stamping(model))
 
 
 def test_library_materials_and_overrides_work(tmp_path: Path) -> None:

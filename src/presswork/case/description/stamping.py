@@ -53,6 +53,7 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     for each in problem.materials:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
     yield f"forming limit: {describe_forming_limit(material)}"
+    yield f"ironing: {_describe_ironing(problem)}"
     for tool in problem.tools:
         yield f"tool {tool.name}: {_describe_tool(tool)}"
     for bead in problem.beads:
@@ -150,6 +151,14 @@ def _measure_sides(problem: StampingModel) -> FloatArray:
     """Return the lengths of the cells' sides (n,) [mm]."""
     corners = [problem.mesh.points[block.connectivity] for block in problem.mesh.blocks]
     return np.concatenate([np.linalg.norm(c - np.roll(c, 1, axis=1), axis=2).ravel() for c in corners])
+
+
+def _describe_ironing(problem: StampingModel) -> str:
+    """Say what becomes of a sheet that is thicker than the room between two tools."""
+    if problem.procedure == "explicit" and problem.explicit.ironing:
+        return "two tools that leave the sheet less room than it is thick squeeze it thinner"
+    why = "switched off" if problem.procedure == "explicit" else "the implicit procedure does not offer it"
+    return f"none, {why}: tools sink into a sheet that is thicker than the room between them, at forces no press has"
 
 
 def _describe_tool(tool: StampingTool) -> str:

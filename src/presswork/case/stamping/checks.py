@@ -25,6 +25,8 @@ THINNEST = 0.002
 """[mm] Foil of aluminium is rolled down to 0.004 mm."""
 CLEAR = 0.01
 """Part of the thickness by which a tool may start in the blank."""
+IRONED = 0.6
+"""Part of the thickness that must be left between punch and die where they iron the sheet: less tears it."""
 FASTEST = 0.1
 """Part of the wave speed at which tools may move."""
 
@@ -139,9 +141,9 @@ def check_tools(case: StampingCase) -> list[Problem]:
             if punch.kind != "punch" or die.kind == "punch":
                 continue
             gap = clearance(punch, die)
-            least = thickness if die.kind == "die" else 0.0
+            least = (IRONED if case.irons else 1.0) * thickness if die.kind == "die" else 0.0
             if gap < least * (1 - 1e-9) or gap < 0:
-                problems.append(_explain_clearance(punch_name, die_name, die.kind, gap, thickness))
+                problems.append(_explain_clearance(case, punch_name, die_name, die.kind, gap))
     moved = {name for stage in case.stages for name, action in stage.tools.items() if action.stroke is not None}
     for index, stage in enumerate(case.stages):
         for name, action in stage.tools.items():
@@ -156,13 +158,18 @@ def check_tools(case: StampingCase) -> list[Problem]:
     return problems
 
 
-def _explain_clearance(punch: str, die: str, kind: str, gap: float, thickness: float) -> Problem:
+def _explain_clearance(case: StampingCase, punch: str, die: str, kind: str, gap: float) -> Problem:
+    thickness = case.blank.thickness
     if gap < 0:
         text = f"the clearance is negative: {punch} is {-gap:.4g} mm larger than the opening of {die}"
         swapped = "; or are their kinds swapped?"
     else:
         swapped = ""
         text = f"the clearance of {gap:.4g} mm between {punch} and {die} is less than the blank's {thickness:g} mm"
+        if case.irons:
+            text = text.replace("less than", f"less than {IRONED:g} of")
+        elif case.procedure == "implicit":
+            swapped = ', or take procedure = "explicit", which irons sheets'
     return Problem(f"tools.{punch}", text, f"make the punch smaller or the opening of the {kind} larger{swapped}")
 
 

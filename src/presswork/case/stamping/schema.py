@@ -132,6 +132,11 @@ class Explicit(Part):
         description="what of the blank touches tools: nodes alone, or edges between them, too, where a tool's "
         "radius is less than the longest edge",
     )
+    ironing: bool = Field(
+        default=_EXPLICIT.ironing,
+        description="whether two tools that leave the sheet less room than it is thick squeeze it thinner (the "
+        "pressure is stress through the thickness); without it they sink into the sheet",
+    )
 
 
 class Springback(Part):
@@ -262,3 +267,8 @@ class StampingCase(CaseFile):
     @classmethod
     def _prepare(cls, data: Any) -> Any:
         return add_library_materials(data, "blank") if isinstance(data, dict) else data
+
+    @property
+    def irons(self) -> bool:
+        """Whether tools squeeze the sheet thinner where they leave it less room than it is thick."""
+        return self.procedure == "explicit" and self.explicit.ironing
