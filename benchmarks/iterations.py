@@ -85,8 +85,8 @@ def run_case(name: str, overrides: list[str], threads: int) -> dict[str, object]
                 plain.append(solves[-1])
     except GaveUpError as error:
         status = str(error).split(":")[0]
-    contact = procedure.contact
-    forces, _ = contact.tool_forces(procedure.state, procedure.equilibrium.fixed(len(model.stages) - 1))
+    contact = procedure.interactions.tools.contact
+    forces, _ = contact.tool_forces(procedure.state, procedure.interactions.supports.fixed(len(model.stages) - 1))
     return {
         "name": name,
         "overrides": overrides,

@@ -100,7 +100,7 @@ def share_of_assembly(procedure: ImplicitProcedure, evaluation: float) -> str:
     """What force, tangent and assembly take of an iteration."""
     mechanics, solver = procedure.mechanics, procedure.equilibrium.solver
     state = procedure.state
-    constraints = mechanics.supports.constrain(state, 0, 1.0, np.zeros_like(state.displacement))
+    constraints = procedure.interactions.supports.prescribe(state, 0, 1.0, np.zeros_like(state.displacement))
     data = np.zeros(len(mechanics.assembler.indices))
     gather = least_seconds(lambda: mechanics.assemble_stiffness(constraints.turned, constraints.frames, data))
     rhs = np.zeros(6 * len(constraints.mask))

@@ -67,7 +67,7 @@ def main() -> None:
     depth = float(sys.argv[2]) if len(sys.argv) > 2 else 27.0
     model = make_model(cells, depth)
     procedure = ImplicitProcedure(model, threads=1)
-    assert procedure.equilibrium.sheet is not None
+    assert procedure.interactions.sheet_tools.contact is not None
     x, y = model.mesh.points[:, 0], model.mesh.points[:, 1]
     side, corner = int(np.argmax(x - y)), int(np.argmax(x + y))
     started, iterations, cutbacks = time.perf_counter(), 0, 0
@@ -77,7 +77,7 @@ def main() -> None:
         if report.number % 10 and not report.is_save_point:
             continue
         state = procedure.state
-        force = 4e-3 * procedure.equilibrium.sheet.tool_forces(state)[:, 2]
+        force = 4e-3 * procedure.interactions.sheet_tools.contact.tool_forces(state)[:, 2]
         draw_in = -state.displacement[side, 0], np.hypot(*state.displacement[corner, :2])
         thickness = np.concatenate([t.ravel() for t in state.shells.thickness])
         print(

@@ -62,7 +62,9 @@ def compute(example: str, changes: tuple[str, ...] = ()) -> Face:
 def measure(model: Model, procedure: ImplicitProcedure) -> Face:
     """Recover the contact stress of the present state."""
     state = procedure.state
-    contact = procedure.contact.forces(state, procedure.equilibrium.fixed(len(model.stages) - 1))
+    contact = procedure.interactions.tools.contact.forces(
+        state, procedure.interactions.supports.fixed(len(model.stages) - 1)
+    )
     flow = procedure.mechanics.nodal_flow_stress(state)
     points = model.mesh.points + state.displacement
     found = recover_tool_stress(model, points, contact, flow)

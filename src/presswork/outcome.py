@@ -53,6 +53,28 @@ class Step:
     fraction: float
 
 
+class BadGuess:
+    """Why a guess at the nodes' displacement cannot be evaluated; the correction is shortened or the increment cut."""
+
+    is_final = False
+    """Whether a shorter correction is not to be tried."""
+
+    @property
+    def factor(self) -> float:
+        """By what to cut the increment."""
+        return 0.5
+
+
+@dataclass(frozen=True)
+class PassedThrough(BadGuess):
+    """Bodies whose surfaces the trial displacement has moved through each other."""
+
+    contact: str
+
+    def __str__(self) -> str:
+        return f"surfaces of contact {self.contact!r} passed through each other"
+
+
 class GaveUpError(Exception):
     """The procedure cannot go on; the state of the last report is kept."""
 

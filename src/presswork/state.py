@@ -130,6 +130,8 @@ class State:
     """Volume of each integration point per block (n_cells, n_points) [mm3]."""
     shells: ShellArrays
     """What shells have besides; of solids empty."""
+    own: dict[str, dict[str, NDArray[np.generic]]]
+    """Arrays of interactions that a model does not name, by the interaction's name and theirs."""
     progress: FloatArray
     """[time, stage, fraction of stage, increments, last increment, next size, iterations, cut-backs]."""
     work: FloatArray
@@ -186,6 +188,7 @@ class State:
             hourglass=[np.zeros((s[0], 2)) for s in sizes],
             volume=[np.zeros(s) for s in sizes],
             shells=ShellArrays.none(),
+            own={},
             progress=np.zeros(8),
             work=np.zeros(5),
             peak_force=np.zeros(1),
@@ -230,6 +233,8 @@ def _duplicate(arrays: _Arrays) -> _Arrays:
         value = getattr(arrays, f.name)
         if isinstance(value, ShellArrays):
             copied: object = _duplicate(value)
+        elif isinstance(value, dict):
+            copied = {owner: {name: a.copy() for name, a in arrays.items()} for owner, arrays in value.items()}
         else:
             copied = [a.copy() for a in value] if isinstance(value, list) else value.copy()
         setattr(other, f.name, copied)
@@ -243,6 +248,8 @@ def _list_arrays(arrays: State | ShellArrays, prefix: str) -> dict[str, NDArray[
         value = getattr(arrays, f.name)
         if isinstance(value, ShellArrays):
             listed.update(_list_arrays(value, f"{prefix}{f.name}."))
+        elif isinstance(value, dict):
+            listed.update({f"{owner}.{name}": a for owner, own in value.items() for name, a in own.items()})
         elif isinstance(value, list):
             listed.update({f"{prefix}{f.name}.{i}": a for i, a in enumerate(value)})
         else:

@@ -112,9 +112,9 @@ def pulls_of_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
 
     That is what may be out of balance: the residual's tolerance times the largest nodal force.
     """
-    contact, state = procedure.contact, procedure.state
+    contact, state = procedure.interactions.tools.contact, procedure.state
     contact.search(state, state.displacement)
-    push = contact.normal_forces(state, state.reaction, procedure.equilibrium.fixed(0))[state.contact > 0]
+    push = contact.normal_forces(state, state.reaction, procedure.interactions.supports.fixed(0))[state.contact > 0]
     return push, procedure.model.solver.force_tolerance * float(state.peak_force[0])
 
 
@@ -128,7 +128,7 @@ def pulls_of_slots(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
 
 def pulls_of_sheet_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
     """Return the forces on the nodes of a sheet along the outward normals of the tools."""
-    sheet, state = procedure.equilibrium.sheet, procedure.state
+    sheet, state = procedure.interactions.sheet_tools.contact, procedure.state
     pushes = []
     for tool, force, moved in zip(
         procedure.model.sheet_tools, state.sheet_tool_force - state.sheet_friction, state.sheet_tool_move, strict=True

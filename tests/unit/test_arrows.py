@@ -51,7 +51,7 @@ PYTHON_ROOMS = {
     "examples": {"case"},
     "fields": {"formability", "mesh", "model", "state"},
     "results": {"fields", "formability", "geometry", "model"},
-    "body": {"fields", "interaction", "law", "mesh", "model", "outcome", "state", "timing"},
+    "body": {"fields", "law", "mesh", "model", "outcome", "state", "timing"},
     "interaction": {"body", "fields", "geometry", "mesh", "model", "outcome", "state"},
     "implicit": {"body", "interaction", "model", "outcome", "state", "stop", "threads", "timing"},
     "explicit": {"law", "mesh", "model", "stop"},

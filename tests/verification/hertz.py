@@ -148,8 +148,8 @@ def _approach_of_cylinder(a: float) -> float:
 
 def _measure(model: Model, edge: float) -> Hertz:
     procedure, _ = run(model)
-    state, contact = procedure.state, procedure.contact
-    forces = contact.forces(state, procedure.equilibrium.fixed(0))
+    state, contact = procedure.state, procedure.interactions.tools.contact
+    forces = contact.forces(state, procedure.interactions.supports.fixed(0))
     points = model.mesh.points + state.displacement
     depth = None if model.analysis == "axisymmetric" else model.depth
     surface = ContactSurface(model.mesh.boundary_edges, points, forces.status > 0, forces.gap, depth=depth)

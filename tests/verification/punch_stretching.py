@@ -116,5 +116,5 @@ def stretch_solids(mu: float, thickness: float = 1.0, columns: int = 120) -> Pro
     across = np.log(np.linalg.norm(top - bottom, axis=1) / thickness)
     along = np.log(np.linalg.norm(np.diff(mid, axis=0), axis=1) * columns / RIM)
     centre = (np.arange(columns) + 0.5) * RIM / columns
-    force = run.contact.tool_forces(run.state, run.equilibrium.fixed(0))[0]
+    force = run.interactions.tools.contact.tool_forces(run.state, run.interactions.supports.fixed(0))[0]
     return Profile(centre, 0.5 * (across[1:] + across[:-1]), along, float(force[0, 1]), 0.0, perf_counter() - started)

@@ -193,8 +193,8 @@ def solve_linear(model: Model, scale: float = 1e-6) -> FloatArray:
     mechanics, state = procedure.mechanics, procedure.state
     zero = np.zeros_like(state.displacement)
     mechanics.evaluate(state, state.duplicate(), zero, with_stiffness=True)
-    loads = mechanics.apply_loads(state, zero, 0, scale)
-    constraints = mechanics.supports.constrain(state, 0, scale, zero)
+    loads = procedure.interactions.loads.at(state, zero, 0, scale)
+    constraints = procedure.interactions.supports.prescribe(state, 0, scale, zero)
     data = np.zeros(len(mechanics.assembler.indices))
     mechanics.assemble_stiffness(constraints.turned, constraints.frames, data)
     rhs = loads.force.copy()

@@ -72,9 +72,9 @@ def stress_error(model: Model, degrees: float) -> float:
     normal = turn(np.array([0.0, 1.0]), degrees)
     out_of_plane = POISSON * along if model.analysis == "plane_strain" else 0.0
     exact = np.array([along * normal[0] ** 2, along * normal[1] ** 2, out_of_plane, along * normal[0] * normal[1]])
-    state, fixed = procedure.state, procedure.equilibrium.fixed(0)
+    state, fixed = procedure.state, procedure.interactions.supports.fixed(0)
     errors = [np.abs(block - exact).max() for block in state.stress]
-    forces = procedure.contact.forces(state, fixed)
+    forces = procedure.interactions.tools.contact.forces(state, fixed)
     fields = point_fields(model, state, forces, procedure.mechanics.nodal_flow_stress(state))
     beside_wall = np.zeros(len(model.mesh.points), dtype=bool)  # a corner node has the mean of both faces
     if model.analysis == "plane_strain":

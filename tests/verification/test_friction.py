@@ -42,8 +42,12 @@ def slide_block(contact: dict[str, object], press: float, slide: float, **solver
     forces = []
     for _ in procedure.advance():
         stage = min(int(procedure.state.progress[1]), 1)
-        procedure.contact.search(procedure.state, procedure.state.displacement)
-        forces.append(procedure.contact.tool_forces(procedure.state, procedure.equilibrium.fixed(stage))[0][0])
+        procedure.interactions.tools.contact.search(procedure.state, procedure.state.displacement)
+        forces.append(
+            procedure.interactions.tools.contact.tool_forces(
+                procedure.state, procedure.interactions.supports.fixed(stage)
+            )[0][0]
+        )
     return forces
 
 
@@ -142,7 +146,7 @@ def slide_on_zones(contact: dict[str, object], press: float, slide: float) -> tu
     bottom = procedure.model.mesh.node_sets["bottom"]
     force = procedure.state.reaction[bottom]
     x = procedure.model.mesh.points[bottom, 0] + procedure.state.displacement[bottom, 0]
-    drag = procedure.state.drag[np.searchsorted(procedure.contact.nodes, bottom)]
+    drag = procedure.state.drag[np.searchsorted(procedure.interactions.tools.contact.nodes, bottom)]
     return x, np.abs(drag), np.abs(force[:, 1])
 
 

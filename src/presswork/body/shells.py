@@ -17,14 +17,11 @@ from presswork.fields.shell_fields import (
     shell_cell_fields,
     shell_point_fields,
 )
-from presswork.interaction.loads import AppliedLoads
-from presswork.interaction.shell_loads import ShellLoads
-from presswork.interaction.supports import Supports
 from presswork.law.sheet_law import make_sheet_law
 from presswork.mesh.directors import Directors, find_directors
 from presswork.mesh.thickness_rule import thickness_rule
-from presswork.model import FloatArray, MaskArray, Model
-from presswork.outcome import Step
+from presswork.model import CellBlock, FloatArray, IntArray, MaskArray, Model
+from presswork.outcome import BadGuess, Step
 from presswork.state import ShellArrays, State
 from presswork.timing import Timing
 
@@ -41,7 +38,7 @@ REASONS = {
 
 
 @dataclass(frozen=True)
-class ShellFailed:
+class ShellFailed(BadGuess):
     """A shell that could not be evaluated; the increment must be cut."""
 
     block: int
@@ -50,6 +47,13 @@ class ShellFailed:
 
     def __str__(self) -> str:
         return f"cell {self.cell} of block {self.block} {REASONS[self.fault]}"
+
+
+def measure_shells(points: FloatArray, block: CellBlock) -> tuple[FloatArray, FloatArray]:
+    """Return the shape functions at the points in the plane (q, n), and the area of each (n_cells, q) [mm2]."""
+    N, slopes, weights, _ = _core.shell_shape(block.element)
+    base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
+    return N, np.linalg.norm(np.cross(base[:, :, 0], base[:, :, 1]), axis=2) * weights
 
 
 def find_model_directors(model: Model) -> Directors:
@@ -94,8 +98,6 @@ class ShellMechanics:
         self._rules = [thickness_rule(s) for s in self._sections]
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in blocks]
         self.directors = find_model_directors(model)
-        self.supports = Supports(model, self.directors.smooth, self.directors.node)
-        self.loads = ShellLoads(model, self.directors)
         self.assembler = _core.ShellAssembler(len(model.mesh.points), self._connectivity, model.solver.symmetric)
         self._force: list[FloatArray] = []
         self._stiffness: list[FloatArray] = []
@@ -104,7 +106,8 @@ class ShellMechanics:
             packs = -(-cells // _core.pack_width)
             self._force.append(np.zeros((packs, 6 * nodes, _core.pack_width)))
             self._stiffness.append(np.zeros((packs, 6 * nodes, 6 * nodes, _core.pack_width)))
-        size = float(np.sqrt(self.loads.area / sum(len(c) for c in self._connectivity)))
+        area = sum(float(measure_shells(model.mesh.points, b)[1].sum()) for b in blocks)
+        size = float(np.sqrt(area / sum(len(c) for c in self._connectivity)))
         self.length = np.array([1.0, 1.0, 1.0, size, size, size])
 
     def at_rest(self, n_candidates: int = 0, n_slots: int = 0) -> State:
@@ -202,17 +205,9 @@ class ShellMechanics:
         turned = turn_vectors(theta, state_n.shells.director)
         trial.shells.director = turned / np.linalg.norm(turned, axis=1, keepdims=True)
 
-    def end_stage(self, state: State, next_stage: int) -> None:
-        """Keep what holds a converged state in balance where the next stage holds nothing: it fades over that stage."""
-        nothing = np.zeros_like(state.displacement)
-        force = self.evaluate(state, state.duplicate(), nothing, with_stiffness=False)
-        assert not isinstance(force, ShellFailed), "a converged state can be evaluated"
-        force[self.supports.fixed(next_stage)] = 0.0
-        state.shells.fading = force
-
-    def apply_loads(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> AppliedLoads:
-        """Return the loads at a fraction of a stage, `increment` (n_points, 6) after state_n."""
-        return self.loads.evaluate(state_n, increment, stage, fraction)
+    def couple(self, couplings: IntArray) -> None:
+        """Refuse: bodies in contact are solids."""
+        raise NotImplementedError("shells do not touch other bodies")
 
     def assemble_stiffness(self, turned: MaskArray, frames: FloatArray, data: FloatArray) -> None:
         """Fill `data` (nnz) with the stiffness of the last evaluation, rotations in the nodes' frames."""

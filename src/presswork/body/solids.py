@@ -9,14 +9,12 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
-from presswork.body.shells import ShellFailed, ShellMechanics
+from presswork.body.shells import ShellMechanics
 from presswork.fields.contact_stress import ContactForces
 from presswork.fields.solid_fields import cell_fields, effective_stress, point_fields
-from presswork.interaction.loads import AppliedLoads, evaluate_loads
-from presswork.interaction.supports import Supports
 from presswork.law.umat import open_umat
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
-from presswork.outcome import Step
+from presswork.outcome import BadGuess, Step
 from presswork.state import State
 from presswork.timing import Timing
 
@@ -27,7 +25,7 @@ def make_mechanics(model: Model, timing: Timing) -> Mechanics | ShellMechanics:
 
 
 @dataclass(frozen=True)
-class TurnedInsideOut:
+class TurnedInsideOut(BadGuess):
     """A cell that the trial displacement has turned inside out; the increment must be cut."""
 
     block: int
@@ -35,16 +33,6 @@ class TurnedInsideOut:
 
     def __str__(self) -> str:
         return f"cell {self.cell} of block {self.block} turned inside out"
-
-
-@dataclass(frozen=True)
-class PassedThrough:
-    """Bodies whose surfaces the trial displacement has moved through each other; the increment must be cut."""
-
-    contact: str
-
-    def __str__(self) -> str:
-        return f"surfaces of contact {self.contact!r} passed through each other"
 
 
 _CUT = {_core.UmatStatus.not_finite: 0.5, _core.UmatStatus.overrun: 0.0, _core.UmatStatus.stopped: 0.0}
@@ -58,7 +46,7 @@ _STATUS = {
 
 
 @dataclass(frozen=True)
-class LawFailed:
+class LawFailed(BadGuess):
     """A law from a shared library that refused the trial displacement; the increment must be cut."""
 
     block: int
@@ -68,20 +56,17 @@ class LawFailed:
     """By which to cut."""
 
     @property
-    def is_final(self) -> bool:
+    def is_final(self) -> bool:  # type: ignore[override]
         """Whether the law has said what to do, so that a shorter correction is not to be tried."""
         return self.status != _core.UmatStatus.not_finite
 
+    @property
+    def factor(self) -> float:
+        """By what to cut the increment."""
+        return self.step_factor
+
     def __str__(self) -> str:
         return f"the UMAT {_STATUS[self.status]} in cell {self.cell} of block {self.block}"
-
-
-BadGuess = TurnedInsideOut | PassedThrough | ShellFailed | LawFailed
-
-
-def factor_of(bad: BadGuess) -> float:
-    """Return by what to cut an increment with such a guess."""
-    return bad.step_factor if isinstance(bad, LawFailed) else 0.5
 
 
 def make_law(material: Material, solver: SolverSettings) -> _core.VonMises | _core.Umat:
@@ -133,7 +118,6 @@ class Mechanics:
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in model.mesh.blocks]
         self.assembler = self._make_assembler(None)
         self._couplings: IntArray | None = None
-        self.supports = Supports(model)
         self.length = np.ones(self.freedoms)
         """What each freedom is multiplied by to make it a length [mm]."""
         self._force: list[FloatArray] = []
@@ -172,17 +156,6 @@ class Mechanics:
 
     def settle(self, state_n: State, trial: State) -> None:
         """Bring a converged trial state's other arrays up to its displacement: solids have none."""
-
-    def end_stage(self, state: State, next_stage: int) -> None:
-        """Prepare a converged state for the next stage: solids need nothing, their loads end with the stage."""
-
-    def apply_loads(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> AppliedLoads:
-        """Return the loads at a fraction of a stage, `increment` (n_points, 2) after state_n."""
-        points = self._model.mesh.points
-        if self._model.solver.is_small:
-            dead = evaluate_loads(self._model, points, stage, fraction)
-            return AppliedLoads(dead.force, dead.pairs[:0], dead.blocks[:0])
-        return evaluate_loads(self._model, points + (state_n.displacement + increment), stage, fraction)
 
     def force_of_round_off(self) -> float:
         """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""

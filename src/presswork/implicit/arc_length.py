@@ -26,8 +26,7 @@ from presswork.implicit.stepping import (
     ImplicitProcedure,
     IncrementReport,
 )
-from presswork.interaction.loads import AppliedLoads
-from presswork.interaction.tool_contact import Constraints
+from presswork.interaction.contract import Constraints, Forces
 from presswork.model import FloatArray, Model
 from presswork.outcome import GaveUpError, IterationLog
 from presswork.state import State
@@ -48,7 +47,7 @@ class _Point:
     increment: FloatArray
     fraction: float
     internal: FloatArray
-    loads: AppliedLoads
+    loads: Forces
 
 
 @dataclass(frozen=True)
@@ -127,19 +126,19 @@ class ArcLengthProcedure(ImplicitProcedure):
         internal = mechanics.evaluate(state_n, trial, increment, with_stiffness=True)
         if isinstance(internal, ShellFailed):
             return internal
-        loads = mechanics.apply_loads(state_n, increment, stage, fraction)
+        loads = self.interactions.loads.at(state_n, increment, stage, fraction)
         return _Point(increment, fraction, internal, loads)
 
     def _tangents(self, state_n: State, stage: int, point: _Point) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return what the forces out of balance and the whole load would move (n_points, 6), and what is lacking."""
         mechanics, solver = self._shells(), self.equilibrium.solver
-        constraints = mechanics.supports.constrain(state_n, stage, 0.0, point.increment)
-        ends = [mechanics.apply_loads(state_n, point.increment, stage, f).force for f in (0.0, 1.0)]
+        constraints = self.interactions.supports.prescribe(state_n, stage, 0.0, point.increment)
+        ends = [self.interactions.loads.at(state_n, point.increment, stage, f).force for f in (0.0, 1.0)]
         lacking = _turn(constraints, point.loads.force - point.internal)
         lacking[constraints.mask == 1] = 0.0
         data = np.zeros(len(mechanics.assembler.indices))
         mechanics.assemble_stiffness(constraints.turned, constraints.frames, data)
-        if self.model.solver.pressure_stiffness and len(point.loads.pairs):
+        if len(point.loads.pairs):
             mechanics.assembler.add_blocks(
                 point.loads.pairs, point.loads.blocks, constraints.turned, constraints.frames, data
             )

@@ -12,6 +12,8 @@ All are integrated over an increment by the trapezoidal rule. Friction, sheet co
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from presswork.model import BoolArray
@@ -32,11 +34,20 @@ def add_external_work(state_n: State, trial: State, fixed_n: BoolArray, fixed: B
     trial.work[EXTERNAL] += 0.5 * (float((on_nodes * trial.increment).sum()) + of_tools)
 
 
-def add_work_of_inertia(state_n: State, trial: State) -> None:
-    """Add the work against inertia and damping in an increment."""
-    resistance = state_n.inertia_force + trial.inertia_force
-    moved = trial.increment[:, : resistance.shape[1]]
-    trial.work[INERTIA] += 0.5 * float((resistance * moved).sum())
+PLACES = {
+    "external_work": EXTERNAL,
+    "plastic_work": PLASTIC,
+    "friction_work": FRICTION,
+    "inertia_work": INERTIA,
+    "contact_energy": CONTACT,
+}
+"""Places in State.work by the names of balance()."""
+
+
+def add_work(trial: State, work: Mapping[str, float]) -> None:
+    """Add work done in an increment, by the names of balance() [N mm], to that of the trial state."""
+    for name, value in work.items():
+        trial.work[PLACES[name]] += value
 
 
 def balance(state: State, elastic_energy: float) -> dict[str, float]:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Equilibrium of one increment: full or modified Newton with contact's active set and a line search."""
+"""Equilibrium of one increment: full or modified Newton with the active sets of interactions and a line search."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -10,18 +11,13 @@ import numpy as np
 
 from presswork import stop
 from presswork.body.shells import ShellMechanics
-from presswork.body.solids import BadGuess, LawFailed, Mechanics, PassedThrough, factor_of
+from presswork.body.solids import Mechanics
 from presswork.implicit.linear_solver import LinearSolver, SolverError
-from presswork.implicit.linear_system import Balance, LinearSystem, Point, turn
-from presswork.interaction.body_contact import BodyContacts, BodyForces
-from presswork.interaction.floating_tools import FloatingTools, LostWorkpieceError
-from presswork.interaction.friction import Friction, FrictionForces
-from presswork.interaction.inertia import Inertia
-from presswork.interaction.pushed_sheet_tools import PushedSheetTools
-from presswork.interaction.sheet_contact import SheetContact, SheetForces
-from presswork.interaction.tool_contact import Constraints, Contact
-from presswork.model import BoolArray, FloatArray, Model
-from presswork.outcome import Converged, Failed, IterationLog, Step
+from presswork.implicit.linear_system import Balance, LinearSystem
+from presswork.interaction.contract import Constraints, Forces, Guess, Interaction, Point, turn
+from presswork.interaction.floating_tools import LostWorkpieceError
+from presswork.model import FloatArray, Model
+from presswork.outcome import BadGuess, Converged, Failed, IterationLog, Step
 from presswork.state import State
 from presswork.timing import Timing
 
@@ -35,9 +31,9 @@ UNLOADED = 1e-2
 CREDIBLE = 1e-2
 """A pull below this part of what is out of balance lets no node go."""
 CALM = 1e-2
-"""Relative residual at which soft friction is stiffened."""
+"""Relative residual at which soft springs are stiffened."""
 SOFT, STIFFENING = 300.0, 4.0
-"""Gentle friction: how many times softer it begins, and by what it is stiffened each time."""
+"""Gentle attempts: how many times softer springs begin, and by what they are stiffened each time."""
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 
@@ -46,106 +42,108 @@ class Equilibrium:
     """Solves increments of one model; holds the matrix and its factors, but nothing that a restart would need."""
 
     def __init__(
-        self, model: Model, mechanics: Mechanics | ShellMechanics, contact: Contact, timing: Timing, threads: int
+        self,
+        model: Model,
+        mechanics: Mechanics | ShellMechanics,
+        interactions: Sequence[Interaction],
+        timing: Timing,
+        threads: int,
     ) -> None:
         self._model = model
         self._mechanics = mechanics
-        self._contact = contact
-        self.friction = Friction(model, contact)
-        self.floating_tools = FloatingTools(model, contact)
-        self.bodies = BodyContacts(model, mechanics)
-        self.sheet = SheetContact(model) if model.sheet_tools or model.sheet_beads else None
-        self.pushed_sheet_tools = PushedSheetTools(model)
-        self.inertia = Inertia(model)
-        self.system = LinearSystem(model, mechanics, self.floating_tools, self.pushed_sheet_tools, timing, threads)
+        self._interactions = interactions
+        self.system = LinearSystem(model, mechanics, interactions, timing, threads)
         self._timing = timing
         self._noise = mechanics.force_of_round_off()
+        self._softness = 1.0
+        self._tangent_is_consistent = (
+            model.solver.newton == "full"
+            and model.solver.tangent == "consistent"
+            and all(i.has_consistent_tangent for i in interactions)
+        )
 
     @property
     def solver(self) -> LinearSolver:
         """The linear solver, which holds the last factors."""
         return self.system.solver
 
-    def fixed(self, stage: int) -> BoolArray:
-        """Return the components that supports and prescribed displacements hold in a stage (n_points, freedoms)."""
-        return self._mechanics.supports.fixed(stage)
+    @property
+    def can_soften(self) -> bool:
+        """Whether an increment that fails is worth a gentle attempt."""
+        return any(i.can_soften for i in self._interactions)
 
-    def _supports(self, state_n: State, step: Step, increment: FloatArray) -> Constraints:
-        return self._mechanics.supports.constrain(state_n, step.stage, step.fraction - step.fraction_n, increment)
+    def _soften(self, softness: float) -> None:
+        """Take the springs of interactions so many times softer than they are."""
+        self._softness = softness
+        for interaction in self._interactions:
+            if interaction.can_soften:
+                interaction.softness = softness
 
     def _largest(self, change: FloatArray) -> float:
         """Largest change of a freedom, made a length [mm]."""
         return float(np.abs(change * self._mechanics.length).max())
+
+    def _largest_force(self, point: Point) -> float:
+        """Largest nodal force of the cells and of what drives them [N]."""
+        length = self._mechanics.length
+        largest = float(np.abs(point.internal / length).max())
+        for interaction, forces in zip(self._interactions, point.forces, strict=True):
+            if forces and interaction.is_driving:
+                largest = max(largest, float(np.abs(forces.force / length[: forces.force.shape[1]]).max()))
+        return largest
 
     def solve(
         self, state_n: State, trial: State, step: Step, guess: FloatArray, *, gently: bool = False
     ) -> Converged | Failed:
         """Find the trial state at step.fraction. state_n is not touched; trial is in equilibrium if Converged.
 
-        gently: begin with soft friction and stiffen it as equilibrium comes near; takes more iterations.
+        gently: begin with soft springs and stiffen them as equilibrium comes near; takes more iterations.
         """
         settings = self._model.solver
         log = IterationLog()
-        fixed = self.fixed(step.stage)
         peak = max(float(state_n.peak_force[0]), self._noise / UNLOADED)
         self._mechanics.begin_increment(state_n, step)
-        self._contact.begin_increment()
-        self.floating_tools.begin_increment()
-        self.bodies.begin_increment(state_n)
-        if self.sheet:
-            self.sheet.begin_increment(state_n)
-        self.friction.softness = SOFT if gently else 1.0
-        if self.friction.is_needed:
-            self.friction.begin_increment(state_n, self._mechanics.nodal_flow_stress(state_n))
-        increment, point = guess, self._evaluate(state_n, trial, step, guess, with_stiffness=True)
-        if isinstance(point, LawFailed) and point.is_final:
-            return Failed(log, str(point), factor_of(point))
+        for interaction in self._interactions:
+            interaction.begin_increment(state_n, step)
+        self._soften(SOFT if gently else 1.0)
+        increment, point = guess, self.evaluate(state_n, trial, step, guess, with_stiffness=True)
+        if isinstance(point, BadGuess) and point.is_final:
+            return Failed(log, str(point), point.factor)
         if isinstance(point, BadGuess):
             increment = np.zeros_like(guess)
-            trial.sheet_tool_move -= trial.sheet_tool_travel - state_n.sheet_tool_travel
-            trial.sheet_tool_travel = state_n.sheet_tool_travel.copy()
-            point = self._evaluate(state_n, trial, step, increment, with_stiffness=True)
+            for interaction in self._interactions:
+                interaction.give_up_guess(state_n, trial)
+            point = self.evaluate(state_n, trial, step, increment, with_stiffness=True)
             if isinstance(point, BadGuess):
-                return Failed(log, str(point), factor_of(point))
+                return Failed(log, str(point), point.factor)
         size, factorised = 0.0, False
         most = settings.max_iterations * (2 if gently else 1)
         for iteration in range(most + 1):
             stop.look()
-            # 1. contact at the present guess, and what is out of balance
+            # 1. what holds the nodes at the present guess, and what is out of balance
             may_release = iteration > 0 and log.residual[-1] < NEAR
-            scale = max(point.largest_force, UNLOADED * peak)
+            scale = max(self._largest_force(point), UNLOADED * peak)
             pull = scale * max(settings.force_tolerance, CREDIBLE * log.residual[-1] if iteration else 0.0)
-            point, balance = self._balance(state_n, trial, step, increment, point, fixed, near=may_release, pull=pull)
+            point, balance = self.balance(state_n, trial, point, near=may_release, pull=pull)
 
             # 2. converged? Not before this very iterate has been searched for contact that pulls
             self._note(log, balance, scale, size, increment)
-            stiff = self.friction.softness == 1.0
+            stiff = self._softness == 1.0
             if iteration > 0 and stiff and not may_release and self._has_converged(log):
                 pull = scale * settings.force_tolerance
-                point, balance = self._balance(state_n, trial, step, increment, point, fixed, near=True, pull=pull)
+                point, balance = self.balance(state_n, trial, point, near=True, pull=pull)
                 log.forget_last()
                 self._note(log, balance, scale, size, increment)
             missing = self._largest(balance.constraints.value)
             if iteration > 0 and log.residual[-1] < CALM:
-                self.friction.softness = max(1.0, self.friction.softness / STIFFENING)
-            has_converged = iteration > 0 and stiff and self._has_converged(log)
-            if has_converged and self.bodies.augment(trial, point.bodies):
-                point = self._touch_again(state_n, trial, point)
-                continue
-            if has_converged:
-                unsettled = self._contact.n_unsettled + self.bodies.n_unsettled
-                if unsettled:
-                    return Failed(log, f"contact of {unsettled} nodes does not settle", 0.5)
-                trial.displacement, trial.increment = point.displacement, increment
-                trial.reaction, trial.external_force = point.reaction, point.loads.force
-                self.friction.settle(state_n, trial, balance.constraints.turned == 1)
-                self.bodies.settle(state_n, trial, point.bodies)
-                if self.sheet and point.sheet:
-                    self.sheet.settle(trial, point.sheet)
-                if point.inertia:
-                    trial.velocity, trial.inertia_force = point.inertia.velocity, point.inertia.resistance
-                trial.peak_force = np.maximum(state_n.peak_force, point.largest_force)
-                return Converged(log)
+                self._soften(max(1.0, self._softness / STIFFENING))
+            if iteration > 0 and stiff and self._has_converged(log):
+                augmented = [k for k, i in enumerate(self._interactions) if i.augment(trial, point.forces[k])]
+                for k in augmented:
+                    point = self._evaluate_again(k, state_n, trial, point)
+                if augmented:
+                    continue
+                return self._settle(state_n, trial, point, balance, log)
             if iteration == most or (stiff and self._is_hopeless(log)):
                 break
 
@@ -159,84 +157,98 @@ class Equilibrium:
             factorised = True
             moved = self._advance(state_n, trial, step, point, balance, increment, correction, travel)
             if isinstance(moved, BadGuess):
-                return Failed(log, str(moved), factor_of(moved))
-            increment, point, part = moved
-            if balance.floating:
-                self.floating_tools.move(trial, balance.floating, part * travel)
+                return Failed(log, str(moved), moved.factor)
+            increment, point = moved
             size = max(self._largest(correction), float(np.abs(travel).max(initial=0.0)))
         return Failed(log, f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}", 0.5)
 
-    def _balance(
-        self, state_n: State, trial: State, step: Step, increment: FloatArray, point: Point, fixed: BoolArray,
-        *, near: bool, pull: float,
-    ) -> tuple[Point, Balance]:  # fmt: skip
+    def _settle(
+        self, state_n: State, trial: State, point: Point, balance: Balance, log: IterationLog
+    ) -> Converged | Failed:
+        """Fill the trial state with what equilibrium has found."""
+        unsettled = sum(i.n_unsettled for i in self._interactions)
+        if unsettled:
+            return Failed(log, f"contact of {unsettled} nodes does not settle", 0.5)
+        trial.displacement, trial.increment = point.guess.displacement, point.guess.increment
+        trial.reaction = point.reaction
+        for interaction, forces in zip(self._interactions, point.forces, strict=True):
+            interaction.settle(state_n, trial, forces, balance.constraints)
+        trial.peak_force = np.maximum(state_n.peak_force, self._largest_force(point))
+        return Converged(log)
+
+    def balance(
+        self, state_n: State, trial: State, point: Point, *, near: bool = False, pull: float = 0.0
+    ) -> tuple[Point, Balance]:
         """Update what is held; return the point with the forces of it, and what is out of balance.
 
         near: equilibrium is near enough for reactions to let nodes go, those that pull by more than `pull` [N].
         """
-        body_changes = self.bodies.update(point.bodies, near=near)
-        if body_changes:
-            point = self._touch_again(state_n, trial, point)
+        changes = 0
+        for k, interaction in enumerate(self._interactions):
+            started = perf_counter()
+            changed = interaction.update(trial, point, point.forces[k], near=near, pull=pull)
+            self._timing.add("contact", started)
+            if changed and point.forces[k] is not None:
+                point = self._evaluate_again(k, state_n, trial, point)
+            changes += changed
         started = perf_counter()
-        self._contact.search(trial, point.displacement)
-        changes = body_changes + self._contact.update(trial, point.reaction, fixed, near=near, tolerance=pull)
-        supports = self._supports(state_n, step, increment)
-        constraints = self._contact.constrain(trial, point.displacement, supports)
-        friction = self._rub(state_n, trial, point, constraints)
-        drag = friction.vector(len(point.reaction)) if friction else np.zeros_like(point.reaction)
-        floating = None
-        if self.floating_tools.is_needed:
-            floating, stops = self.floating_tools.evaluate(
-                trial, point.reaction, friction, supports, step.stage, step.fraction, near=near
-            )
-            changes += stops
+        constraints = self._nothing_held(point)
+        for interaction in self._interactions:
+            constraints = interaction.constrain(state_n, trial, point, constraints)
+        resistances = tuple(i.resist(state_n, trial, point, constraints) for i in self._interactions)
+        drag = np.zeros_like(point.reaction)
+        for resistance in resistances:
+            if resistance:
+                drag += resistance.vector(len(drag))
+        borders = []
+        for k, interaction in enumerate(self._interactions):
+            border, moved = interaction.border(trial, point, point.forces[k], resistances[k], near=near)
+            borders.append(border)
+            changes += moved
         lacking = turn(constraints, drag - point.reaction)
         lacking[constraints.mask == 1] = 0.0
         self._timing.add("contact", started)
-        pushed = None
-        if self.pushed_sheet_tools.is_needed and point.sheet:
-            pushed = self.pushed_sheet_tools.evaluate(trial, point.sheet, step.stage, step.fraction)
         length = self._mechanics.length
-        return point, Balance(constraints, friction, drag, floating, pushed, lacking, changes, length)
+        return point, Balance(constraints, resistances, drag, tuple(borders), lacking, changes, length)
 
-    def _evaluate(
+    def _nothing_held(self, point: Point) -> Constraints:
+        """Return constraints of nodes that are free."""
+        shape = point.reaction.shape
+        mask, turned = np.zeros(shape, dtype=np.uint8), np.zeros(shape[0], dtype=np.uint8)
+        return Constraints(mask, np.zeros(shape), turned, np.zeros((shape[0], 2, 2)))
+
+    def evaluate(
         self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
     ) -> Point | BadGuess:
+        """Return the forces after `increment` (n_points, freedoms) [mm, rad] from state_n."""
         dt = self._model.stages[step.stage].time_between(step.fraction_n, step.fraction)
         internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
         if isinstance(internal, BadGuess):
             return internal
-        loads = self._mechanics.apply_loads(state_n, increment, step.stage, step.fraction)
-        displacement = state_n.displacement + increment
-        bodies = self._touch_bodies(state_n, trial, displacement)
-        if isinstance(bodies, PassedThrough):
-            return bodies
-        reaction = internal - loads.force - bodies.force
-        sheet = self._touch_sheet(state_n, trial, displacement, step)
-        if sheet:
-            reaction -= sheet.force
-        inertia = self.inertia.evaluate(state_n, increment, dt) if self.inertia.is_needed else None
-        if inertia:
-            reaction[:, : inertia.resistance.shape[1]] += inertia.resistance
-        return Point(displacement, internal, loads, bodies, sheet, inertia, reaction, self._mechanics.length)
-
-    def _touch_sheet(self, state_n: State, trial: State, displacement: FloatArray, step: Step) -> SheetForces | None:
+        guess = Guess(step, dt, increment, state_n.displacement + increment)
         started = perf_counter()
-        found = self.sheet.evaluate(state_n, trial, displacement, step.stage, step.fraction) if self.sheet else None
+        reaction, found = internal.copy(), []
+        for interaction in self._interactions:
+            forces = interaction.evaluate(state_n, trial, guess)
+            if isinstance(forces, BadGuess):
+                self._timing.add("contact", started)
+                return forces
+            if forces:
+                reaction[:, : forces.force.shape[1]] -= forces.force
+            found.append(forces)
         self._timing.add("contact", started)
-        return found
+        return Point(guess, internal, tuple(found), reaction)
 
-    def _touch_bodies(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
+    def _evaluate_again(self, k: int, state_n: State, trial: State, point: Point) -> Point:
+        """Return the point with one interaction's forces by its new multipliers or active set."""
         started = perf_counter()
-        bodies = self.bodies.evaluate(state_n, trial, displacement)
+        before, now = point.forces[k], self._interactions[k].evaluate(state_n, trial, point.guess)
         self._timing.add("contact", started)
-        return bodies
-
-    def _touch_again(self, state_n: State, trial: State, point: Point) -> Point:
-        """Return the point with the forces between bodies that follow from new multipliers or another active set."""
-        bodies = self._touch_bodies(state_n, trial, point.displacement)
-        assert isinstance(bodies, BodyForces)  # where they are has not changed
-        return replace(point, bodies=bodies, reaction=point.reaction + point.bodies.force - bodies.force)
+        assert isinstance(before, Forces)
+        assert isinstance(now, Forces), "the nodes have not moved"
+        reaction = point.reaction.copy()
+        reaction[:, : now.force.shape[1]] = reaction[:, : now.force.shape[1]] + before.force - now.force
+        return replace(point, forces=(*point.forces[:k], now, *point.forces[k + 1 :]), reaction=reaction)
 
     def _advance(
         self,
@@ -248,44 +260,43 @@ class Equilibrium:
         increment: FloatArray,
         correction: FloatArray,
         travel: FloatArray,
-    ) -> tuple[FloatArray, Point, float] | BadGuess:
-        """Take the correction, or the part of it that keeps cells whole and does not overshoot; return the part too."""
+    ) -> tuple[FloatArray, Point] | BadGuess:
+        """Take the correction, or the part of it that keeps cells whole and does not overshoot."""
         full = self._model.solver.newton == "full"
         drag = balance.drag
         missing = max(self._largest(balance.constraints.value), float(np.abs(travel).max(initial=0.0)))
         part, gone = 1.0, 0.0
         while True:
-            if balance.pushed:
-                self.pushed_sheet_tools.move(trial, balance.pushed, (part - gone) * travel)
-                gone = part
             taken = increment + part * correction
-            self.bodies.predict(point.bodies, part * correction)
-            found = self._evaluate(state_n, trial, step, taken, with_stiffness=full)
-            if not isinstance(found, BadGuess) or part < SMALLEST_PART:
-                break
-            if isinstance(found, LawFailed) and found.is_final:
+            self._move(trial, point, balance, part * correction, (part - gone) * travel)
+            gone = part
+            found = self.evaluate(state_n, trial, step, taken, with_stiffness=full)
+            if not isinstance(found, BadGuess) or part < SMALLEST_PART or found.is_final:
                 break
             part *= 0.5
         if isinstance(found, BadGuess):
             return found
         largest = self._largest(correction)
         if not self._model.solver.line_search or part < 1.0 or missing > 1e-3 * largest:
-            return taken, found, part
+            return taken, found
         before = float(((drag - point.reaction) * correction).sum())
         after = float(((drag - found.reaction) * correction).sum())
         if abs(after) <= OVERSHOOT * abs(before):
-            return taken, found, part
+            return taken, found
         part = float(np.clip(before / (before - after), 0.1, 0.9)) if before != after else 0.5
-        self.bodies.predict(point.bodies, part * correction)
-        shorter = self._evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
+        self._move(trial, point, balance, part * correction, (part - gone) * travel)
+        shorter = self.evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
         if isinstance(shorter, BadGuess):
             return shorter
-        return increment + part * correction, shorter, part
+        return increment + part * correction, shorter
 
-    def _rub(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> FrictionForces | None:
-        if not self.friction.is_needed:
-            return None
-        return self.friction.evaluate(state_n, trial, point.displacement, point.reaction, constraints.turned == 1)
+    def _move(self, trial: State, point: Point, balance: Balance, change: FloatArray, travel: FloatArray) -> None:
+        """Tell interactions of a change of the nodes, and move what has freedoms of its own."""
+        for interaction, forces, border in zip(self._interactions, point.forces, balance.borders, strict=True):
+            if forces:
+                interaction.predict(forces, change)
+            if border and border.is_open:
+                interaction.move(trial, border, travel)
 
     def _note(self, log: IterationLog, balance: Balance, scale: float, size: float, increment: FloatArray) -> None:
         log.residual.append(balance.largest_lacking / scale if scale > 0 else 0.0)
@@ -306,9 +317,7 @@ class Equilibrium:
 
         The first residual does not count: before anything has moved it may be zero.
         """
-        r, settings = log.residual, self._model.solver
+        r = log.residual
         if not np.isfinite(r[-1]):
             return True
-        rubs_otherwise = self.friction.is_needed and settings.friction_tangent != "return_mapping"
-        quadratic = settings.newton == "full" and settings.tangent == "consistent" and not rubs_otherwise
-        return quadratic and len(r) > 8 and min(r[-5:]) > min(r[1:-5])
+        return self._tangent_is_consistent and len(r) > 8 and min(r[-5:]) > min(r[1:-5])

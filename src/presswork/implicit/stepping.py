@@ -6,20 +6,21 @@ It advances the converged State an increment at a time and knows nothing of file
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from presswork import _core
 from presswork.body.solids import make_mechanics
-from presswork.implicit.energy import add_external_work, add_work_of_inertia, balance
+from presswork.implicit.energy import add_external_work, add_work, balance
 from presswork.implicit.newton import Equilibrium
+from presswork.interaction.contract import Interaction
+from presswork.interaction.of_model import Interactions
 from presswork.interaction.supports import NotHeldError, check_shell_held, check_solid_held
-from presswork.interaction.tool_contact import Contact
-from presswork.model import Body, BoolArray, FloatArray, Model, Stage, ToolMotion
-from presswork.outcome import Converged, Failed, GaveUpError, IterationLog, Step
-from presswork.state import EXTERNAL, FRICTION, PLASTIC, State
+from presswork.model import Body, BoolArray, FloatArray, Model
+from presswork.outcome import BadGuess, Converged, Failed, GaveUpError, IterationLog, Step
+from presswork.state import PLASTIC, State
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
@@ -47,39 +48,44 @@ class IncrementReport:
 
 
 class ImplicitProcedure:
-    """Advances one model through its stages."""
+    """Advances one model through its stages.
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    others: interactions of one's own, beside those that the model names (presswork.interaction.contract).
+    """
+
+    def __init__(self, model: Model, *, threads: int = 0, others: Sequence[Interaction] = ()) -> None:
         freedoms = model.freedoms * len(model.mesh.points)
         threads = threads or (available_threads() if freedoms > ENOUGH_FOR_THREADS else 1)
         _core.set_threads(threads)
         self.model = model
         self.timing = Timing("assembly", "contact", "analysis", "solve")
         self.mechanics = make_mechanics(model, self.timing)
-        self.contact = Contact(model)
-        self.equilibrium = Equilibrium(model, self.mechanics, self.contact, self.timing, threads)
-        self.state = self.mechanics.at_rest(len(self.contact.nodes), self.equilibrium.bodies.n_slots)
+        self.interactions = Interactions(model, self.mechanics, others)
+        self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
+        tools, bodies = self.interactions.tools, self.interactions.bodies
+        self.state = self.mechanics.at_rest(len(tools.contact.nodes), bodies.n_slots)
+        self.state.own.update({i.name: dict(i.at_rest()) for i in others})
         self.state.progress[SIZE] = model.solver.initial_increment
-        self.contact.begin(self.state, self.equilibrium.fixed(0))
+        tools.contact.begin(self.state, self.interactions.supports.fixed(0))
         self._check_held()
         self.mechanics.evaluate(self.state, self.state, self.state.increment, with_stiffness=False)
         self.initial_volume = self.volume()
 
     def _check_held(self) -> None:
         """Refuse bodies that the first increment would push away."""
-        if self.equilibrium.inertia.is_needed:
+        if self.interactions.inertia:
             return
         if self.model.analysis == "shell":
-            sheet = self.equilibrium.sheet
-            touched = sheet.held_directions(self.state) if sheet else None
-            check_shell_held(self.model, self.equilibrium.fixed(0), touched)
+            sheet = self.interactions.sheet_tools
+            touched = sheet.contact.held_directions(self.state) if sheet else None
+            check_shell_held(self.model, self.interactions.supports.fixed(0), touched)
             return
         if self.model.analysis == "solid":
-            check_solid_held(self.model, self.equilibrium.fixed(0))
+            check_solid_held(self.model, self.interactions.supports.fixed(0))
             return
         whole = Body("workpiece", range(len(self.model.mesh.points)), range(len(self.model.mesh.blocks)))
         bodies = self.model.bodies or (whole,)
-        touching = self.equilibrium.bodies.touching(self.state)
+        touching = self.interactions.bodies.touching(self.state)
         for number, body in enumerate(bodies):
             held = self._held_by_tools(body)
             for contact, directions in touching:
@@ -98,13 +104,15 @@ class ImplicitProcedure:
 
     def _held_by_tools(self, body: Body) -> BoolArray:
         """Say for x and y whether supports, or tools that touch it at the start, hold a body."""
-        held: BoolArray = np.asarray(self.equilibrium.fixed(0)[body.points.start : body.points.stop].any(axis=0))
+        tools = self.interactions.tools
+        fixed = self.interactions.supports.fixed(0)[body.points.start : body.points.stop]
+        held: BoolArray = np.asarray(fixed.any(axis=0))
         held[0] |= self.model.analysis == "axisymmetric"  # a ring resists its growth
-        pushed = self.equilibrium.floating_tools.pushed(0)
-        own = np.isin(self.contact.nodes, body.points)
+        pushed = tools.floating.pushed(0)
+        own = np.isin(tools.contact.nodes, body.points)
         for t, tool in enumerate(self.model.tools):
             face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2] * own)
-            along = self.contact.normal[2 * t + face, place]
+            along = tools.contact.normal[2 * t + face, place]
             if tool.contact != "frictionless":
                 along = np.concatenate([along, along[:, ::-1] * (-1, 1)])
             if t in pushed:  # it holds only across its way
@@ -115,9 +123,9 @@ class ImplicitProcedure:
 
     def _check_pushed(self, stage: int) -> None:
         """Refuse a tool that a force pushes at nothing."""
-        for t, (direction, _) in self.equilibrium.floating_tools.pushed(stage).items():
+        for t, (direction, _) in self.interactions.tools.floating.pushed(stage).items():
             face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2])
-            if not (self.contact.normal[2 * t + face, place] @ direction > 0.1).any():
+            if not (self.interactions.tools.contact.normal[2 * t + face, place] @ direction > 0.1).any():
                 name, where = self.model.tools[t].name, self.model.stages[stage].name
                 raise NotHeldError(
                     f"the tool {name!r} is pushed by a force in stage {where!r}, but nothing lies before it that would "
@@ -127,26 +135,15 @@ class ImplicitProcedure:
 
     def contact_forces(self) -> dict[str, FloatArray]:
         """Return what the first body of each contact does to the second (2,) [N], as modelled."""
-        return self.equilibrium.bodies.total_forces(self.state)
+        return self.interactions.bodies.total_forces(self.state)
 
     def interface_stress(self) -> tuple[FloatArray, FloatArray] | None:
         """Return pressure and shear of the bodies on each other (n_points,) [MPa], if bodies touch each other."""
-        return self.equilibrium.bodies.nodal_stress(self.state) if self.model.contacts else None
+        return self.interactions.bodies.nodal_stress(self.state) if self.model.contacts else None
 
     def volume(self) -> float:
         """Volume of the workpiece as modelled [mm3]."""
         return float(sum(v.sum() for v in self.state.volume))
-
-    def tool_base(self, stage: int) -> FloatArray:
-        """Prescribed displacement [mm] and angle [rad] of the tools at the start of a stage (n_tools, 3)."""
-        base = np.zeros((len(self.model.tools), 3))
-        for earlier in self.model.stages[:stage]:
-            base += self._motion(earlier)
-        return base
-
-    def _motion(self, stage: Stage) -> FloatArray:
-        motions = [stage.tool_motion.get(t.name, ToolMotion()) for t in self.model.tools]
-        return np.array([(*m.move, m.turn) for m in motions]).reshape(-1, 3)
 
     def save_points(self, stage: int) -> FloatArray:
         """Stage fractions at which an increment must end and fields are saved; the last is 1.
@@ -191,7 +188,7 @@ class ImplicitProcedure:
                 step = 0.5 * (target - fraction_n)
             fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
             trial, outcome = self._attempt(stage, fraction_n, fraction)
-            if isinstance(outcome, Failed) and self.equilibrium.friction.is_needed:
+            if isinstance(outcome, Failed) and self.equilibrium.can_soften:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, gently=True)
             if isinstance(outcome, Failed) and self._may_turn:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
@@ -236,18 +233,10 @@ class ImplicitProcedure:
         trial = self.state.duplicate()
         last = float(self.state.progress[LAST])
         ratio = (fraction - fraction_n) / last if last > 0 and not from_rest else 0.0
-        guess = self.state.increment * ratio
-        pose = self.tool_base(stage) + fraction * self._motion(self.model.stages[stage])
-        floats = (trial.tool_gives > 0) | np.isin(
-            np.arange(len(pose)), list(self.equilibrium.floating_tools.pushed(stage))
-        )
-        trial.tool_travel += ratio * self.state.tool_travel_increment * floats[:, None]
-        trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_travel, pose[:, 2]
-        if self.equilibrium.sheet:
-            pushed = self.equilibrium.pushed_sheet_tools.numbers(stage)
-            trial.sheet_tool_travel[pushed] += ratio * self.state.sheet_tool_travel_increment[pushed]
-            trial.sheet_tool_move = self.equilibrium.sheet.move(stage, fraction) + trial.sheet_tool_travel
-        outcome = self.equilibrium.solve(self.state, trial, Step(stage, fraction_n, fraction), guess, gently=gently)
+        step = Step(stage, fraction_n, fraction)
+        for interaction in self.interactions.all:
+            interaction.place(self.state, trial, step, ratio)
+        outcome = self.equilibrium.solve(self.state, trial, step, self.state.increment * ratio, gently=gently)
         return trial, outcome
 
     def _commit(
@@ -262,22 +251,16 @@ class ImplicitProcedure:
     ) -> None:
         """Make the trial state the converged one."""
         settings = self.model.solver
-        self.contact.settle(trial)
+        step = Step(stage, fraction_n, fraction)
         self.mechanics.settle(self.state, trial)
-        trial.tool_travel_increment = trial.tool_travel - self.state.tool_travel
-        trial.sheet_tool_travel_increment = trial.sheet_tool_travel - self.state.sheet_tool_travel
+        for interaction in self.interactions.all:
+            interaction.commit(self.state, trial, step)
         dt = self.model.stages[stage].time_between(fraction_n, fraction)
         stage_n = stage - 1 if fraction_n == 0.0 and stage > 0 else stage
-        fixed = self.equilibrium.fixed(stage)
-        forces, torques = self.contact.tool_forces(trial, fixed)
-        trial.tool_force = np.column_stack([forces, torques])
-        add_external_work(self.state, trial, self.equilibrium.fixed(stage_n), fixed)
-        if self.equilibrium.sheet:
-            of_tools, lost = self.equilibrium.sheet.work(self.state, trial)
-            trial.work[EXTERNAL] += of_tools
-            trial.work[FRICTION] += lost
-        if self.equilibrium.inertia.is_needed:
-            add_work_of_inertia(self.state, trial)
+        supports = self.interactions.supports
+        add_external_work(self.state, trial, supports.fixed(stage_n), supports.fixed(stage))
+        for interaction in self.interactions.all:
+            add_work(trial, interaction.work(self.state, trial))
         trial.work[PLASTIC] += self.mechanics.plastic_work(self.state, trial, dt)
         p = trial.progress
         p[TIME] += dt
@@ -294,10 +277,21 @@ class ImplicitProcedure:
         if fraction == 1.0:
             p[STAGE], p[FRACTION], p[LAST] = stage + 1, 0.0, 0.0
             if stage + 1 < len(self.model.stages):
-                self.mechanics.end_stage(trial, stage + 1)
-            trial.tool_force_start = forces
+                self._end_stage(trial, stage + 1)
             p[SIZE] = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
         self.state = trial
+
+    def _end_stage(self, state: State, next_stage: int) -> None:
+        """Prepare a converged state for the next stage."""
+
+        def internal() -> FloatArray:
+            nothing = np.zeros_like(state.displacement)
+            force = self.mechanics.evaluate(state, state.duplicate(), nothing, with_stiffness=False)
+            assert not isinstance(force, BadGuess), "a converged state can be evaluated"
+            return force
+
+        for interaction in self.interactions.all:
+            interaction.end_stage(state, next_stage, internal)
 
     def energy_balance(self) -> dict[str, float]:
         """Return what energy.balance says of the converged state [N mm, per cent]."""

@@ -14,14 +14,16 @@ return mapping. The kernels are in cpp/contact; docs/theory/contact.md has the f
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from presswork import _core
-from presswork.body.shells import ShellMechanics
-from presswork.body.solids import Mechanics, PassedThrough
+from presswork.body.contract import Cells
 from presswork.interaction.body_interface import MARGIN, REACH, TOUCHING, Interface
-from presswork.model import BodyContact, FloatArray, IntArray, MaskArray, Model
+from presswork.interaction.contract import Forces, Guess, Interaction, Point
+from presswork.model import BodyContact, FloatArray, MaskArray, Model
+from presswork.outcome import PassedThrough, Step
 from presswork.state import FRICTION, State
 
 PENETRATION = 1e-3
@@ -37,12 +39,9 @@ STICKS = 1
 
 
 @dataclass(frozen=True)
-class BodyForces:
+class BodyForces(Forces):
     """Of the bodies on each other: nodal force (n_points, 2) [N], stiffness as node pairs (n, 2), blocks (n, 2, 2)."""
 
-    force: FloatArray
-    pairs: IntArray
-    blocks: FloatArray
     pressure: FloatArray
     """(n_slots,) [MPa]."""
     shear: FloatArray
@@ -51,22 +50,13 @@ class BodyForces:
     status: MaskArray
     details: tuple[_core.InterfaceResult, ...]
 
-    @staticmethod
-    def none(shape: tuple[int, ...]) -> BodyForces:
-        """Return no forces at all, of the shape of the displacement, for a model without contact of bodies."""
-        empty = np.zeros(0)
-        return BodyForces(
-            np.zeros(shape), np.zeros((0, 2), dtype=np.int32), np.zeros((0, 2, 2)),
-            empty, empty, empty, empty, np.zeros(0, dtype=np.uint8), (),
-        )  # fmt: skip
 
-
-class BodyContacts:
+class BodyContacts(Interaction):
     """All contacts between bodies of one run; what persists lies in the State."""
 
-    def __init__(self, model: Model, mechanics: Mechanics | ShellMechanics) -> None:
+    def __init__(self, model: Model, cells: Cells) -> None:
         self._model = model
-        self._mechanics = mechanics
+        self._cells = cells
         self.interfaces: list[Interface] = []
         self.n_slots = 0
         for contact in model.contacts:
@@ -85,14 +75,14 @@ class BodyContacts:
         self.n_unsettled = 0
         """Slots that may change no more in this increment, and pull."""
 
-    def begin_increment(self, state_n: State) -> None:
+    def begin_increment(self, state_n: State, step: Step) -> None:
         """Take contact and shear flow stress [MPa] as they are at the start of the increment."""
         self.n_unsettled = 0
         self._held = np.where(state_n.interface_pressure > 0, KEEPS_HOLD, BY_GAP).astype(np.uint8)
         self._believed = state_n.interface_pressure.copy()
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
         if any(i.contact.contact in ("shear", "coulomb_capped") for i in self.interfaces):
-            self._shear_flow = self._mechanics.nodal_flow_stress(state_n) / np.sqrt(3.0)
+            self._shear_flow = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0)
 
     def _follow(self, trial: State, displacement: FloatArray) -> None:
         """Look for candidates again where nodes have moved too far since; they depend on trial alone."""
@@ -104,13 +94,14 @@ class BodyContacts:
         self._searched_at = trial.search_displacement.copy()
         points = np.ascontiguousarray(self._model.mesh.points + trial.search_displacement)
         couplings = np.concatenate([interface.search(points) for interface in self.interfaces])
-        assert isinstance(self._mechanics, Mechanics), "bodies in contact are solids"
-        self._mechanics.couple(np.ascontiguousarray(np.unique(couplings, axis=0), dtype=np.int32))
+        self._cells.couple(np.ascontiguousarray(np.unique(couplings, axis=0), dtype=np.int32))
 
-    def evaluate(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> BodyForces | PassedThrough:
         """Return the forces of the bodies on each other at a guess."""
-        if not self.interfaces:
-            return BodyForces.none(displacement.shape)
+        return self.at(state_n, trial, guess.displacement)
+
+    def at(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
+        """Return the forces of the bodies on each other with the nodes displaced by `displacement` (n_points, 2)."""
         self._follow(trial, displacement)
         points = self._model.mesh.points
         x, x_n = points + displacement, points + state_n.displacement
@@ -132,7 +123,7 @@ class BodyContacts:
             details=tuple(results),
         )
 
-    def predict(self, found: BodyForces, change: FloatArray) -> None:
+    def predict(self, found: Any, change: FloatArray) -> None:
         """Take the pressures that a change of the nodes (n_points, 2) [mm] leads to where all goes by the tangent.
 
         They are what the iteration believes in: the penalty makes of the curvature that a change has passed by, a
@@ -144,17 +135,17 @@ class BodyContacts:
             np.add.at(rise, slot, (np.asarray(result.pressure_slopes) * change[node]).sum(axis=1))
             self._believed[interface.places] = np.asarray(result.pressure) + rise
 
-    def update(self, found: BodyForces, *, near: bool) -> int:
+    def update(self, trial: State, point: Point, own: Any, *, near: bool, pull: float) -> int:
         """Take hold of slots that penetrate and, near equilibrium, let go of those that pull; return the changes."""
         before = self._held.copy()
-        fresh = (found.pressure > 0) & (before != KEEPS_HOLD)
-        self._believed[fresh] = np.minimum(found.pressure, self._credible)[fresh]
-        self._held[found.pressure > 0] = KEEPS_HOLD
-        self._held[(found.pressure == 0) & (before == KEEPS_HOLD)] = BY_GAP
+        fresh = (own.pressure > 0) & (before != KEEPS_HOLD)
+        self._believed[fresh] = np.minimum(own.pressure, self._credible)[fresh]
+        self._held[own.pressure > 0] = KEEPS_HOLD
+        self._held[(own.pressure == 0) & (before == KEEPS_HOLD)] = BY_GAP
         if near:
-            pulls = found.pressure < 0
+            pulls = own.pressure < 0
             self._held[pulls & (self._changes < MAX_CHANGES)] = LET_GO
-            strongly = found.pressure < -RELEASE * found.pressure.max(initial=0.0)
+            strongly = own.pressure < -RELEASE * own.pressure.max(initial=0.0)
             self.n_unsettled = int((strongly & (self._changes >= MAX_CHANGES)).sum())
         changed = before != self._held
         self._changes[changed] += 1
@@ -162,7 +153,9 @@ class BodyContacts:
 
     def touching(self, state: State) -> list[tuple[BodyContact, FloatArray]]:
         """Return each contact whose surfaces touch, with the directions (n, 2) in which they hold each other."""
-        found = self.evaluate(state, state, state.displacement)
+        if not self.interfaces:
+            return []
+        found = self.at(state, state, state.displacement)
         assert isinstance(found, BodyForces)  # nothing has moved
         held = []
         for interface, result in zip(self.interfaces, found.details, strict=True):
@@ -215,27 +208,25 @@ class BodyContacts:
                 shear[middle[both]] = -own_shear[interface.slots].mean(axis=1)[both]
         return pressure, shear
 
-    def augment(self, trial: State, found: BodyForces) -> bool:
+    def augment(self, trial: State, own: Any) -> bool:
         """Take over the multipliers if bodies penetrate, or slip where they stick, by more than is allowed."""
-        pushes, sticks = found.pressure > 0, found.status == STICKS
+        pushes, sticks = own.pressure > 0, own.status == STICKS
         excess = max(
-            float(np.abs(found.gap[pushes] / self._edge[pushes]).max(initial=0.0)),
-            float(np.abs(found.slip[sticks] / self._edge[sticks]).max(initial=0.0)),
+            float(np.abs(own.gap[pushes] / self._edge[pushes]).max(initial=0.0)),
+            float(np.abs(own.slip[sticks] / self._edge[sticks]).max(initial=0.0)),
         )
         if excess <= PENETRATION:
             return False
-        trial.interface_pressure, trial.interface_shear = found.pressure, found.shear
+        trial.interface_pressure, trial.interface_shear = own.pressure, own.shear
         return True
 
-    def settle(self, state_n: State, trial: State, found: BodyForces) -> None:
+    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep what the next increment starts from, and add the work that friction has taken."""
-        if not self.interfaces:
-            return
-        trial.interface_pressure, trial.interface_shear = found.pressure, found.shear
-        trial.interface_slip = np.where(found.status == STICKS, found.slip, 0.0)
-        trial.interface_force = found.force
+        trial.interface_pressure, trial.interface_shear = own.pressure, own.shear
+        trial.interface_slip = np.where(own.status == STICKS, own.slip, 0.0)
+        trial.interface_force = own.force
         if any(i.contact.contact != "frictionless" for i in self.interfaces):
             points = self._model.mesh.points + trial.displacement
-            trial.interface_friction = found.force - sum(i.push(trial, points) for i in self.interfaces)
+            trial.interface_friction = own.force - sum(i.push(trial, points) for i in self.interfaces)
             friction = state_n.interface_friction + trial.interface_friction
             trial.work[FRICTION] -= 0.5 * float((friction * trial.increment).sum())

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from presswork.interaction.contract import Constraints
 from presswork.interaction.friction import FrictionForces
-from presswork.interaction.tool_contact import Constraints, Contact
+from presswork.interaction.tool_contact import Contact
 from presswork.model import FloatArray, Model
 from presswork.state import State
 
@@ -43,6 +44,11 @@ class Floating:
     """Of their springs (n,) [N/mm]."""
     motions: list[Constraints]
     """What the held nodes do for each mm of travel."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether any tool floats."""
+        return len(self.tools) > 0
 
 
 class LostWorkpieceError(Exception):

@@ -26,7 +26,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork import _core
 from presswork.fields.contact_stress import edge_shares
+from presswork.interaction.contract import Constraints
 from presswork.interaction.tool_contact import Contact
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.state import FRICTION, SLIDING, State
@@ -59,6 +61,26 @@ class FrictionForces:
         forces = np.zeros((n_points, 2))
         forces[self.nodes] = self.force[:, None] * self.tangent
         return forces
+
+    def add_stiffness(
+        self,
+        assembler: _core.Assembler | _core.SpaceAssembler | _core.ShellAssembler,
+        constraints: Constraints,
+        data: FloatArray,
+        *,
+        symmetric: bool,
+    ) -> None:
+        """Add the stiffness to the matrix; Coulomb's dependence on the normal force only to an unsymmetric one."""
+        pairs = np.repeat(self.nodes[:, None], 2, axis=1).astype(np.int32)
+        blocks = self.stiffness[:, None, None] * self.tangent[:, :, None] * self.tangent[:, None, :]
+        assembler.add_blocks(pairs, np.ascontiguousarray(blocks), constraints.turned, constraints.frames, data)
+        if symmetric:
+            return
+        start = assembler.indptr
+        for node, slope in zip(self.nodes, self.normal_slope, strict=True):
+            if slope:
+                normal_row = data[start[2 * node] : start[2 * node + 1]]
+                data[start[2 * node + 1] : start[2 * node + 2]] -= slope * normal_row
 
 
 def _pad(by_tool: list[FloatArray]) -> FloatArray:

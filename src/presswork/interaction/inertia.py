@@ -10,13 +10,16 @@ and rotations have none, solids by the diagonal of the consistent matrix (Hinton
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from presswork.interaction.contract import Forces, Guess, Interaction
 from presswork.interaction.sheet_contact import share_surface
 from presswork.mesh.topology import count_corners
-from presswork.model import CellBlock, FloatArray, IntArray, Model
+from presswork.model import CellBlock, FloatArray, Model
 from presswork.state import State
 
 SHARES = {3: (1 / 3,), 4: (1 / 4,), 6: (3 / 57, 16 / 57), 8: (3 / 76, 16 / 76), 9: (1 / 36, 4 / 36, 16 / 36)}
@@ -24,40 +27,46 @@ SHARES = {3: (1 / 3,), 4: (1 / 4,), 6: (3 / 57, 16 / 57), 8: (3 / 76, 16 / 76), 
 
 
 @dataclass(frozen=True)
-class InertiaForces:
-    """Resistance of the nodes (n_points, d) [N], and its derivative as node pairs (n, 2) and blocks (n, f, f): d
-    coordinates and f freedoms a node.
-    """
+class InertiaForces(Forces):
+    """Less the resistance of the nodes (n_points, d) [N], and its derivative: d coordinates and f freedoms a node."""
 
-    resistance: FloatArray
     velocity: FloatArray
     """(n_points, d) [mm/s]."""
-    pairs: IntArray
-    blocks: FloatArray
 
 
-class Inertia:
+class Inertia(Interaction):
     """The masses of one run; velocities lie in the State."""
 
+    is_driving = True
+
     def __init__(self, model: Model) -> None:
-        self.is_needed = model.solver.inertia > 0.0
         self._damping = model.solver.damping
         self._freedoms, self._moving = model.freedoms, model.dimension
         self._mass = np.zeros(len(model.mesh.points))
-        for block in model.mesh.blocks if self.is_needed else ():
+        for block in model.mesh.blocks:
             density = model.solver.inertia * model.materials[block.material].density
             self._mass += density * (_share_sheet(model, block) if block.section else _share_solid(model, block))
         nodes = np.arange(len(self._mass), dtype=np.int32)
         self._pairs = np.column_stack([nodes, nodes])
 
-    def evaluate(self, state_n: State, increment: FloatArray, dt: float) -> InertiaForces:
-        """Return the resistance to an increment (n_points, freedoms) over dt [s]."""
-        d = self._moving
-        velocity = increment[:, :d] / dt
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> InertiaForces:
+        """Return the resistance to an increment."""
+        d, dt = self._moving, guess.dt
+        velocity = guess.increment[:, :d] / dt
         resistance = self._mass[:, None] * ((velocity - state_n.velocity) / dt + self._damping * velocity)
         blocks = np.zeros((len(self._mass), self._freedoms, self._freedoms))
         blocks[:, :d, :d] = (self._mass * (1.0 / dt + self._damping) / dt)[:, None, None] * np.eye(d)
-        return InertiaForces(resistance, velocity, self._pairs, blocks)
+        return InertiaForces(-resistance, self._pairs, blocks, velocity)
+
+    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+        """Keep velocity and resistance."""
+        trial.velocity, trial.inertia_force = own.velocity, -own.force
+
+    def work(self, state_n: State, trial: State) -> Mapping[str, float]:
+        """Return the work against inertia and damping [N mm]."""
+        resistance = state_n.inertia_force + trial.inertia_force
+        moved = trial.increment[:, : resistance.shape[1]]
+        return {"inertia_work": 0.5 * float((resistance * moved).sum())}
 
 
 def _share_sheet(model: Model, block: CellBlock) -> FloatArray:

@@ -3,27 +3,45 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from presswork.interaction.contract import Forces, Guess, Interaction
 from presswork.mesh.edges import GAUSS_3, edge_areas, edge_shape_functions
 from presswork.mesh.faces import face_areas, press_faces
 from presswork.model import FloatArray, IntArray, Model
+from presswork.state import State
 
 
-@dataclass(frozen=True)
-class AppliedLoads:
-    """Nodal force (n_points, d) [N] and, for pressures, the stiffness to subtract: node pairs (n, 2), blocks (n, d, d);
-    d = 2, in space 3.
-    """
+class Loads(Interaction):
+    """The loads of a model of solids: forces, edge forces, pressures that follow the surface."""
 
-    force: FloatArray
-    pairs: IntArray
-    blocks: FloatArray
+    is_driving = True
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces:
+        """Return the loads at a guess."""
+        return self.at(state_n, guess.increment, guess.step.stage, guess.step.fraction)
+
+    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+        """Keep the loads of a converged state."""
+        trial.external_force = own.force
+
+    def at(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> Forces:
+        """Return the loads at a fraction of a stage, `increment` (n_points, 2) after state_n."""
+        points, settings = self._model.mesh.points, self._model.solver
+        if not settings.is_small:
+            points = points + (state_n.displacement + increment)
+        found = evaluate_loads(self._model, points, stage, fraction)
+        if settings.is_small or not settings.pressure_stiffness:
+            return Forces(found.force, found.pairs[:0], found.blocks[:0])
+        return found
 
 
-def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float) -> AppliedLoads:
+def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float) -> Forces:
     """Return the loads at a fraction of a stage; loads grow linearly and end with their stage.
 
     points: on which pressures act (n_points, d): the deformed ones, with small displacements the undeformed ones.
@@ -54,7 +72,7 @@ def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float
         np.add.at(force, faces, face_force)
         pairs.append(pair_nodes(faces))
         blocks.append(face_blocks.reshape(-1, d, d))
-    return AppliedLoads(force, np.concatenate(pairs), np.concatenate(blocks))
+    return Forces(force, np.concatenate(pairs), np.concatenate(blocks))
 
 
 def _add_pressure(

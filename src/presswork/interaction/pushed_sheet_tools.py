@@ -42,6 +42,11 @@ class Pushed:
     stands: BoolArray
     """Whether its stop holds it (n,)."""
 
+    @property
+    def is_open(self) -> bool:
+        """Whether any tool is pushed."""
+        return len(self.tools) > 0
+
 
 class PushedSheetTools:
     """The pushed tools of one run; where they are lies in the State."""

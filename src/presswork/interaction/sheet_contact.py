@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork.interaction.contract import Forces
 from presswork.interaction.drawbeads import BeadForces, SheetBeads
 from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model, SheetTool, Stage
@@ -102,12 +103,9 @@ def touch_tool(
 
 
 @dataclass(frozen=True)
-class SheetForces:
-    """Of all tools on the nodes: force (n_points, 6) [N], stiffness as node pairs (n, 2), blocks (n, 6, 6)."""
+class SheetForces(Forces):
+    """Of all tools and beads on the nodes."""
 
-    force: FloatArray
-    pairs: IntArray
-    blocks: FloatArray
     by_tool: FloatArray
     """(n_tools, n_points, 3) [N]."""
     friction: FloatArray

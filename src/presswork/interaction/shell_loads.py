@@ -3,10 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from presswork import _core
-from presswork.interaction.loads import AppliedLoads
+from presswork.body.shells import measure_shells
+from presswork.interaction.contract import Forces, Guess, Interaction
+from presswork.interaction.supports import Supports
 from presswork.mesh.directors import Directors
 from presswork.mesh.edges import GAUSS_3, edge_shape_functions
 from presswork.model import FloatArray, IndexArray, IntArray, Model
@@ -21,21 +26,19 @@ def _skew(v: FloatArray) -> FloatArray:
     return matrix
 
 
-class ShellLoads:
-    """The loads of one model; what does not change with the deformation is kept."""
+class ShellLoads(Interaction):
+    """The loads of one model of shells; what does not change with the deformation is kept."""
 
-    def __init__(self, model: Model, directors: Directors) -> None:
+    is_driving = True
+
+    def __init__(self, model: Model, directors: Directors, supports: Supports) -> None:
         self._model = model
         self._directors = directors
+        self._supports = supports
         self._shapes = [_core.shell_shape(b.element) for b in model.mesh.blocks]
-        points = model.mesh.points
-        self.nodal_volume = np.zeros(len(points))
-        self.area = 0.0
-        """Of the undeformed shell [mm2]."""
-        for block, (N, slopes, weights, _) in zip(model.mesh.blocks, self._shapes, strict=True):
-            base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
-            area = np.linalg.norm(np.cross(base[:, :, 0], base[:, :, 1]), axis=2) * weights
-            self.area += float(area.sum())
+        self.nodal_volume = np.zeros(len(model.mesh.points))
+        for block in model.mesh.blocks:
+            N, area = measure_shells(model.mesh.points, block)
             thickness = block.section.thickness if block.section else 0.0
             np.add.at(self.nodal_volume, block.connectivity, thickness * area @ N)
         self._dead = [self._dead_loads(s) for s in range(len(model.stages))]
@@ -59,7 +62,21 @@ class ShellLoads:
             force[:, :3] += self.nodal_volume[:, None] * np.asarray(body.force)
         return force
 
-    def evaluate(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> AppliedLoads:
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces:
+        """Return the loads at a guess."""
+        return self.at(state_n, guess.increment, guess.step.stage, guess.step.fraction)
+
+    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
+        """Keep what holds a converged state in balance where the next stage holds nothing: it fades over that stage."""
+        force = internal()
+        force[self._supports.fixed(next_stage)] = 0.0
+        state.shells.fading = force
+
+    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+        """Keep the loads of a converged state."""
+        trial.external_force = own.force
+
+    def at(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> Forces:
         """Return the loads at a fraction of a stage, `increment` (n_points, 6) after state_n.
 
         They grow linearly; what was left from the stage before fades linearly.
@@ -84,10 +101,10 @@ class ShellLoads:
             for block, shape in zip(self._model.mesh.blocks, self._shapes, strict=True):
                 cells = block.connectivity[inside[block.connectivity].all(axis=1)]
                 more, stiffness = _press(points, cells, shape, fraction * pressure.value, force)
-                if not is_small:
+                if not is_small and self._model.solver.pressure_stiffness:
                     pairs.append(more)
                     blocks.append(stiffness)
-        return AppliedLoads(force, np.concatenate(pairs), np.concatenate(blocks))
+        return Forces(force, np.concatenate(pairs), np.concatenate(blocks))
 
     def _on_rotation_vector(
         self, nodes: IndexArray, moment: FloatArray, state_n: State, theta: FloatArray

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.interaction.tool_contact import Constraints
+from presswork.interaction.contract import Constraints, Interaction, Point
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.outcome import StartError
 from presswork.state import State
@@ -70,7 +70,7 @@ def _refuse_loose(body: str, held: FloatArray) -> None:
     )
 
 
-class Supports:
+class Supports(Interaction):
     """Supports of one model; `smooth` marks the nodes of shells without drilling, `director_node` who turns each
     director.
     """
@@ -95,7 +95,12 @@ class Supports:
             fixed[self._model.mesh.node_sets[p.node_set], p.component] = True
         return fixed
 
-    def constrain(self, state_n: State, stage: int, part: float, increment: FloatArray) -> Constraints:
+    def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
+        """Return what is prescribed at a guess; nothing is held before."""
+        step = point.guess.step
+        return self.prescribe(state_n, step.stage, step.fraction - step.fraction_n, point.guess.increment)
+
+    def prescribe(self, state_n: State, stage: int, part: float, increment: FloatArray) -> Constraints:
         """Return what is prescribed, and the correction still missing from `increment`.
 
         part: of the stage, from state_n to the end of the increment.

@@ -17,13 +17,12 @@ Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inne
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from presswork import _core
 from presswork.fields.contact_stress import ContactForces
 from presswork.geometry.pose import ToolPose, place_points, to_tool_frame, turn_vectors
+from presswork.interaction.contract import Constraints
 from presswork.interaction.grazing import Grazing
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
 from presswork.state import SLIDING, STUCK, ContactArray, State
@@ -32,16 +31,6 @@ MAX_CHANGES = 4
 """Changes after which a node keeps contact until the increment ends."""
 FLUSH = 1 - 1e-6
 """Cosine between two faces above which they are one: a node held by both would not slide."""
-
-
-@dataclass
-class Constraints:
-    """What the linear system must respect; freedoms are in the nodes' own frames."""
-
-    mask: MaskArray  # (n_points, 2): prescribed
-    value: FloatArray  # (n_points, 2): the correction still to be made [mm]
-    turned: MaskArray  # (n_points,): has a frame of its own
-    frames: FloatArray  # (n_points, 2, 2): rows are the local axes
 
 
 class Contact:

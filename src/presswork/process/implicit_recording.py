@@ -99,7 +99,7 @@ class ImplicitRecording(IncrementRecording):
             for i, t in enumerate(model.tools)
         }
         deepest = self.penetration.note(
-            model.mesh, points, placed, lambda places: procedure.contact.find_gaps(state, places)
+            model.mesh, points, placed, lambda places: procedure.interactions.tools.contact.find_gaps(state, places)
         )
         found = [deepest] if deepest else []
         for first, second in sorted({c.between for c in model.contacts if len(set(c.between)) == 2}):
@@ -127,7 +127,8 @@ class ImplicitRecording(IncrementRecording):
         """Return the fields of the converged state."""
         procedure, model = self.procedure, self.model
         state = procedure.state
-        forces = procedure.contact.forces(state, procedure.equilibrium.fixed(self._stage()))
+        interactions = procedure.interactions
+        forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self._stage()))
         cells = procedure.mechanics.cell_fields(state)
         points = procedure.mechanics.point_fields(state, forces, procedure.interface_stress())
         if model.analysis != "shell":
@@ -182,7 +183,7 @@ class ImplicitRecording(IncrementRecording):
         extremes = procedure.mechanics.extremes(state)
         verdict = self._judge()
         contact = {
-            "tolerance_mm": procedure.contact.tolerance,
+            "tolerance_mm": procedure.interactions.tools.contact.tolerance,
             "largest_node_penetration_mm": self.penetration.node,
             "largest_edge_penetration_mm": self.penetration.edge,
             "shortest_edge_mm": self._shortest_edge(),

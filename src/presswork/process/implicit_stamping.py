@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from presswork.fields.formability_fields import FormingVerdict, formability_fields, judge_fields
 from presswork.geometry.swept_tool import SweptTool
 from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
+from presswork.interaction.sheet_contact import SheetContact
 from presswork.model import FloatArray, Model, OutputSettings, Push, SheetTool, Stage
 from presswork.model_stamping import StampingModel, StampingStage, StampingTool
 from presswork.process.held_flange import warn_of_holders
@@ -141,13 +142,18 @@ class ImplicitStamping(IncrementRecording):
         moved = self.procedure.state.sheet_tool_move
         return {t.name: moved[i].copy() for i, t in enumerate(self.model.tools)}
 
+    def _sheet(self) -> SheetContact | None:
+        """Return the contact of the sheet with its tools."""
+        tools = self.procedure.interactions.sheet_tools
+        return tools.contact if tools else None
+
     def _tool_columns(self) -> Row:
-        sheet = self.procedure.equilibrium.sheet
+        sheet = self._sheet()
         forces = sheet.tool_forces(self.procedure.state) if sheet else np.zeros((0, 3))
         return tool_columns(self.model, self._displacement(), make_whole(self.model, forces))
 
     def _bead_columns(self) -> Row:
-        sheet = self.procedure.equilibrium.sheet
+        sheet = self._sheet()
         forces = sheet.beads.restraints(self.procedure.state) if sheet else []
         return bead_columns(self.model, forces)
 
@@ -199,7 +205,7 @@ class ImplicitStamping(IncrementRecording):
         """Return how far the converged state is towards its limits."""
         procedure, thickness = self.procedure, self.model.sheet[0].thickness
         strained = watch_sheet(self._judge(procedure.mechanics.cell_fields(procedure.state)))
-        contact = procedure.equilibrium.sheet
+        contact = self._sheet()
         depths = contact.depths(procedure.state) if contact else np.zeros(0)
         each = zip(self.model.tools, depths, strict=True)
         deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]

@@ -32,9 +32,9 @@ class ToolQuantities:
 
 def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQuantities]:
     """Return the quantities of every tool at the converged state, which belongs to a stage."""
-    state, contact = procedure.state, procedure.contact
+    state, contact = procedure.state, procedure.interactions.tools.contact
     contact.search(state, state.displacement)
-    vectors, torques = contact.tool_forces(state, procedure.equilibrium.fixed(stage))
+    vectors, torques = contact.tool_forces(state, procedure.interactions.supports.fixed(stage))
     quantities = {}
     for t, tool in enumerate(procedure.model.tools):
         vector = force_on_whole(tool, vectors[t])

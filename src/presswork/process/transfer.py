@@ -152,7 +152,7 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         raise TransferError(f"the deformed sheet cannot be taken over: {force}")
     state.volume = trial.volume
     procedure.initial_volume = procedure.volume()
-    own.fading = np.where(mechanics.supports.fixed(0), 0.0, force)
+    own.fading = np.where(procedure.interactions.supports.fixed(0), 0.0, force)
     state.external_force, state.reaction = own.fading.copy(), force - own.fading
     state.peak_force[:] = np.abs(force / mechanics.length).max()
     state.work[EXTERNAL] = mechanics.elastic_energy(state)

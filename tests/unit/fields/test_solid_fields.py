@@ -11,7 +11,9 @@ from presswork.implicit.stepping import ImplicitProcedure
 
 def fields_of(procedure: ImplicitProcedure) -> dict[str, np.ndarray]:
     state = procedure.state
-    forces = procedure.contact.forces(state, procedure.equilibrium.fixed(len(procedure.model.stages) - 1))
+    forces = procedure.interactions.tools.contact.forces(
+        state, procedure.interactions.supports.fixed(len(procedure.model.stages) - 1)
+    )
     return point_fields(procedure.model, state, forces, procedure.mechanics.nodal_flow_stress(state))
 
 

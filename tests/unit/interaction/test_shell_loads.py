@@ -34,7 +34,7 @@ def test_totals_are_force_per_length_area_and_volume() -> None:
     stage = Stage("load", edge_forces=(EdgeForce("right", (2.0, 0, 1.0)),), body_forces=(BodyForce((0, 3.0, 0)),),
                   shell_pressures=(ShellPressure("all", 0.7),))  # fmt: skip
     procedure = ImplicitProcedure(shell_model(flat, elastic(1e5, 0.3), [("left", CLAMPED)], stages=[stage]), threads=1)
-    loads = procedure.mechanics.apply_loads(procedure.state, np.zeros((len(flat.points), 6)), 0, 0.5)
+    loads = procedure.interactions.loads.at(procedure.state, np.zeros((len(flat.points), 6)), 0, 0.5)
     total = loads.force.sum(axis=0)
     np.testing.assert_allclose(total, [0.5 * 6, 0.5 * 3 * 4 * 3 * 0.5, 0.5 * (3 + 0.7 * 12), 0, 0, 0], atol=1e-12)
 
@@ -43,7 +43,7 @@ def test_stiffness_of_a_pressure_is_its_derivative() -> None:
     procedure = procedure_of(Stage("press", shell_pressures=(ShellPressure("all", 0.7),)))
     n = len(procedure.model.mesh.points)
     increment = np.random.default_rng(0).normal(size=(n, 6)) * 0.1
-    loads = procedure.mechanics.apply_loads(procedure.state, increment, 0, 1.0)
+    loads = procedure.interactions.loads.at(procedure.state, increment, 0, 1.0)
     dense = np.zeros((n, 6, n, 6))
     for (a, b), block in zip(loads.pairs, loads.blocks, strict=True):
         dense[a, :, b] += block
@@ -52,7 +52,7 @@ def test_stiffness_of_a_pressure_is_its_derivative() -> None:
         for i in range(3):
             change = np.zeros_like(increment)
             change[a, i] = step
-            sides = (procedure.mechanics.apply_loads(procedure.state, increment + s * change, 0, 1.0) for s in (1, -1))
+            sides = (procedure.interactions.loads.at(procedure.state, increment + s * change, 0, 1.0) for s in (1, -1))
             forces = [side.force for side in sides]
             np.testing.assert_allclose(-dense[:, :, a, i], (forces[0] - forces[1]) / (2 * step), atol=1e-8)
 
@@ -64,7 +64,7 @@ def test_a_moment_does_the_work_of_a_spin() -> None:
     increment = np.zeros((n, 6))
     theta = np.array([0.4, 0.7, 0.0])
     increment[:, 3:] = theta
-    force = procedure.mechanics.apply_loads(procedure.state, increment, 0, 1.0).force
+    force = procedure.interactions.loads.at(procedure.state, increment, 0, 1.0).force
     mesh = procedure.model.mesh
     node = mesh.node_sets["bottom_right"][0]
     edge = mesh.edge_sets["right"][(mesh.edge_sets["right"] == node).any(axis=1)][0]

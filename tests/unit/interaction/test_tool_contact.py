@@ -143,8 +143,10 @@ def advance(case: Case) -> ImplicitProcedure:
 
 def tool_force(procedure: ImplicitProcedure) -> np.ndarray:
     stage = len(procedure.model.stages) - 1
-    procedure.contact.search(procedure.state, procedure.state.displacement)
-    return procedure.contact.tool_forces(procedure.state, procedure.equilibrium.fixed(stage))[0]
+    procedure.interactions.tools.contact.search(procedure.state, procedure.state.displacement)
+    return procedure.interactions.tools.contact.tool_forces(
+        procedure.state, procedure.interactions.supports.fixed(stage)
+    )[0]
 
 
 def test_frictionless_punch_compresses_without_barrelling() -> None:
@@ -190,7 +192,7 @@ def test_a_corner_node_is_held_by_both_faces() -> None:
     )
     procedure = advance(case)
     corner = procedure.model.mesh.points.tolist().index([10.0, 0.0])
-    place = procedure.contact.nodes.tolist().index(corner)
+    place = procedure.interactions.tools.contact.nodes.tolist().index(corner)
     assert (procedure.state.contact[2:, place] > 0).sum() == 2
     np.testing.assert_allclose(procedure.state.displacement[corner], 0.0, atol=1e-9)
     bulk, shear = 200e3 / (3 * 0.4), 200e3 / 2.6
@@ -220,7 +222,11 @@ def test_flush_tools_press_like_one(inner_end, outer_start) -> None:
 def test_an_increment_fails_whose_contact_does_not_settle() -> None:
     """A node that has changed too often to be let go and pulls strongly: cut back, not kept."""
     procedure = advance(block_case())
-    contact, state, fixed = procedure.contact, procedure.state, procedure.equilibrium.fixed(0)
+    contact, state, fixed = (
+        procedure.interactions.tools.contact,
+        procedure.state,
+        procedure.interactions.supports.fixed(0),
+    )
     contact.search(state, state.displacement)
     held = int(np.nonzero(state.contact[0])[0][-1])
     pulling = state.reaction.copy()
@@ -244,12 +250,14 @@ def test_held_nodes_lie_on_the_tool() -> None:
     }
     case = block_case(tools=tools)
     procedure = advance(case)
-    procedure.contact.search(procedure.state, procedure.state.displacement)
+    procedure.interactions.tools.contact.search(procedure.state, procedure.state.displacement)
     held = procedure.state.contact > 0
     assert held.sum() >= 4
-    assert np.abs(procedure.contact.gap[held]).max() < 1e-4
-    assert procedure.contact.gap[0].min() > -1e-4, "no boundary node is inside the tool"
-    push = procedure.contact.normal_forces(procedure.state, procedure.state.reaction, procedure.equilibrium.fixed(0))
+    assert np.abs(procedure.interactions.tools.contact.gap[held]).max() < 1e-4
+    assert procedure.interactions.tools.contact.gap[0].min() > -1e-4, "no boundary node is inside the tool"
+    push = procedure.interactions.tools.contact.normal_forces(
+        procedure.state, procedure.state.reaction, procedure.interactions.supports.fixed(0)
+    )
     assert push[held].min() > -1e-3 * push.max()
 
 
@@ -259,8 +267,8 @@ def test_no_node_passes_through_a_tool_at_any_increment_size(step) -> None:
     stages = [{"name": "press", "tools": {"punch": {"stroke": 9, "direction": [0, -1]}}}]
     solver = {"initial_increment": step, "max_increment": step, "max_iterations": 40}
     procedure = advance(block_case(tools=tools, stages=stages, solver=solver))
-    procedure.contact.search(procedure.state, procedure.state.displacement)
-    assert procedure.contact.gap.min() > -procedure.contact.tolerance
+    procedure.interactions.tools.contact.search(procedure.state, procedure.state.displacement)
+    assert procedure.interactions.tools.contact.gap.min() > -procedure.interactions.tools.contact.tolerance
     assert (procedure.state.contact > 0).any(axis=0).sum() > 5, "the side has folded onto the punch"
 
 

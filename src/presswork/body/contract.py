@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The contract of a body: what procedures and interactions ask of the cells of a model."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from presswork.model import FloatArray, IntArray
+from presswork.state import State
+
+
+class Cells(Protocol):
+    """The cells of a model, as interactions see them."""
+
+    def nodal_flow_stress(self, state: State) -> FloatArray:
+        """Return the mean flow stress of the cells round each node (n_points,) [MPa]."""
+
+    def couple(self, couplings: IntArray) -> None:
+        """Let the matrix hold these node pairs (n, 2) beside those of the cells."""

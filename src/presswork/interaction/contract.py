@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The contract of an interaction: all that acts on nodes beside their own cells.
+
+Newton's method asks every interaction of a run the same questions, in this order, and knows none of them by name:
+
+    begin_increment   the increment begins; what is taken from the converged state is taken here
+    evaluate          forces on the nodes at a guess, with their derivative, or why the guess is bad
+    update            take hold and let go: changes of an active set at a guess
+    constrain         what is prescribed of the nodes, in frames of their own
+    resist            forces that follow from the reactions of what is held, such as friction
+    border            freedoms of its own, one equation each, such as a tool that a force pushes
+    augment           in equilibrium: whether multipliers are taken over and the iteration goes on
+    settle            the increment has converged; what the next one needs goes into the trial state
+    commit, work      the trial state becomes the converged one; work done in the increment [N mm]
+
+An interaction overrides what it needs and inherits the rest, which does nothing. Whatever persists lies in the State:
+in arrays that the interaction declares, under its own name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+import scipy
+
+from presswork import _core
+from presswork.model import FloatArray, IntArray, MaskArray
+from presswork.outcome import BadGuess, Step
+from presswork.state import State
+
+
+@dataclass(frozen=True)
+class Guess:
+    """A guess at the nodes' way through an increment."""
+
+    step: Step
+    dt: float
+    """Time of the increment [s]."""
+    increment: FloatArray
+    """(n_points, freedoms) [mm, rad]."""
+    displacement: FloatArray
+    """Since the start, in the same form."""
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Of one interaction on the nodes at a guess."""
+
+    force: FloatArray
+    """(n_points, d) [N, N mm], d at most the freedoms of a node."""
+    pairs: IntArray
+    """Node pairs (n, 2) of the derivative."""
+    blocks: FloatArray
+    """d(-force)/d(displacement) of each pair (n, freedoms, freedoms)."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """All forces at one guess."""
+
+    guess: Guess
+    internal: FloatArray
+    """Of the cells (n_points, freedoms) [N, N mm]."""
+    forces: tuple[Forces | None, ...]
+    """Of each interaction; None of one that exerts none by itself."""
+    reaction: FloatArray
+    """What holds the nodes: internal force less the forces of all interactions."""
+
+
+@dataclass
+class Constraints:
+    """What the linear system must respect; freedoms are in the nodes' own frames."""
+
+    mask: MaskArray  # (n_points, freedoms): prescribed
+    value: FloatArray  # (n_points, freedoms): the correction still to be made [mm, rad]
+    turned: MaskArray  # (n_points,): has a frame of its own
+    frames: FloatArray  # (n_points, d, d): rows are the local axes of a node's last d freedoms
+
+
+class Resistance(Protocol):
+    """Forces on the nodes that follow from the reactions of what is held."""
+
+    def vector(self, n_points: int) -> FloatArray:
+        """Return the nodal forces (n_points, freedoms) [N]."""
+
+    def add_stiffness(
+        self,
+        assembler: _core.Assembler | _core.SpaceAssembler | _core.ShellAssembler,
+        constraints: Constraints,
+        data: FloatArray,
+        *,
+        symmetric: bool,
+    ) -> None:
+        """Add their derivative to the matrix."""
+
+
+class Border(Protocol):
+    """Freedoms of an interaction at a guess, as many equations as there are."""
+
+    @property
+    def missing(self) -> FloatArray:
+        """What each equation lacks (n,) [N]."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there is any freedom to solve for."""
+
+
+class Factors(Protocol):
+    """The factorised system of the nodes, for the interaction that adds freedoms to it."""
+
+    @property
+    def constraints(self) -> Constraints:
+        """What is prescribed of the nodes."""
+
+    def respond(self, force: FloatArray) -> FloatArray:
+        """Return the nodes' answer to forces, both in the global frame (n_points, freedoms)."""
+
+    def respond_in_frames(self, value: FloatArray, force: FloatArray) -> FloatArray:
+        """Return the answer to prescribed values and forces, all in the nodes' own frames."""
+
+    def matrix(self) -> scipy.sparse.csr_matrix:
+        """Return the matrix before constraints, in the nodes' own frames, both its halves."""
+
+
+class Interaction:
+    """Acts on nodes; by itself it does nothing."""
+
+    name: ClassVar[str] = ""
+    """Owner of its arrays in the State."""
+    is_driving: ClassVar[bool] = False
+    """Whether residuals are measured against its forces too."""
+    softness: float = 1.0
+    """How many times softer than they are its springs are taken, on the way to equilibrium."""
+    n_unsettled: int = 0
+    """Nodes that may change no more in this increment, and pull."""
+
+    @property
+    def can_soften(self) -> bool:
+        """Whether an increment that fails is worth another attempt with soft springs."""
+        return False
+
+    @property
+    def has_consistent_tangent(self) -> bool:
+        """Whether Newton's method may be expected to converge quadratically."""
+        return True
+
+    def at_rest(self) -> Mapping[str, np.ndarray[Any, Any]]:
+        """Return the arrays that it owns in the State, by name, before the first increment."""
+        return {}
+
+    def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
+        """Put what moves by itself to where an increment leads; `ratio` of it to the increment before."""
+
+    def begin_increment(self, state_n: State, step: Step) -> None:
+        """Take note of an increment that begins."""
+
+    def give_up_guess(self, state_n: State, trial: State) -> None:
+        """Take back what place() has guessed: the guess is bad."""
+
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces | BadGuess | None:
+        """Return the forces on the nodes at a guess."""
+        return None
+
+    def predict(self, found: Forces, change: FloatArray) -> None:
+        """Take note of a change of the nodes (n_points, freedoms) [mm] that is about to be evaluated."""
+
+    def update(self, trial: State, point: Point, own: Forces | None, *, near: bool, pull: float) -> int:
+        """Take hold and let go of nodes; return the changes.
+
+        near: equilibrium is near enough for reactions to be believed. pull: force below which a pull says nothing [N].
+        """
+        return 0
+
+    def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
+        """Return what is prescribed, together with what others hold already."""
+        return held
+
+    def resist(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> Resistance | None:
+        """Return the forces that follow from the reactions."""
+        return None
+
+    def border(
+        self, trial: State, point: Point, own: Forces | None, resistance: Resistance | None, *, near: bool
+    ) -> tuple[Border | None, int]:
+        """Return its own freedoms at a guess, and how many have come or gone."""
+        return None, 0
+
+    def correct(
+        self, border: Any, own: Any, resistance: Any, solution: FloatArray, factors: Factors
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the correction of the nodes with its own freedoms in it, in the nodes' own frames, and these (n,).
+
+        solution: the nodes' correction with its freedoms held (n_points, freedoms).
+        """
+        raise NotImplementedError
+
+    def move(self, trial: State, border: Any, travel: FloatArray) -> None:
+        """Move its freedoms by `travel` (n,)."""
+
+    def augment(self, trial: State, own: Forces | None) -> bool:
+        """Take multipliers over in equilibrium if they are not good enough yet."""
+        return False
+
+    def settle(self, state_n: State, trial: State, own: Forces | None, constraints: Constraints) -> None:
+        """Keep what an increment in equilibrium has found."""
+
+    def commit(self, state_n: State, trial: State, step: Step) -> None:
+        """Complete the trial state, whose nodes are where the increment ends."""
+
+    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
+        """Prepare a converged state for the next stage; internal: returns the force of its cells."""
+
+    def work(self, state_n: State, trial: State) -> Mapping[str, float]:
+        """Return the work done in an increment by the names of energy.balance [N mm]."""
+        return {}
+
+
+def turn(constraints: Constraints, vector: FloatArray) -> FloatArray:
+    """Take a nodal vector into the nodes' own frames."""
+    result = vector.copy()
+    nodes = np.nonzero(constraints.turned)[0]
+    own = constraints.frames.shape[-1]  # the last freedoms of a node are those taken in its frame
+    result[nodes, -own:] = np.einsum("nij,nj->ni", constraints.frames[nodes], vector[nodes, -own:])
+    return result
+
+
+def turn_back(constraints: Constraints, vector: FloatArray) -> FloatArray:
+    """Take a nodal vector from the nodes' own frames into the global one, in place."""
+    nodes = np.nonzero(constraints.turned)[0]
+    own = constraints.frames.shape[-1]
+    vector[nodes, -own:] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes, -own:])
+    return vector

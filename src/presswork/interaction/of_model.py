@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All interactions of one model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from presswork.body.shells import ShellMechanics
+from presswork.body.solids import Mechanics
+from presswork.interaction.body_contact import BodyContacts
+from presswork.interaction.contract import Interaction
+from presswork.interaction.inertia import Inertia
+from presswork.interaction.loads import Loads
+from presswork.interaction.plane_tools import PlaneTools
+from presswork.interaction.sheet_tools import SheetTools
+from presswork.interaction.shell_loads import ShellLoads
+from presswork.interaction.supports import Supports
+from presswork.model import Model
+
+
+class Interactions:
+    """What acts on the nodes of a model, by name for those who ask, and as one list for Newton's method."""
+
+    def __init__(self, model: Model, cells: Mechanics | ShellMechanics, others: Sequence[Interaction] = ()) -> None:
+        self.loads: Loads | ShellLoads
+        if isinstance(cells, ShellMechanics):
+            self.supports = Supports(model, cells.directors.smooth, cells.directors.node)
+            self.loads = ShellLoads(model, cells.directors, self.supports)
+        else:
+            self.supports = Supports(model)
+            self.loads = Loads(model)
+        self.bodies = BodyContacts(model, cells)
+        self.tools = PlaneTools(model, cells, self.supports)
+        self.sheet_tools = SheetTools(model) if model.sheet_tools or model.sheet_beads else None
+        self.inertia = Inertia(model) if model.solver.inertia > 0.0 else None
+        self.all: tuple[Interaction, ...] = (
+            self.supports,
+            self.loads,
+            *((self.bodies,) if model.contacts else ()),
+            *((self.tools,) if model.tools else ()),
+            *((self.sheet_tools,) if self.sheet_tools else ()),
+            *((self.inertia,) if self.inertia else ()),
+            *others,
+        )
+        """In the order in which they are asked: what holds comes after what pushes."""

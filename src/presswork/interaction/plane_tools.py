@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rigid tools of a plane or axisymmetric model: contact, friction, and the places of those that forces move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from presswork.body.contract import Cells
+from presswork.interaction.contract import Constraints, Factors, Forces, Interaction, Point
+from presswork.interaction.floating_tools import Floating, FloatingTools
+from presswork.interaction.friction import Friction, FrictionForces
+from presswork.interaction.supports import Supports
+from presswork.interaction.tool_contact import Contact
+from presswork.model import FloatArray, Model, Stage, ToolMotion
+from presswork.outcome import Step
+from presswork.state import State
+
+
+class PlaneTools(Interaction):
+    """Exact contact with rigid tools, as constraints of the nodes that they hold."""
+
+    def __init__(self, model: Model, cells: Cells, supports: Supports) -> None:
+        self._model = model
+        self._cells = cells
+        self._supports = supports
+        self.contact = Contact(model)
+        self.friction = Friction(model, self.contact)
+        self.floating = FloatingTools(model, self.contact)
+        self._stage = 0
+        self._held_by_supports: Constraints | None = None
+
+    @property
+    def softness(self) -> float:
+        """How many times softer than they are the springs of friction are taken."""
+        return self.friction.softness
+
+    @softness.setter
+    def softness(self, value: float) -> None:
+        self.friction.softness = value
+
+    @property
+    def can_soften(self) -> bool:
+        """Whether there is friction."""
+        return self.friction.is_needed
+
+    @property
+    def has_consistent_tangent(self) -> bool:
+        """Whether the tangent of friction is the consistent one."""
+        return not self.friction.is_needed or self._model.solver.friction_tangent == "return_mapping"
+
+    @property
+    def n_unsettled(self) -> int:  # type: ignore[override]
+        """Nodes that may change no more in this increment, and pull."""
+        return self.contact.n_unsettled
+
+    def base(self, stage: int) -> FloatArray:
+        """Prescribed displacement [mm] and angle [rad] of the tools at the start of a stage (n_tools, 3)."""
+        base = np.zeros((len(self._model.tools), 3))
+        for earlier in self._model.stages[:stage]:
+            base += self._motion(earlier)
+        return base
+
+    def _motion(self, stage: Stage) -> FloatArray:
+        motions = [stage.tool_motion.get(t.name, ToolMotion()) for t in self._model.tools]
+        return np.array([(*m.move, m.turn) for m in motions]).reshape(-1, 3)
+
+    def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
+        """Move the tools by their strokes; those that float go on as before."""
+        pose = self.base(step.stage) + step.fraction * self._motion(self._model.stages[step.stage])
+        floats = (trial.tool_gives > 0) | np.isin(np.arange(len(pose)), list(self.floating.pushed(step.stage)))
+        trial.tool_travel += ratio * state_n.tool_travel_increment * floats[:, None]
+        trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_travel, pose[:, 2]
+
+    def begin_increment(self, state_n: State, step: Step) -> None:
+        """Forget the changes of the increment before; take the flow stress that friction asks for."""
+        self._stage = step.stage
+        self.contact.begin_increment()
+        self.floating.begin_increment()
+        if self.friction.is_needed:
+            self.friction.begin_increment(state_n, self._cells.nodal_flow_stress(state_n))
+
+    def update(self, trial: State, point: Point, own: Forces | None, *, near: bool, pull: float) -> int:
+        """Take hold of nodes inside tools; near equilibrium let go of those that pull."""
+        self.contact.search(trial, point.guess.displacement)
+        fixed = self._supports.fixed(self._stage)
+        return self.contact.update(trial, point.reaction, fixed, near=near, tolerance=pull)
+
+    def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
+        """Hold the nodes in contact on their tools."""
+        self._held_by_supports = held
+        return self.contact.constrain(trial, point.guess.displacement, held)
+
+    def resist(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> FrictionForces | None:
+        """Return the friction of the nodes that are held along the normal alone."""
+        if not self.friction.is_needed:
+            return None
+        free = constraints.turned == 1
+        return self.friction.evaluate(state_n, trial, point.guess.displacement, point.reaction, free)
+
+    def border(
+        self, trial: State, point: Point, own: Forces | None, resistance: Any, *, near: bool
+    ) -> tuple[Floating | None, int]:
+        """Return the tools that float at a guess, and how many springs have left or reached their stops."""
+        if not self.floating.is_needed:
+            return None, 0
+        assert self._held_by_supports is not None
+        step = point.guess.step
+        return self.floating.evaluate(
+            trial, point.reaction, resistance, self._held_by_supports, step.stage, step.fraction, near=near
+        )
+
+    def correct(
+        self, border: Floating, own: Forces | None, resistance: Any, solution: FloatArray, factors: Factors
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the correction with the travel of the floating tools in it, and that travel [mm]."""
+        return self.floating.correct(border, resistance, factors.matrix(), solution, factors.respond_in_frames)
+
+    def move(self, trial: State, border: Floating, travel: FloatArray) -> None:
+        """Move the floating tools by their travel [mm]."""
+        self.floating.move(trial, border, travel)
+
+    def settle(self, state_n: State, trial: State, own: Forces | None, constraints: Constraints) -> None:
+        """Keep the friction of a converged state."""
+        self.friction.settle(state_n, trial, constraints.turned == 1)
+
+    def commit(self, state_n: State, trial: State, step: Step) -> None:
+        """Let nodes on sticking tools stick; keep the tools' forces and travel."""
+        self.contact.settle(trial)
+        trial.tool_travel_increment = trial.tool_travel - state_n.tool_travel
+        forces, torques = self.contact.tool_forces(trial, self._supports.fixed(step.stage))
+        trial.tool_force = np.column_stack([forces, torques])
+
+    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
+        """Keep the force on each tool from which a push of the next stage begins."""
+        state.tool_force_start = state.tool_force[:, :2].copy()

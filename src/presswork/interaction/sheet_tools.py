@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rigid tools of a sheet in space, with drawbeads, and the places of those that forces push."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from presswork.interaction.contract import Factors, Guess, Interaction, Point, turn, turn_back
+from presswork.interaction.pushed_sheet_tools import Pushed, PushedSheetTools
+from presswork.interaction.sheet_contact import SheetContact, SheetForces
+from presswork.model import FloatArray, Model
+from presswork.outcome import Step
+from presswork.state import State
+
+
+class SheetTools(Interaction):
+    """Contact of a shell's nodes with tools in space."""
+
+    def __init__(self, model: Model) -> None:
+        self.contact = SheetContact(model)
+        self.pushed = PushedSheetTools(model)
+
+    def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
+        """Move the tools by their strokes; those that forces push go on as before."""
+        pushed = self.pushed.numbers(step.stage)
+        trial.sheet_tool_travel[pushed] += ratio * state_n.sheet_tool_travel_increment[pushed]
+        trial.sheet_tool_move = self.contact.move(step.stage, step.fraction) + trial.sheet_tool_travel
+
+    def begin_increment(self, state_n: State, step: Step) -> None:
+        """Take the thickness at the nodes as it is when the increment begins."""
+        self.contact.begin_increment(state_n)
+
+    def give_up_guess(self, state_n: State, trial: State) -> None:
+        """Put the pushed tools back to where the increment began."""
+        trial.sheet_tool_move -= trial.sheet_tool_travel - state_n.sheet_tool_travel
+        trial.sheet_tool_travel = state_n.sheet_tool_travel.copy()
+
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> SheetForces:
+        """Return the forces of tools and beads on the nodes."""
+        step = guess.step
+        return self.contact.evaluate(state_n, trial, guess.displacement, step.stage, step.fraction)
+
+    def border(self, trial: State, point: Point, own: Any, resistance: Any, *, near: bool) -> tuple[Pushed | None, int]:
+        """Return the pushed tools at a guess."""
+        if not self.pushed.is_needed:
+            return None, 0
+        step = point.guess.step
+        return self.pushed.evaluate(trial, own, step.stage, step.fraction), 0
+
+    def correct(
+        self, border: Pushed, own: Any, resistance: Any, solution: FloatArray, factors: Factors
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the correction with the travel of the pushed tools in it, and that travel [mm]."""
+        held = factors.constraints
+        found, travel = self.pushed.correct(border, own, turn_back(held, solution), factors.respond)
+        return turn(held, found), travel
+
+    def move(self, trial: State, border: Pushed, travel: FloatArray) -> None:
+        """Move the pushed tools by their travel [mm]."""
+        self.pushed.move(trial, border, travel)
+
+    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+        """Keep the forces of tools and beads."""
+        self.contact.settle(trial, own)
+
+    def commit(self, state_n: State, trial: State, step: Step) -> None:
+        """Keep the travel of the increment."""
+        trial.sheet_tool_travel_increment = trial.sheet_tool_travel - state_n.sheet_tool_travel
+
+    def work(self, state_n: State, trial: State) -> Mapping[str, float]:
+        """Return the work of tools and beads by their own motion, and what friction takes [N mm]."""
+        of_tools, lost = self.contact.work(state_n, trial)
+        return {"external_work": of_tools, "friction_work": lost}

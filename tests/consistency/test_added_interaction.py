@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An interaction of one's own, written here alone: an elastic foundation under a block.
+
+Springs of stiffness k [N/mm] a node stand under the bottom of a block that a force pulls down and whose top is held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork import build_model
+from presswork.case import Case
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.contract import Forces, Guess, Interaction
+from presswork.interaction.supports import NotHeldError
+from presswork.model import FloatArray, IntArray
+from presswork.state import State
+
+STIFFNESS, FORCE, CELLS = 50.0, 300.0, 4
+
+BLOCK: dict[str, Any] = {
+    "title": "block on springs",
+    "analysis": "plane_strain",
+    "workpiece": {
+        "material": "steel",
+        "element": "quad4_fbar",
+        "mesh": {"kind": "rectangle", "size": [10.0, 10.0], "cells": [CELLS, CELLS]},
+    },
+    "materials": {
+        "steel": {
+            "young": 200000.0,
+            "poisson": 0.3,
+            "hardening": {"law": "linear", "yield_stress": 400.0, "modulus": 1000.0},
+        }
+    },
+    "boundary": {"side": {"set": "left", "fix": ["x"]}, "anchor": {"set": "top", "fix": ["y"]}},
+    "stages": [{"name": "pull", "force": [{"set": "bottom", "value": [0.0, -FORCE]}]}],
+}
+
+
+class SpringFoundation(Interaction):
+    """Springs between nodes and the ground, along y."""
+
+    name = "foundation"
+
+    def __init__(self, nodes: IntArray, n_points: int, stiffness: float) -> None:
+        self._nodes, self._n_points, self._stiffness = nodes, n_points, stiffness
+
+    def at_rest(self) -> Mapping[str, FloatArray]:
+        return {"force": np.zeros(len(self._nodes))}
+
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces:
+        force = np.zeros((self._n_points, 2))
+        force[self._nodes, 1] = -self._stiffness * guess.displacement[self._nodes, 1]
+        blocks = np.zeros((len(self._nodes), 2, 2))
+        blocks[:, 1, 1] = self._stiffness
+        return Forces(force, np.column_stack([self._nodes, self._nodes]).astype(np.int32), blocks)
+
+    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+        trial.own[self.name]["force"] = own.force[self._nodes, 1]
+
+    def work(self, state_n: State, trial: State) -> Mapping[str, float]:
+        mean = 0.5 * (state_n.own[self.name]["force"] + trial.own[self.name]["force"])
+        return {"contact_energy": -float(mean @ trial.increment[self._nodes, 1])}
+
+
+def make(stiffness: float = STIFFNESS) -> tuple[ImplicitProcedure, IntArray]:
+    model = build_model(Case.model_validate(BLOCK))
+    bottom = model.mesh.node_sets["bottom"]
+    foundation = SpringFoundation(bottom, len(model.mesh.points), stiffness)
+    return ImplicitProcedure(model, others=(foundation,)), bottom
+
+
+def test_springs_take_their_share_of_the_force() -> None:
+    """The block's own stiffness, found without springs, and the springs act side by side on a bottom that they move."""
+    procedure, bottom = make()
+    for _ in procedure.advance():
+        pass
+    state = procedure.state
+    on_springs = float(state.own["foundation"]["force"].sum())
+    assert on_springs == pytest.approx(-STIFFNESS * state.displacement[bottom, 1].sum(), rel=1e-12)
+    top = float(state.reaction[procedure.model.mesh.node_sets["top"], 1].sum())
+    assert top + on_springs == pytest.approx(FORCE, rel=1e-6), "top and springs carry the force together"
+    assert abs(procedure.energy_balance()["error_percent"]) < 1e-2
+
+
+def test_its_arrays_are_part_of_a_checkpoint() -> None:
+    procedure, _ = make()
+    arrays = procedure.state.to_arrays()
+    assert "foundation.force" in arrays
+    other, _ = make()
+    for _ in procedure.advance():
+        pass
+    other.state.load_arrays(procedure.state.to_arrays())
+    np.testing.assert_array_equal(other.state.own["foundation"]["force"], procedure.state.own["foundation"]["force"])
+
+
+def test_iteration_is_quadratic_with_it() -> None:
+    procedure, _ = make()
+    reports = list(procedure.advance())
+    assert max(len(r.log) for r in reports) <= 4
+
+
+def test_a_held_block_is_asked_for() -> None:
+    """What an interaction of one's own holds is not known before the run: supports are still needed."""
+    with pytest.raises(NotHeldError):
+        ImplicitProcedure(build_model(Case.model_validate(BLOCK | {"boundary": {"side": BLOCK["boundary"]["side"]}})))
