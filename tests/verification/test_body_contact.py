@@ -291,7 +291,7 @@ def test_slot_that_closes_is_its_half_on_a_rigid_plane() -> None:
     force = procedure.state.interface_force
     assert np.abs(force.sum(axis=0)).max() < 1e-12 * np.abs(force).sum()
     bodies = procedure.interactions.bodies
-    found = bodies.evaluate(procedure.state, procedure.state, procedure.state.displacement)
+    found = bodies.at(procedure.state, procedure.state, procedure.state.displacement)
     pushes = procedure.state.interface_pressure > 0
     assert pushes.sum() > 20
     assert np.abs(found.gap[pushes]).max() < 1e-3 * bodies.interfaces[0].edge
