@@ -82,7 +82,7 @@ def test_a_block_whose_heel_lifts_is_not_held_there(m, touching, n) -> None:
         pass
     contact, state = procedure.contact, procedure.state
     contact.search(state, state.displacement)
-    push = contact.normal_forces(state, state.reaction, procedure.equilibrium.fixed(1))
+    push = contact.normal_forces(state, state.reaction, procedure.interactions.supports.fixed(1))
     assert push.min() > -1e-6 * push.max()
     drag = np.abs(state.drag).sum() / (m * YIELD / np.sqrt(3) * SIDE * DEPTH)
     assert drag == pytest.approx(touching, abs=0.02 if n == 6 else 0.012)
