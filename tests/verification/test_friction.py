@@ -80,7 +80,7 @@ def test_a_block_whose_heel_lifts_is_not_held_there(m, touching, n) -> None:
     )
     for _ in procedure.advance():
         pass
-    contact, state = procedure.contact, procedure.state
+    contact, state = procedure.interactions.tools.contact, procedure.state
     contact.search(state, state.displacement)
     push = contact.normal_forces(state, state.reaction, procedure.interactions.supports.fixed(1))
     assert push.min() > -1e-6 * push.max()
