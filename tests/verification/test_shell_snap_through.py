@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,8 +14,9 @@ from shell_problems import X, Y, Z, fixing, patch, shell_model, symmetry
 from test_shell_large_rotation import TABLES, lines
 
 from presswork.implicit.arc_length import ArcLengthProcedure
-from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import ElementName, Model
+from presswork.implicit.remedy import find_remedy
+from presswork.implicit.stepping import FRACTION, ImplicitProcedure
+from presswork.model import ElementName, Model, PrescribedDisplacement
 from presswork.outcome import GaveUpError
 
 
@@ -71,3 +73,27 @@ def test_load_control_jumps_over_the_path_between_the_limit_loads() -> None:
         for _ in procedure.advance():
             deflections.append(-float(procedure.state.displacement[node, Z].mean()))
     assert not any(12.0 < d < 24.0 for d in deflections)
+
+
+def test_a_stop_at_a_limit_load_names_its_remedy() -> None:
+    """The thin roof: control by load stops at the limit load that arc length passes; few iterations, lest it jumps."""
+    limit = 0.2040
+    model = hinged_roof(6.35, 4, initial_increment=0.01, max_increment=0.01, min_increment=1e-4, max_iterations=7)
+    procedure = ImplicitProcedure(model, threads=1)
+    advice = r"negative pivot.*comes to a limit.*solver\.control = \"arc_length\".*or set solver\.inertia = 1"
+    with pytest.raises(GaveUpError, match=advice):
+        list(procedure.advance())
+    assert procedure.state.progress[FRACTION] == pytest.approx(limit, rel=2e-3)
+    path = follow(replace(model, solver=replace(model.solver, control="arc_length", max_iterations=20)))
+    falls = int(np.argmax(np.diff(path[:, 0]) < 0.0))
+    assert path[falls, 0] == pytest.approx(limit, rel=2e-2)
+    assert path[-1, 0] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_arc_length_is_advised_to_shells_under_loads_alone() -> None:
+    model = hinged_roof(6.35, 2)
+    pushed = replace(model.stages[0], forces=(), prescribed=(PrescribedDisplacement("bottom_left", Z, -1.0),))
+    assert "arc_length" in find_remedy(model, 1)
+    assert "arc_length" not in find_remedy(replace(model, stages=(pushed,)), 1)
+    assert "Set solver.inertia = 1" in find_remedy(replace(model, stages=(pushed,)), 2)
+    assert "finer mesh" in find_remedy(model, 0)

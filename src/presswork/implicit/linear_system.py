@@ -67,6 +67,8 @@ class LinearSystem:
         self._timing = timing
         self._threads = threads
         self._diagonal = 1.0
+        self.negative_pivots = 0
+        """Of shells: the most of any matrix since this was set to zero."""
         self._analyse()
 
     def _analyse(self) -> None:
@@ -104,6 +106,8 @@ class LinearSystem:
         self._timing.add("assembly", started)
         started = perf_counter()
         self.solver.factorise(self.data)
+        if self._model.analysis == "shell":
+            self.negative_pivots = max(self.negative_pivots, self.solver.negative_pivots)
         self._timing.add("solve", started)
         return rhs
 

@@ -15,6 +15,7 @@ from presswork import _core
 from presswork.body.solids import make_mechanics
 from presswork.implicit.energy import add_external_work, add_work, balance
 from presswork.implicit.newton import Equilibrium
+from presswork.implicit.remedy import find_remedy
 from presswork.interaction.contract import Interaction
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.supports import NotHeldError, check_shell_held, check_solid_held
@@ -183,6 +184,7 @@ class ImplicitProcedure:
             except NotHeldError as error:
                 raise GaveUpError(str(error)) from error
         while True:
+            self.equilibrium.system.negative_pivots = 0
             step = min(size, target - fraction_n)
             if step * (1 + 1e-9) < target - fraction_n < 2 * step:
                 step = 0.5 * (target - fraction_n)
@@ -200,7 +202,7 @@ class ImplicitProcedure:
                 where = f"stage {self.model.stages[stage].name!r} at {fraction_n:.2%}"
                 raise GaveUpError(
                     f"{where}: even an increment of {step:.1e} of the stage finds no equilibrium ({outcome.reason}). "
-                    "Try a finer mesh where cells are most distorted, or look at the last saved step for folded cells"
+                    f"{find_remedy(self.model, self.equilibrium.system.negative_pivots)}"
                 )
         self._commit(trial, stage, fraction_n, fraction, size, outcome.log, len(cutbacks))
         return IncrementReport(

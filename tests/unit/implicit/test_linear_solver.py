@@ -34,6 +34,26 @@ def test_solver_solves(solver, symmetric) -> None:
     np.testing.assert_allclose(2 * matrix @ made.solve(rhs), rhs, atol=1e-10)
 
 
+@pytest.mark.parametrize("solver", ["pardiso", "superlu"])
+def test_negative_pivots_tell_of_negative_eigenvalues(solver) -> None:
+    """PARDISO counts them in a symmetric matrix; SuperLU says whether they are odd."""
+    if solver == "pardiso":
+        pytest.importorskip("pypardiso")
+    matrix, _ = system(symmetric=True)
+    values = np.linalg.eigvalsh(matrix.toarray())
+    found = []
+    for wanted in range(4):
+        shift = 0.5 * (values[wanted - 1] + values[wanted]) if wanted else values[0] - 1.0
+        stored = sp.triu(matrix - shift * sp.eye(matrix.shape[0])).tocsr()
+        if solver == "pardiso":
+            made = Pardiso(stored.indptr, stored.indices, symmetric=True, threads=1)
+        else:
+            made = SuperLU(stored.indptr, stored.indices, symmetric=True)
+        made.factorise(stored.data)
+        found.append(made.negative_pivots)
+    assert found == ([0, 1, 2, 3] if solver == "pardiso" else [0, 1, 0, 1])
+
+
 def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
     pytest.importorskip("pypardiso")
     matrix, rhs = system(symmetric=False, n=2000)

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What to tell a user whose increments find no equilibrium however small they are."""
+
+from __future__ import annotations
+
+from presswork.model import Model
+
+MESH = "Try a finer mesh where cells are most distorted, or look at the last saved step for folded cells"
+
+
+def find_remedy(model: Model, negative_pivots: int) -> str:
+    """Return a sentence on what to do.
+
+    negative_pivots: the most of any tangent in the last attempt; of shells they tell of a limit load. Solids are
+    softened by much else.
+    """
+    if model.analysis != "shell" or negative_pivots == 0 or model.solver.inertia > 0.0:
+        return MESH
+    pivots = "a negative pivot" if negative_pivots == 1 else f"{negative_pivots} negative pivots"
+    limit = (
+        f"The tangent stiffness has {pivots} on the way: the shell comes to a limit, where it buckles, snaps or "
+        "collapses, and smaller increments do not pass it. "
+    )
+    inertia = "set solver.inertia = 1 (and a density in the materials) to let it snap"
+    if not _is_under_loads_alone(model):
+        return f"{limit}S{inertia[1:]}"
+    return f'{limit}Set solver.control = "arc_length" to follow its path on, with less load where need be; or {inertia}'
+
+
+def _is_under_loads_alone(model: Model) -> bool:
+    """Say whether arc length may take the model: no tools, nothing prescribed, no law that needs time."""
+    moved = model.sheet_tools or model.sheet_beads or any(stage.prescribed for stage in model.stages)
+    return not moved and all(material.rate is None for material in model.materials)
