@@ -41,7 +41,7 @@ def make_model(cells: int, depth: float) -> Model:
         "die": (draw_die((27.0, 27.0), 11.5, 4.0, width=80.0, depth=60.0), -half),
         "holder": (draw_holder((27.0, 27.0), 11.5, 0.0, width=80.0, height=10.0), half + HOLDER_GAP),
     }
-    tools = tuple(SheetTool(name, shape.surface(1.5), (0.0, 0.0, z), FRICTION) for name, (shape, z) in drawn.items())
+    tools = tuple(SheetTool(name, shape, (0.0, 0.0, z), FRICTION) for name, (shape, z) in drawn.items())
     planes = (
         Support("left", (True, False, False, False, True, True)),
         Support("bottom", (False, True, False, True, False, True)),
@@ -67,7 +67,6 @@ def main() -> None:
     depth = float(sys.argv[2]) if len(sys.argv) > 2 else 27.0
     model = make_model(cells, depth)
     procedure = ImplicitProcedure(model, threads=1)
-    assert procedure.interactions.sheet_tools.contact is not None
     x, y = model.mesh.points[:, 0], model.mesh.points[:, 1]
     side, corner = int(np.argmax(x - y)), int(np.argmax(x + y))
     started, iterations, cutbacks = time.perf_counter(), 0, 0

@@ -6,7 +6,6 @@ import pytest
 
 from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
 from presswork.interaction.sheet_contact import ROUNDING, SheetNodes, touch_tool
-from presswork.model import SheetTool
 
 THICKNESS = 0.8
 STIFFNESS = 2.1e3
@@ -33,17 +32,17 @@ def press(name: str, deep: float, n: int = 300) -> tuple[SheetNodes, np.ndarray,
 @pytest.mark.parametrize("state", ["frictionless", "sticks", "slides"])
 @pytest.mark.parametrize("name", SURFACES)
 def test_tangent_is_the_derivative_of_the_forces(name: str, state: str, deep: float) -> None:
-    tool = SheetTool(name, SURFACES[name].surface(), mu={"frictionless": 0.0, "sticks": 10.0, "slides": 0.1}[state])
+    tool = SURFACES[name].surface(), {"frictionless": 0.0, "sticks": 10.0, "slides": 0.1}[state]
     sheet, x, _ = press(name, deep)
     rng = np.random.default_rng(4)
     way = rng.normal(size=x.shape) * THICKNESS * (1e-3 if state == "sticks" else 1.0)
     before = rng.normal(size=x.shape) * (0.1 if state == "slides" else 1e-3)
-    found = touch_tool(tool, sheet, x, way, before)
+    found = touch_tool(*tool, sheet, x, way, before)
     assert len(found.nodes) == len(x)
     h = 1e-7
     slopes = []
     for e in np.eye(3):
-        after, ahead = (touch_tool(tool, sheet, x + s * h * e, way + s * h * e, before) for s in (-1, 1))
+        after, ahead = (touch_tool(*tool, sheet, x + s * h * e, way + s * h * e, before) for s in (-1, 1))
         slopes.append((after.force - ahead.force) / (2.0 * h))
     finite = np.stack(slopes, axis=-1)
     scale = np.abs(finite).max(axis=(1, 2), keepdims=True)
@@ -57,7 +56,7 @@ def test_friction_lies_in_the_tangent_plane_and_obeys_coulomb(name: str) -> None
     mu = 0.1
     sheet, x, normal = press(name, 1e-2)
     way = 100.0 * np.random.default_rng(5).normal(size=x.shape)
-    found = touch_tool(SheetTool(name, SURFACES[name].surface(), mu=mu), sheet, x, way, np.zeros_like(x))
+    found = touch_tool(SURFACES[name].surface(), mu, sheet, x, way, np.zeros_like(x))
     push = (found.force * normal).sum(axis=1)
     along = way - (way * normal).sum(axis=1)[:, None] * normal
     np.testing.assert_allclose((found.friction * normal).sum(axis=1), 0.0, atol=1e-9 * push.max())
@@ -68,10 +67,10 @@ def test_friction_lies_in_the_tangent_plane_and_obeys_coulomb(name: str) -> None
 
 def test_push_is_that_of_the_sheet_across_its_thickness() -> None:
     sheet, x, normal = press("punch", 1e-2)
-    tool = SheetTool("punch", SURFACES["punch"].surface())
-    found = touch_tool(tool, sheet, x, np.zeros_like(x), np.zeros_like(x))
-    gap = tool.surface.nearest(x)[0] - 0.5 * THICKNESS
+    tool = SURFACES["punch"].surface(), 0.0
+    found = touch_tool(*tool, sheet, x, np.zeros_like(x), np.zeros_like(x))
+    gap = tool[0].nearest(x)[0] - 0.5 * THICKNESS
     stress = (found.force * normal).sum(axis=1) / sheet.area
     np.testing.assert_allclose(stress, -STIFFNESS * gap / THICKNESS, rtol=1e-9)
     off = x + normal * (-gap + 1.001 * ROUNDING * THICKNESS)[:, None]
-    assert len(touch_tool(tool, sheet, off, np.zeros_like(x), np.zeros_like(x)).nodes) == 0
+    assert len(touch_tool(*tool, sheet, off, np.zeros_like(x), np.zeros_like(x)).nodes) == 0

@@ -62,7 +62,7 @@ def test_clamped_square_plate_under_a_small_ball_bends_as_under_a_point_force() 
         Support("right", CLAMPED),
         Support("top", CLAMPED),
     )
-    ball = SheetTool("ball", draw_hemispherical_punch(5.0, 10.0).surface(), position=(0.0, 0.0, 0.5 * thickness))
+    ball = SheetTool("ball", draw_hemispherical_punch(5.0, 10.0), position=(0.0, 0.0, 0.5 * thickness))
     stages = (Stage("press", sheet_tool_move={"ball": (0.0, 0.0, -deep)}),)
     procedure, _ = run(sheet_model(mesh, supports, stages, (ball,), poisson))
     middle = np.argmin(np.linalg.norm(mesh.points, axis=1))
@@ -90,13 +90,13 @@ def drum(mu: float, cells: int = 45) -> Model:
         place, np.linspace(0.0, 0.5 * np.pi, cells + 1), np.array([0.0, WIDTH]), thickness=THICK, normal=normal
     )
     supports = (Support("all", fixing(Y, RX, RZ)), Support("right", fixing(X)))
-    surface = draw_punch((RADIUS, np.inf), 0.0, RADIUS, 30.0).surface()
+    shape = draw_punch((RADIUS, np.inf), 0.0, RADIUS, 30.0)
     back = EdgeForce("left", (0.0, 0.0, HOLD / WIDTH))
     stages = (
         Stage("tighten", edge_forces=(back,)),
         Stage("draw", edge_forces=(back,), prescribed=(PrescribedDisplacement("right", 0, 0.15),)),
     )
-    return sheet_model(mesh, supports, stages, (SheetTool("drum", surface, mu=mu),), 0.0)
+    return sheet_model(mesh, supports, stages, (SheetTool("drum", shape, mu=mu),), 0.0)
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.1, 0.3])
@@ -140,7 +140,7 @@ def test_sheet_that_nothing_holds_is_refused() -> None:
     """The tool holds it along z alone."""
     lines = np.linspace(0.0, 10.0, 3)
     mesh = patch(lambda u, v: np.column_stack([u, v, 0 * u]), lines, lines)
-    punch = SheetTool("punch", draw_punch((20.0, 20.0), 5.0, 3.0, 10.0).surface(), position=(0.0, 0.0, 0.5))
+    punch = SheetTool("punch", draw_punch((20.0, 20.0), 5.0, 3.0, 10.0), position=(0.0, 0.0, 0.5))
     stages = (Stage("press", sheet_tool_move={"punch": (0.0, 0.0, -1.0)}),)
     with pytest.raises(NotHeldError, match="x and y"):
         ImplicitProcedure(sheet_model(mesh, (), stages, (punch,), 0.3), threads=1)

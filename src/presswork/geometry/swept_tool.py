@@ -27,10 +27,12 @@ class SweptTool:
     segments: FloatArray
     """Shape (n, 7) as in model.Tool, x and y meaning s and z."""
 
-    def surface(self, depth: float = math.inf) -> _core.ToolSurface:
+    def surface(self, depth: float = math.inf, *, smooth: bool = True) -> _core.ToolSurface:
         """Return the surface that contact asks.
 
-        depth: penetrations deeper than this are not found [mm]. Raises ValueError where profile and plan do not fit.
+        depth: penetrations deeper than this are not found [mm].
+        smooth: for the sake of triangulated tools; this surface is smooth in any case.
+        Raises ValueError where profile and plan do not fit.
         """
         return _core.ToolSurface.swept(self.half_widths, self.corner_radius, self.segments, depth=depth)
 

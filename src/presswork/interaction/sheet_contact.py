@@ -18,16 +18,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork import _core
 from presswork.interaction.contract import Forces
 from presswork.interaction.drawbeads import BeadForces, SheetBeads
 from presswork.mesh.topology import count_corners
-from presswork.model import FloatArray, IndexArray, IntArray, Model, SheetTool, Stage
+from presswork.model import FloatArray, IndexArray, IntArray, Model, Stage
 from presswork.state import CONTACT, State
 
 TANGENTIAL = 0.1
 """Of the spring that a sticking node hangs on, over the contact's."""
 ROUNDING = 1e-3
 """Gap over the thickness below which a node begins to touch."""
+
+DEPTH = 2.0
+"""Thicknesses that a node of a guess may lie in a tool and be found: behind that is another wall."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,7 @@ class SheetNodes:
 
 
 def touch_tool(
-    tool: SheetTool, sheet: SheetNodes, x: FloatArray, way: FloatArray, friction_n: FloatArray
+    surface: _core.ToolSurface, mu: float, sheet: SheetNodes, x: FloatArray, way: FloatArray, friction_n: FloatArray
 ) -> NodesOnTool:
     """Return the forces of a tool on the nodes of a sheet.
 
@@ -66,10 +70,10 @@ def touch_tool(
     tool (n_points, 3) [mm]. friction_n: their friction when the increment began (n_points, 3) [N].
     """
     rounding = ROUNDING * sheet.thickness
-    gap, normal, _, _ = tool.surface.nearest(x, float((0.5 * sheet.thickness + rounding).max()))
+    gap, normal, _, _ = surface.nearest(x, float((0.5 * sheet.thickness + rounding).max()))
     nodes = np.flatnonzero(gap - 0.5 * sheet.thickness < rounding)
     g, n, delta = (gap - 0.5 * sheet.thickness)[nodes], normal[nodes], rounding[nodes]
-    rise, bend = tool.surface.slopes(np.ascontiguousarray(x[nodes]))
+    rise, bend = surface.slopes(np.ascontiguousarray(x[nodes]))
     # 1. normal force, a parabola within the rounding
     k = sheet.stiffness * sheet.area[nodes] / sheet.thickness[nodes]
     deep = g < -delta
@@ -79,7 +83,7 @@ def touch_tool(
     energy = float((rounded + np.where(deep, 0.5 * k * (g**2 - delta**2), 0.0)).sum())
     force = push[:, None] * n
     stiffness = -_dyads(slope[:, None] * n, rise) - push[:, None, None] * bend
-    if tool.mu == 0.0:
+    if mu == 0.0:
         return NodesOnTool(nodes, force, np.zeros_like(force), stiffness, energy)
     # 2. friction: elastic trial in the tangent plane
     hanging = TANGENTIAL * k
@@ -91,11 +95,11 @@ def touch_tool(
         -hanging[:, None, None] * plane - _dyads(n, np.einsum("nij,nj->ni", bend, pulled)) - out[:, None, None] * bend
     )
     # 3. shortened to mu N where it slides
-    size, limit = np.linalg.norm(trial, axis=1), tool.mu * push
+    size, limit = np.linalg.norm(trial, axis=1), mu * push
     slides = size > limit
     safe = np.maximum(size, 1e-300)
     along = trial / safe[:, None]
-    d_slide = tool.mu * _dyads(along, slope[:, None] * rise)
+    d_slide = mu * _dyads(along, slope[:, None] * rise)
     d_slide += (limit / safe)[:, None, None] * ((np.eye(3) - _dyads(along, along)) @ d_trial)
     friction = np.where(slides[:, None], limit[:, None] * along, trial)
     stiffness -= np.where(slides[:, None, None], d_slide, d_trial)
@@ -128,6 +132,8 @@ class SheetContact:
             self._area += share_surface(model.mesh.points, block.connectivity)
             np.add.at(self._cells, block.connectivity, 1.0)
         self._thickness = np.zeros(n)
+        depth = DEPTH * max((b.section.thickness for b in model.mesh.blocks if b.section), default=0.0)
+        self._surfaces = [tool.shape.surface(depth, smooth=True) for tool in model.sheet_tools]
         self.beads = SheetBeads(model)
         self._stiffness = model.solver.contact_stiffness * max(m.young for m in model.materials)
 
@@ -161,7 +167,7 @@ class SheetContact:
         for t, tool in enumerate(tools):
             place = x - np.array(tool.position) - trial.sheet_tool_move[t]
             way = moved - (trial.sheet_tool_move[t] - state_n.sheet_tool_move[t])
-            found = touch_tool(tool, sheet, place, way, state_n.sheet_friction[t])
+            found = touch_tool(self._surfaces[t], tool.mu, sheet, place, way, state_n.sheet_friction[t])
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
             block = np.zeros((len(found.nodes), 6, 6))
             block[:, :3, :3] = found.stiffness
@@ -225,7 +231,9 @@ class SheetContact:
         half = 0.5 * self._thickness
         found = np.zeros(len(self._model.sheet_tools))
         for t, tool in enumerate(self._model.sheet_tools):
-            gap, *_ = tool.surface.nearest(x - np.array(tool.position) - state.sheet_tool_move[t], float(half.max()))
+            gap, *_ = self._surfaces[t].nearest(
+                x - np.array(tool.position) - state.sheet_tool_move[t], float(half.max())
+            )
             found[t] = max(0.0, -float((gap - half).min()))
         return found
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -48,13 +48,22 @@ class Tool:
     """On which it rests; its stages move the spring's foot."""
 
 
+class ToolShape(Protocol):
+    """The shape of a tool in space, as data in the tool's own frame."""
+
+    def surface(self, depth: float = ..., *, smooth: bool = ...) -> _core.ToolSurface:
+        """Return the surface that contact asks.
+
+        depth: penetrations deeper than this are not found [mm]. smooth: normals do not jump from facet to facet.
+        """
+
+
 @dataclass(frozen=True)
 class SheetTool:
     """A rigid tool in space, with Coulomb's friction, for shells."""
 
     name: str
-    surface: _core.ToolSurface
-    """In the tool's own frame."""
+    shape: ToolShape
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Of its frame at the start [mm]."""
     mu: float = 0.0

@@ -47,7 +47,8 @@ class ImplicitRecording(IncrementRecording):
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        tools, contacts = [t.name for t in self.model.tools], [c.name for c in self.model.contacts]
+        tools = [*(t.name for t in self.model.tools), *(t.name for t in self.model.sheet_tools)]
+        contacts = [c.name for c in self.model.contacts]
         return [*history_columns(tools, self.turning, contacts), *self.reactions.columns]
 
     def begin_log(self) -> str:
@@ -74,8 +75,7 @@ class ImplicitRecording(IncrementRecording):
         row = self._begin_row(report)
         for name, tool in self._tools.items():
             row[f"{name}.stroke"], row[f"{name}.force"] = tool.stroke, tool.force
-            row[f"{name}.force_x"], row[f"{name}.force_y"] = (float(f) for f in tool.vector)
-            row[f"{name}.force_z"] = 0.0
+            row |= {f"{name}.force_{axis}": float(f) for axis, f in zip("xyz", tool.vector, strict=True)}
             if name in self.turning:
                 row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
         for name, (force_x, force_y) in self.procedure.contact_forces().items():

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.fields.formability_fields import FormingVerdict, formability_fields, judge_fields
-from presswork.geometry.swept_tool import SweptTool
 from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.model import FloatArray, Model, OutputSettings, Push, SheetTool, Stage
@@ -41,8 +40,6 @@ from presswork.process.stamping_tools import (
 )
 from presswork.process.transfer import SheetState, sheet_of_implicit
 
-DEPTH = 2.0
-"""Thicknesses that a node of a guess may lie in a tool and be found: behind that is another wall."""
 CLOCK_TIMES = 1000
 """Of each stage, at which the smooth motion is tabulated."""
 WORTH_A_WARNING = 5.0
@@ -52,7 +49,6 @@ ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work", 
 
 def make_shell_model(model: StampingModel) -> Model:
     """Return the Model of a shell between tools in space that does what the stamping does."""
-    section, _ = model.sheet
     moved = [t for t in model.tools if not is_pushed(model, t)]
     pushed = [t for t in model.tools if is_pushed(model, t)]
     pushes = {t.name: _push_by_stage(model, t) for t in pushed}
@@ -80,7 +76,7 @@ def make_shell_model(model: StampingModel) -> Model:
         stages=stages,
         solver=model.implicit,
         output=OutputSettings(steps=model.output.steps, checkpoint_every=model.output.checkpoint_every),
-        sheet_tools=tuple(_place(t, DEPTH * section.thickness) for t in model.tools),
+        sheet_tools=tuple(SheetTool(t.name, t.shape, t.position, t.mu) for t in model.tools),
         sheet_beads=tuple(b.line for b in model.beads),
         rolling_direction=model.rolling_direction,
     )
@@ -90,12 +86,6 @@ def _clock(stage: StampingStage) -> FloatArray:
     """Return when which part of the stage's way has been gone, as in the explicit procedure (n, 2)."""
     times = np.linspace(0.0, stage.duration, CLOCK_TIMES + 1)
     return np.column_stack([stroke_of(stage).position(times), times])
-
-
-def _place(tool: StampingTool, depth: float) -> SheetTool:
-    shape = tool.shape
-    surface = shape.surface(depth) if isinstance(shape, SweptTool) else shape.surface(depth, smooth=True)
-    return SheetTool(tool.name, surface, tool.position, tool.mu)
 
 
 def _along(tool: StampingTool, stroke: float) -> tuple[float, float, float]:

@@ -22,7 +22,7 @@ class ToolQuantities:
     """Against its first motion [N]: positive when the workpiece resists; on a spring, what presses the spring; of a
     tool that does neither, the vector's length."""
     vector: FloatArray
-    """Force of the workpiece on the tool (2,) [N]."""
+    """Force of the workpiece on the tool (3,) [N]."""
     angle: float
     """Turned since the start [rad]."""
     torque: float
@@ -47,8 +47,35 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
             stroke, force = 0.0, float(np.linalg.norm(vector))
         motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
         torque = -float(torques[t]) * (-1.0 if motion.turn < 0 else 1.0)
-        quantities[tool.name] = ToolQuantities(stroke, force, vector, float(state.tool_angle[t]), torque)
+        in_space = np.append(vector, 0.0)
+        quantities[tool.name] = ToolQuantities(stroke, force, in_space, float(state.tool_angle[t]), torque)
+    return quantities | _measure_sheet_tools(procedure)
+
+
+def _measure_sheet_tools(procedure: ImplicitProcedure) -> dict[str, ToolQuantities]:
+    """Return the quantities of the tools of a shell, as modelled."""
+    tools, state = procedure.interactions.sheet_tools, procedure.state
+    if tools is None:
+        return {}
+    quantities = {}
+    forces = tools.contact.tool_forces(state)
+    for tool, moved, force in zip(procedure.model.sheet_tools, state.sheet_tool_move, forces, strict=True):
+        way = _find_sheet_way(procedure.model, tool.name)
+        along = float(np.linalg.norm(force)) if way is None else -float(force @ way)
+        stroke = 0.0 if way is None else float(moved @ way)
+        quantities[tool.name] = ToolQuantities(stroke, along, force, 0.0, 0.0)
     return quantities
+
+
+def _find_sheet_way(model: Model, name: str) -> FloatArray | None:
+    """Return the unit vector of the first motion or push of a tool in space; None if it has neither."""
+    for stage in model.stages:
+        if (push := stage.sheet_tool_push.get(name)) is not None:
+            return np.asarray(push.direction, dtype=np.float64)
+        move = np.asarray(stage.sheet_tool_move.get(name, (0.0, 0.0, 0.0)), dtype=np.float64)
+        if move.any():
+            return np.asarray(move / np.linalg.norm(move))
+    return None
 
 
 def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:

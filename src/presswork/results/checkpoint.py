@@ -13,9 +13,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork import __version__
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 _OVERHEAD_BYTES = 16384
 
 Meta = dict[str, int | float | str]
@@ -31,6 +32,7 @@ def save_checkpoint(
     needed = sum(values.nbytes for values in whole.values()) + _OVERHEAD_BYTES
     with replace_whole(path, needed_bytes=needed) as temporary, write_hdf5(temporary, "w") as file:
         file.attrs["format_version"] = FORMAT_VERSION
+        file.attrs["written_by"] = f"presswork {__version__}"
         file.attrs["meta"] = text
         file.attrs["checksum"] = _checksum(whole, text)
         for name, values in whole.items():
@@ -49,12 +51,16 @@ def load_checkpoint(path: Path | str) -> tuple[dict[str, NDArray[Any]], Meta]:
     try:
         with h5py.File(path, "r") as file:
             version, text, checksum = (file.attrs[name] for name in ("format_version", "meta", "checksum"))
+            author = str(file.attrs.get("written_by", "an earlier presswork"))
             if version == FORMAT_VERSION:
                 arrays = {name: values[()] for name, values in _walk(file)}
     except Exception as error:  # HDF5 meets damage with errors of every kind
         raise OutputError(damaged) from error
     if version != FORMAT_VERSION:
-        raise OutputError(f"{path} has format {version}, this version of presswork reads {FORMAT_VERSION}")
+        raise OutputError(
+            f"{path} was written by {author} in format {version}; presswork {__version__} reads format "
+            f"{FORMAT_VERSION}: go on with that version, or run with --overwrite to start anew"
+        )
     if _checksum(arrays, text) != checksum:
         raise OutputError(damaged)
     return arrays, json.loads(text)
