@@ -32,13 +32,28 @@ void bind_element(nb::module_& m) {
           nb::arg("green_lagrange_matrix") = false, nb::arg("k_e") = true, nb::arg("k_u") = true,
           nb::arg("k_v") = false, nb::arg("small_displacements") = false);
 
+  nb::enum_<Family>(m, "Family", "Where an element serves.")
+      .value("plane", Family::plane, "Solids in plane strain and in axisymmetry.")
+      .value("space", Family::space, "Solids in space.")
+      .value("shell", Family::shell, "Shells.");
+  nb::class_<ElementRow>(m, "Element", "A row of the table of elements.")
+      .def_prop_ro("name", [](const ElementRow& e) { return std::string(e.name); })
+      .def_prop_ro(
+          "cell", [](const ElementRow& e) { return std::string(e.cell); }, "Kind of cell of the mesh.")
+      .def_ro("nodes", &ElementRow::nodes)
+      .def_ro("points", &ElementRow::points, "Integration points of a cell; of a shell those in its plane.")
+      .def_ro("family", &ElementRow::family)
+      .def_prop_ro("description", [](const ElementRow& e) { return std::string(e.description); })
+      .def_ro("in_implicit", &ElementRow::in_implicit, "Whether the implicit procedure has it.")
+      .def_ro("in_explicit", &ElementRow::in_explicit, "Whether the explicit procedure has it.");
   m.def(
       "element_sizes",
       [](const std::string& name) {
         const auto e = element_named(name);
         return std::make_tuple(e.nodes, e.points);
       },
-      nb::arg("element"), "Number of nodes and of integration points of an element.");
+      nb::arg("element"), "Number of nodes and of integration points of a solid.");
+  m.def("elements", &list_elements, "The table of elements, a row each.");
 
   m.def(
       "evaluate_block",
@@ -50,11 +65,11 @@ void bind_element(nb::module_& m) {
          std::optional<MutableDoubles> user, int first_cell, std::optional<UmatPlace> when, UmatFault* fault) {
         const auto element = element_named(name);
         const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width;
-        const std::size_t freedoms = element.dim * element.nodes, q = n * element.points;
+        const std::size_t freedoms = element.dim() * element.nodes, q = n * element.points;
         const std::size_t components = element.components();
         require(connectivity.ndim() == 2 && connectivity.shape(1) == std::size_t(element.nodes),
                 "connectivity must have shape (n_cells, nodes)");
-        require(points.size() == increment.size() && points.shape(1) == std::size_t(element.dim),
+        require(points.size() == increment.size() && points.shape(1) == std::size_t(element.dim()),
                 "points and increment must have shape (n, 2), of a solid in space (n, 3)");
         require(stress_n.size() == components * q && stress.size() == components * q,
                 "stress must have shape (n_cells, points, 4), of a solid in space 6");

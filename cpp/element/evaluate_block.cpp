@@ -10,34 +10,39 @@ namespace presswork {
 namespace {
 
 template <class Cell, int n_points, Treatment treatment = Treatment::standard>
-constexpr ElementType element(std::string_view name) {
+constexpr ElementType element(std::string_view name, std::string_view description, bool in_explicit = false) {
   using Kernel = Solid2d<Cell, n_points, treatment>;
-  ElementType type{name, 2, Kernel::nodes, n_points, &Kernel::template evaluate<VonMises>, nullptr};
+  const ElementRow row{name, Cell::name, Cell::nodes, n_points, Family::plane, description, true, in_explicit};
+  ElementType type{row, &Kernel::template evaluate<VonMises>, nullptr};
   if constexpr (treatment != Treatment::one_point) type.evaluate_umat = &Kernel::template evaluate<Umat>;
   return type;
 }
 
 template <class Cell, int n_points, Treatment treatment = Treatment::standard>
-constexpr ElementType space_element(std::string_view name) {
-  return {name, 3, Cell::nodes, n_points, &SpaceSolid<Cell, n_points, treatment>::evaluate, nullptr};
+constexpr ElementType space_element(std::string_view name, std::string_view description) {
+  const ElementRow row{name, Cell::name, Cell::nodes, n_points, Family::space, description};
+  return {row, &SpaceSolid<Cell, n_points, treatment>::evaluate, nullptr};
 }
 
-const ElementType elements[] = {
-    element<Tri3, 1>("tri3"),
-    element<Tri6, 6>("tri6_6pt"),
-    element<Tri6, 7>("tri6_7pt"),
-    element<Quad4, 4>("quad4"),
-    element<Quad4, 4, Treatment::fbar>("quad4_fbar"),
-    element<Quad4, 1, Treatment::one_point>("quad4_1pt"),
-    element<Quad8, 9>("quad8"),
-    element<Quad8, 4>("quad8_2x2"),
-    element<Quad9, 9>("quad9"),
-    element<Quad9, 4>("quad9_2x2"),
-    space_element<Hex8, 8>("hex8"),
-    space_element<Hex8, 8, Treatment::fbar>("hex8_fbar"),
+constexpr ElementType elements[] = {
+    element<Tri3, 1>("tri3", "3-node triangles, constant strain", true),
+    element<Tri6, 6>("tri6_6pt", "6-node triangles, 6-point rule"),
+    element<Tri6, 7>("tri6_7pt", "6-node triangles, 7-point rule"),
+    element<Quad4, 4>("quad4", "4-node quadrilaterals, full integration"),
+    element<Quad4, 4, Treatment::fbar>("quad4_fbar", "4-node quadrilaterals, F-bar"),
+    element<Quad4, 1, Treatment::one_point>("quad4_1pt", "4-node quadrilaterals, one point with hourglass control",
+                                            true),
+    element<Quad8, 9>("quad8", "8-node quadrilaterals, 3 x 3 points"),
+    element<Quad8, 4>("quad8_2x2", "8-node quadrilaterals, 2 x 2 points"),
+    element<Quad9, 9>("quad9", "9-node quadrilaterals, 3 x 3 points"),
+    element<Quad9, 4>("quad9_2x2", "9-node quadrilaterals, 2 x 2 points"),
+    space_element<Hex8, 8>("hex8", "8-node hexahedra, full integration"),
+    space_element<Hex8, 8, Treatment::fbar>("hex8_fbar", "8-node hexahedra, F-bar"),
 };
 
 }  // namespace
+
+std::span<const ElementType> solid_elements() { return elements; }
 
 std::optional<ElementType> find_element(std::string_view name) {
   for (const auto& e : elements)

@@ -3,23 +3,23 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
+#include "element/element_table.hpp"
 #include "element/solid.hpp"
 
 namespace presswork {
 
-struct ElementType {
-  std::string_view name;
-  int dim;
-  int nodes;
-  int points;
-
-  int components() const { return dim == 3 ? 6 : 4; }  // of a stress
+struct ElementType : ElementRow {
+  int components() const { return dim() == 3 ? 6 : 4; }  // of a stress
 
   int (*evaluate_pack)(const BlockView&, const PointSettings&, const VonMises&, int pack);
   int (*evaluate_umat)(const BlockView&, const PointSettings&, const Umat&, int pack);  // null if it cannot
 };
+
+// Solids in the plane and in space.
+std::span<const ElementType> solid_elements();
 
 // The element of that name, or nothing.
 std::optional<ElementType> find_element(std::string_view name);

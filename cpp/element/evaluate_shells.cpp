@@ -4,6 +4,8 @@
 #include <climits>
 #include <cstring>
 
+#include "element/evaluate_block.hpp"
+
 namespace presswork {
 
 namespace {
@@ -25,51 +27,69 @@ void tabulate(double* N, double* dN, double* weight, double* dN_at_nodes) {
 }
 
 template <class Cell, int n_points, Tying tying = Tying::none>
-constexpr ShellType shell(std::string_view name) {
+constexpr ShellType shell(std::string_view name, std::string_view description, bool in_explicit = false) {
   using Evaluator = ShellPack<Cell, n_points, tying, Pack>;
   using MeshCell = std::conditional_t<std::is_same_v<Cell, Tri3Bubble>, Tri3, Cell>;
-  return {name,
-          Evaluator::mesh_nodes,
-          n_points,
-          Evaluator::internal_values,
-          &Evaluator::evaluate_pack,
-          &tabulate<MeshCell, n_points>};
+  const ElementRow row{name, Cell::name, Evaluator::mesh_nodes, n_points, Family::shell, description,
+                       true, in_explicit};
+  return {row, Evaluator::internal_values, &Evaluator::evaluate_pack, &tabulate<MeshCell, n_points>};
 }
 
-constexpr ShellType stabilized(std::string_view name) {
+constexpr ShellType stabilized(std::string_view name, std::string_view description) {
   using Evaluator = StabilizedPack<Pack>;
-  return {name, 4, 1, Evaluator::internal_values, &Evaluator::evaluate_pack, &tabulate<Quad4, 1>};
+  const ElementRow row{name, Quad4::name, 4, 1, Family::shell, description, true, true};
+  return {row, Evaluator::internal_values, &Evaluator::evaluate_pack, &tabulate<Quad4, 1>};
 }
 
-const ShellType shells[] = {
-    shell<Tri3, 1>("shell3"),
-    shell<Tri3, 3, Tying::mitc>("shell3_mitc"),
-    shell<Tri3Bubble, 3, Tying::mitc>("shell3_mitc_plus"),
-    shell<Tri6, 6>("shell6"),
+// Of the explicit loop alone (explicit/one_point_shells.cpp).
+constexpr ShellType explicit_shell(std::string_view name, std::string_view description) {
+  return {{name, Tri3::name, 3, 1, Family::shell, description, false, true}, 0, nullptr, nullptr};
+}
 
-    shell<Tri6, 3, Tying::mitc>("shell6_mitc"),
-    shell<Tri6, 6, Tying::selective>("shell6_selective"),
-    shell<Tri6, 3>("shell6_reduced"),
-    shell<Quad4, 4>("shell4"),
-    shell<Quad4, 4, Tying::selective>("shell4_selective"),
-    shell<Quad4, 1>("shell4_reduced"),
-    shell<Quad4, 4, Tying::mitc>("shell4_mitc"),
-    shell<Quad4, 4, Tying::mitc_plus>("shell4_mitc_plus"),
-    stabilized("shell4_1pt"),
-    shell<Quad8, 9>("shell8"),
-    shell<Quad8, 9, Tying::selective>("shell8_selective"),
-    shell<Quad8, 4>("shell8_reduced"),
-    shell<Quad9, 9>("shell9"),
-    shell<Quad9, 9, Tying::selective>("shell9_selective"),
-    shell<Quad9, 4>("shell9_reduced"),
-    shell<Quad9, 9, Tying::mitc>("shell9_mitc"),
+// The recommended ones of each cell first.
+constexpr ShellType shells[] = {
+    shell<Tri3Bubble, 3, Tying::mitc>("shell3_mitc_plus",
+                                      "3-node shells, tied transverse shear and a bubble of the directors (MITC3+)"),
+    shell<Tri3, 3, Tying::mitc>("shell3_mitc", "3-node shells, tied transverse shear (MITC3)"),
+    shell<Tri3, 1>("shell3", "3-node degenerated shells, one point; they lock"),
+    explicit_shell("shell3_1pt", "3-node shells, one point, shear tied at the sides' middles"),
+    shell<Tri6, 3, Tying::mitc>("shell6_mitc", "6-node shells, all strains tied (MITC6)"),
+    shell<Tri6, 6>("shell6", "6-node degenerated shells, 6 points"),
+    shell<Tri6, 6, Tying::selective>("shell6_selective", "6-node degenerated shells, transverse shear from 3 points"),
+    shell<Tri6, 3>("shell6_reduced", "6-node degenerated shells, 3 points"),
+    shell<Quad4, 4, Tying::mitc_plus>("shell4_mitc_plus",
+                                      "4-node shells, tied transverse shear and in-plane strains (MITC4+)", true),
+    shell<Quad4, 4, Tying::mitc>("shell4_mitc", "4-node shells, tied transverse shear (MITC4)"),
+    stabilized("shell4_1pt", "4-node shells, one point, physical stabilisation"),
+    shell<Quad4, 4>("shell4", "4-node degenerated shells, 2 x 2 points; they lock"),
+    shell<Quad4, 4, Tying::selective>("shell4_selective",
+                                      "4-node degenerated shells, transverse shear from the centre"),
+    shell<Quad4, 1>("shell4_reduced", "4-node degenerated shells, one point, no hourglass control"),
+    shell<Quad8, 4>("shell8_reduced", "8-node degenerated shells, 2 x 2 points"),
+    shell<Quad8, 9>("shell8", "8-node degenerated shells, 3 x 3 points"),
+    shell<Quad8, 9, Tying::selective>("shell8_selective",
+                                      "8-node degenerated shells, transverse shear from 2 x 2 points"),
+    shell<Quad9, 9, Tying::mitc>("shell9_mitc", "9-node shells, all strains tied (MITC9, on the sides)"),
+    shell<Quad9, 9>("shell9", "9-node degenerated shells, 3 x 3 points"),
+    shell<Quad9, 9, Tying::selective>("shell9_selective",
+                                      "9-node degenerated shells, transverse shear from 2 x 2 points"),
+    shell<Quad9, 4>("shell9_reduced", "9-node degenerated shells, 2 x 2 points"),
 };
 
 }  // namespace
 
+std::span<const ShellType> shell_elements() { return shells; }
+
+std::vector<ElementRow> list_elements() {
+  std::vector<ElementRow> rows;
+  for (const auto& element : solid_elements()) rows.push_back(element);
+  for (const auto& element : shells) rows.push_back(element);
+  return rows;
+}
+
 std::optional<ShellType> find_shell(std::string_view name) {
   for (const auto& s : shells)
-    if (s.name == name) return s;
+    if (s.name == name && s.in_implicit) return s;
   return std::nullopt;
 }
 

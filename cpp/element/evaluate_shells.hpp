@@ -3,23 +3,25 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
+#include "element/element_table.hpp"
 #include "element/shell4_stabilized_pack.hpp"
 
 namespace presswork {
 
-struct ShellType {
-  std::string_view name;
-  int nodes;
-  int points;
+struct ShellType : ElementRow {
   int internal;  // values that a cell keeps besides its points
   ShellFailure (*evaluate_pack)(const ShellView&, const SheetLaw&, int pack);
   // N (points, nodes), dN (points, nodes, 2), weights (points) of the rule, and dN at the nodes (nodes, nodes, 2)
   void (*tabulate)(double* N, double* dN, double* weight, double* dN_at_nodes);
 };
 
-// The shell of that name, or nothing.
+// Shells of the implicit and of the explicit procedure.
+std::span<const ShellType> shell_elements();
+
+// The shell of the implicit procedure of that name, or nothing.
 std::optional<ShellType> find_shell(std::string_view name);
 
 // Evaluate every pack of a block. Returns the failure of the lowest cell, if any. The result does not depend on the

@@ -8,6 +8,7 @@
 namespace presswork {
 
 struct Hex8 {
+  static constexpr std::string_view name = "hex8";
   static constexpr int dim = 3, nodes = 8;
 
   static void shape(const double* at, double* N, double (*dN)[3]) {

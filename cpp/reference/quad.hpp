@@ -30,6 +30,7 @@ struct Quadrilateral {
 };
 
 struct Quad4 : Quadrilateral {
+  static constexpr std::string_view name = "quad4";
   static constexpr int nodes = 4;
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
@@ -42,6 +43,7 @@ struct Quad4 : Quadrilateral {
 };
 
 struct Quad8 : Quadrilateral {
+  static constexpr std::string_view name = "quad8";
   static constexpr int nodes = 8;
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
@@ -60,6 +62,7 @@ struct Quad8 : Quadrilateral {
 };
 
 struct Quad9 : Quadrilateral {
+  static constexpr std::string_view name = "quad9";
   static constexpr int nodes = 9;
 
   static void shape(const double* at, double* N, double (*dN)[2]) {

@@ -2,12 +2,14 @@
 // Quadrature points, Gauss's rules on [-1, 1], and tables of a cell's shape functions at the points of a rule.
 //
 // A reference cell is a struct with
+//     name                          as meshes call it
 //     dim, nodes                    how many directions and nodes it has
 //     shape(at, N, dN)              shape functions N[nodes] and their derivatives dN[nodes][dim] at at[dim]
 //     rule<n>()                     the quadrature rule of n points
 #pragma once
 
 #include <array>
+#include <string_view>
 
 namespace presswork {
 

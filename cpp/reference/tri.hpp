@@ -44,6 +44,7 @@ struct Triangle {
 };
 
 struct Tri3 : Triangle {
+  static constexpr std::string_view name = "tri3";
   static constexpr int nodes = 3;
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
@@ -55,6 +56,7 @@ struct Tri3 : Triangle {
 
 // The corners, and the cubic 27 z x y, which vanishes on the sides.
 struct Tri3Bubble : Triangle {
+  static constexpr std::string_view name = "tri3";  // of the mesh, which does not know the bubble
   static constexpr int nodes = 4;
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
@@ -65,6 +67,7 @@ struct Tri3Bubble : Triangle {
 };
 
 struct Tri6 : Triangle {
+  static constexpr std::string_view name = "tri6";
   static constexpr int nodes = 6;
 
   static void shape(const double* at, double* N, double (*dN)[2]) {

@@ -8,7 +8,7 @@ import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 8
+pack_width: int = 4
 
 architecture: str = 'native'
 
@@ -285,8 +285,54 @@ class PointSettings:
 
     def __init__(self, *, measure: StrainMeasure = StrainMeasure.log, tangent: TangentKind = TangentKind.consistent, green_lagrange_matrix: bool = False, k_e: bool = True, k_u: bool = True, k_v: bool = False, small_displacements: bool = False) -> None: ...
 
+class Family(enum.Enum):
+    """Where an element serves."""
+
+    plane = 0
+    """Solids in plane strain and in axisymmetry."""
+
+    space = 1
+    """Solids in space."""
+
+    shell = 2
+    """Shells."""
+
+class Element:
+    """A row of the table of elements."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def cell(self) -> str:
+        """Kind of cell of the mesh."""
+
+    @property
+    def nodes(self) -> int: ...
+
+    @property
+    def points(self) -> int:
+        """Integration points of a cell; of a shell those in its plane."""
+
+    @property
+    def family(self) -> Family: ...
+
+    @property
+    def description(self) -> str: ...
+
+    @property
+    def in_implicit(self) -> bool:
+        """Whether the implicit procedure has it."""
+
+    @property
+    def in_explicit(self) -> bool:
+        """Whether the explicit procedure has it."""
+
 def element_sizes(element: str) -> tuple[int, int]:
-    """Number of nodes and of integration points of an element."""
+    """Number of nodes and of integration points of a solid."""
+
+def elements() -> list[Element]:
+    """The table of elements, a row each."""
 
 def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, user_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, user: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, first_cell: int = 0, when: UmatPlace | None = None, fault: UmatFault | None = None) -> int:
     """

@@ -9,13 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork import _core, model
+from presswork import model
 from presswork.model_stamping import AnyModel, StampingModel
 
-_POINTS: dict[str, int] = {
-    "tri3": 1, "tri6_6pt": 6, "tri6_7pt": 7, "quad4": 4, "quad4_fbar": 4, "quad4_1pt": 1,
-    "quad8": 9, "quad8_2x2": 4, "quad9": 9, "quad9_2x2": 4, "hex8": 8, "hex8_fbar": 8,
-}  # fmt: skip
 _BYTES_PER_POINT = 4 * 8 * 16
 """Four copies of about 16 numbers at a quadrature point: converged, trial, and work arrays."""
 _BYTES_PER_LAYER = 3 * 8 * 8
@@ -51,7 +47,7 @@ def _estimate_block(cells: int, element: str, layers: int, nodes: float, freedom
     state = cells * _count_points(element, layers) * (_BYTES_PER_LAYER if layers else _BYTES_PER_POINT)
     if not with_matrix:
         return state + cells * _EXPLICIT_BYTES_PER_CELL
-    matrix = cells * (freedoms * _count_nodes(element)) ** 2 * _BYTES_PER_ENTRY
+    matrix = cells * (freedoms * model.ELEMENTS[element].nodes) ** 2 * _BYTES_PER_ENTRY
     unknowns = freedoms * nodes
     factor = _FACTOR_BYTES_PER_FREEDOM[freedoms] * unknowns * float(np.log(max(unknowns, 2)) / np.log(1e5))
     return state + matrix + factor
@@ -59,20 +55,12 @@ def _estimate_block(cells: int, element: str, layers: int, nodes: float, freedom
 
 def _count_points(element: str, layers: int) -> int:
     """Return the quadrature points of a cell, those through the thickness included."""
-    if element in _POINTS:
-        return _POINTS[element]
-    in_plane = 1 if element.endswith("one_point") else int(_core.shell_sizes(element)[1])
-    return in_plane * layers
-
-
-def _count_nodes(element: str) -> int:
-    """Return the nodes of a cell, which the name of every element has as its digit."""
-    return int(next(letter for letter in element if letter.isdigit()))
+    return model.ELEMENTS[element].points * max(layers, 1)
 
 
 def estimate_rectangle(cells: int, element: str, layers: int, *, explicit: bool) -> float:
     """Estimate the bytes for a rectangle of so many cells, before it is meshed. layers: of a shell, else 0."""
-    nodes = cells * {3: 0.5, 6: 2.0, 4: 1.0, 8: 3.0, 9: 4.0}[_count_nodes(element)]
+    nodes = cells * {3: 0.5, 6: 2.0, 4: 1.0, 8: 3.0, 9: 4.0}[model.ELEMENTS[element].nodes]
     return _estimate_block(cells, element, layers, nodes, 6 if layers else 2, not explicit)
 
 

@@ -89,7 +89,7 @@ class StampingStage:
 class ExplicitSettings:
     """How the explicit procedure computes shells and steps through time."""
 
-    element: ExplicitElement = "shell4_one_point"
+    element: ExplicitElement = "shell4_1pt"
     """Of the blank."""
     target_step: float | None = None
     """Time step [s] that mass is added for; None: no mass is added, the step follows from the mesh."""

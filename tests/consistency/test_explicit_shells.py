@@ -53,7 +53,7 @@ def results(shells: ExplicitShells) -> list[np.ndarray]:
     return [shells.position, shells.velocity, *points, shells.thickness]
 
 
-KINDS = [("double", "shell4_one_point"), ("single", "shell4_one_point"), ("double", "shell4_mitc_plus")]
+KINDS = [("double", "shell4_1pt"), ("single", "shell4_1pt"), ("double", "shell4_mitc_plus")]
 
 
 @pytest.mark.parametrize(("precision", "element"), KINDS)
@@ -171,7 +171,7 @@ def test_calls_may_be_long_or_short() -> None:
     np.testing.assert_array_equal(one.position, many.position)
 
 
-@pytest.mark.parametrize("element", ["shell4_one_point", "shell4_mitc_plus"])
+@pytest.mark.parametrize("element", ["shell4_1pt", "shell4_mitc_plus"])
 def test_numbering_does_not_matter(element: str) -> None:
     """Nodes, elements and the first node of each element renumbered: the same motion."""
     points, cells = mesh()
@@ -330,7 +330,7 @@ def test_fully_integrated_shells_move_like_those_of_one_point_and_have_no_hourgl
     """Tension and pressure on a coarse wavy sheet, plastic: positions within 2 % of the way (1.2 %)."""
     points, cells = mesh()
     runs = []
-    for element in ("shell4_one_point", "shell4_mitc_plus"):
+    for element in ("shell4_1pt", "shell4_mitc_plus"):
         options = ShellOptions(element=element)  # type: ignore[arg-type]
         shells = ExplicitShells(points, cells, 0.8, SWIFT, 7.85e-9, options=options)
         shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from presswork import _core
+from presswork.model import list_names
 
-ELEMENTS = ["hex8", "hex8_fbar"]
+ELEMENTS = list_names(_core.Family.space)
 MEASURES = ["log", "stretch", "green_lagrange"]
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float)
 

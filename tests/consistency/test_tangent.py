@@ -5,19 +5,9 @@ import numpy as np
 import pytest
 
 from presswork import _core
+from presswork.model import list_names
 
-ELEMENTS = [
-    "tri3",
-    "tri6_6pt",
-    "tri6_7pt",
-    "quad4",
-    "quad4_fbar",
-    "quad4_1pt",
-    "quad8",
-    "quad8_2x2",
-    "quad9",
-    "quad9_2x2",
-]
+ELEMENTS = list_names(_core.Family.plane)
 MEASURES = ["log", "stretch", "green_lagrange", "small"]
 LAWS = {
     "linear": [700.0, 300.0],

@@ -11,7 +11,7 @@ from presswork.explicit.shells import ExplicitShells, Precision, ShellOptions
 
 PRECISIONS: tuple[Precision, ...] = ("double", "single")
 MITC = {"element": "shell4_mitc_plus"}
-elements = pytest.mark.parametrize("element", ["shell4_one_point", "shell4_mitc_plus"])
+elements = pytest.mark.parametrize("element", ["shell4_1pt", "shell4_mitc_plus"])
 
 
 def period_of(signal: np.ndarray, times: np.ndarray) -> float:

@@ -60,7 +60,7 @@ def stretch(
 
 @pytest.mark.parametrize(
     ("precision", "element"),
-    [("double", "shell4_one_point"), ("single", "shell4_one_point"), ("double", "shell4_mitc_plus"),
+    [("double", "shell4_1pt"), ("single", "shell4_1pt"), ("double", "shell4_mitc_plus"),
      ("single", "shell4_mitc_plus")],
 )  # fmt: skip
 @pytest.mark.parametrize("path", PATHS)

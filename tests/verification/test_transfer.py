@@ -29,7 +29,7 @@ STEEL = Material(
 )
 THICKNESS = 1.2
 OPTIONS = ShellOptions(n_points=5, rule="lobatto")
-ONE = "shell4_one_point"
+ONE = "shell4_1pt"
 
 
 def make_mesh(points: int = 5, cells: int = 3) -> Mesh:

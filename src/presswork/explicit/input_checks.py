@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from presswork import _core
 from presswork.mesh.topology import is_triangle
-from presswork.model import Mesh
+from presswork.model import Mesh, list_names
 
 Array = npt.NDArray[np.float64]
 HEAVIEST = 1e-6
@@ -15,7 +16,7 @@ HEAVIEST = 1e-6
 
 STRONGEST_DAMPING = 0.1
 """Part of its momentum that mass damping may take from the sheet in a step."""
-SOLIDS = ("quad4_1pt", "tri3")
+SOLIDS = list_names(_core.Family.plane, in_explicit=True)
 """Elements with one point; tri3 in the crossed pattern is 4CST."""
 
 

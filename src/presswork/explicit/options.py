@@ -17,7 +17,7 @@ from presswork.model import ExplicitElement
 class ShellOptions:
     """How a shell is computed.
 
-    element: of four nodes; "shell4_one_point", or "shell4_mitc_plus", fully integrated on 2 x 2 points in the plane,
+    element: of four nodes; "shell4_1pt", or "shell4_mitc_plus", fully integrated on 2 x 2 points in the plane,
     which has no hourglass modes, and no use for warping, hourglass and coefficients. Triangles are of one point.
     n_points, rule: points through the thickness; "gauss" or, with points on both surfaces, "lobatto".
     warping: Belytschko, Wong & Chiang's terms for warped elements; without them it is Belytschko & Tsay's shell.
@@ -29,7 +29,7 @@ class ShellOptions:
     as stress through the thickness; without it tools sink into the sheet instead.
     """
 
-    element: ExplicitElement = "shell4_one_point"
+    element: ExplicitElement = "shell4_1pt"
     n_points: int = 5
     rule: Literal["gauss", "lobatto"] = "gauss"
     warping: bool = True

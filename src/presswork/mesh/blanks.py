@@ -17,7 +17,7 @@ import numpy as np
 from presswork.mesh.topology import find_boundary_edges, select_edges
 from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh, Section
 
-_ELEMENTS: dict[int, ElementName] = {3: "shell3_one_point", 4: "shell4_one_point"}
+_ELEMENTS: dict[int, ElementName] = {3: "shell3_1pt", 4: "shell4_1pt"}
 _ON_AXIS, _ON_DIAGONAL = 0.65, 0.75
 """Where the square core of a circle ends, over its radius."""
 

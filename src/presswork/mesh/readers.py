@@ -20,26 +20,12 @@ from presswork.mesh.ideas import read_ideas
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.structured import NODES_OF_KIND, cell_kind
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges, select_edges
-from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh
+from presswork.model import ELEMENTS, CellBlock, ElementName, FloatArray, IntArray, Mesh, list_names
 
 _MESHIO_KINDS = {
     "triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8", "quad9": "quad9",
     "line": "line2", "line3": "line3", "vertex": "point",
 }  # fmt: skip
-_ELEMENTS_OF_KIND = {
-    "tri3": "tri3",
-    "tri6": "tri6_6pt, tri6_7pt",
-    "quad4": "quad4, quad4_fbar, quad4_1pt",
-    "quad8": "quad8, quad8_2x2",
-    "quad9": "quad9, quad9_2x2",
-}
-_SHELLS_OF_KIND = {
-    "tri3": "shell3_mitc_plus, shell3_mitc, shell3",
-    "tri6": "shell6_mitc, shell6, shell6_selective, shell6_reduced",
-    "quad4": "shell4_mitc_plus, shell4_mitc, shell4_1pt, shell4, shell4_selective, shell4_reduced",
-    "quad8": "shell8_reduced, shell8, shell8_selective",
-    "quad9": "shell9_mitc, shell9, shell9_selective, shell9_reduced",
-}
 
 
 def read_mesh(
@@ -184,8 +170,10 @@ def take_cells(raw: RawMesh, element: ElementName) -> IntArray:
     wanted = cell_kind(element)
     if set(raw.cells) != {wanted}:
         counts = ", ".join(f"{sum(map(len, blocks))} {kind}" for kind, blocks in sorted(raw.cells.items()))
-        fitting = _SHELLS_OF_KIND if element.startswith("shell") else _ELEMENTS_OF_KIND
-        kinds = "; ".join(fitting.get(kind, "no shell") for kind in sorted(raw.cells))
+        family = ELEMENTS[element].family
+        kinds = "; ".join(
+            ", ".join(list_names(family, in_implicit=True, cell=kind)) or "none" for kind in sorted(raw.cells)
+        )
         remedy = f"choose one of: {kinds}" if len(raw.cells) == 1 else f"mesh with {wanted} cells only"
         raise MeshError(f"the cells of the file ({counts}) do not fit element = {element}", remedy)
     cells = np.concatenate(raw.cells[wanted])

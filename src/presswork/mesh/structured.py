@@ -14,13 +14,12 @@ from typing import Literal
 import numpy as np
 
 from presswork.mesh.topology import find_boundary_edges, select_edges
-from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh
+from presswork.model import ELEMENTS, CellBlock, ElementName, FloatArray, IntArray, Mesh
 
 Pattern = Literal["quad", "crossed", "left", "right"]
 CellKind = Literal["tri3", "tri6", "quad4", "quad8", "quad9"]
 
 NODES_OF_KIND: dict[CellKind, int] = {"tri3": 3, "tri6": 6, "quad4": 4, "quad8": 8, "quad9": 9}
-_KINDS_OF_SHELLS = {"shell3": "tri3", "shell6": "tri6", "shell4": "quad4", "shell8": "quad8", "shell9": "quad9"}
 
 # Corners of the cells that a pattern makes of one quad, on a lattice of 2 x 2 steps per quad, counter-clockwise.
 _CORNERS: dict[Pattern, list[list[tuple[int, int]]]] = {
@@ -38,8 +37,7 @@ _CORNERS: dict[Pattern, list[list[tuple[int, int]]]] = {
 
 def cell_kind(element: ElementName) -> CellKind:
     """Return the kind of cell that an element formulation lives on."""
-    family = element.split("_")[0]
-    kind = _KINDS_OF_SHELLS.get(family, family)
+    kind = ELEMENTS[element].cell
     assert kind in NODES_OF_KIND
     return kind
 

@@ -8,6 +8,15 @@ Directions and boundaries have names, never integer tags. All names are imported
 
 from presswork.model.arrays import BoolArray, FloatArray, IndexArray, IntArray, MaskArray
 from presswork.model.contact import Body, BodyContact, ContactLaw, SheetBead, SheetTool, Spring, Tool
+from presswork.model.elements import (
+    ELEMENTS,
+    ElementName,
+    ExplicitElement,
+    ShellElement,
+    SolidElement,
+    SpaceElement,
+    list_names,
+)
 from presswork.model.limits import Limits
 from presswork.model.material import (
     Hardening,
@@ -20,17 +29,7 @@ from presswork.model.material import (
     UmatJacobian,
     YieldFunction,
 )
-from presswork.model.mesh import (
-    CellBlock,
-    ElementName,
-    ExplicitElement,
-    Mesh,
-    Section,
-    ShellElement,
-    SolidElement,
-    SpaceElement,
-    ThicknessRule,
-)
+from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
 from presswork.model.model import Analysis, Model
 from presswork.model.settings import (
     Displacements,
@@ -58,6 +57,7 @@ from presswork.model.stage import (
 )
 
 __all__ = [
+    "ELEMENTS",
     "Analysis",
     "Body",
     "BodyContact",
@@ -111,4 +111,5 @@ __all__ = [
     "Umat",
     "UmatJacobian",
     "YieldFunction",
+    "list_names",
 ]

@@ -10,20 +10,8 @@ from typing import Literal
 import numpy as np
 
 from presswork.model.arrays import FloatArray, IntArray
+from presswork.model.elements import ElementName
 
-SolidElement = Literal[
-    "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2"
-]
-SpaceElement = Literal["hex8", "hex8_fbar"]
-ShellElement = Literal[
-    "shell3", "shell3_mitc", "shell3_mitc_plus",
-    "shell6", "shell6_selective", "shell6_reduced", "shell6_mitc",
-    "shell4", "shell4_selective", "shell4_reduced", "shell4_mitc", "shell4_mitc_plus", "shell4_1pt",
-    "shell8", "shell8_selective", "shell8_reduced",
-    "shell9", "shell9_selective", "shell9_reduced", "shell9_mitc",
-]  # fmt: skip
-ExplicitElement = Literal["shell4_one_point", "shell4_mitc_plus", "shell3_one_point"]
-ElementName = Literal[SolidElement, SpaceElement, ShellElement, ExplicitElement]
 ThicknessRule = Literal["gauss", "lobatto", "simpson"]
 
 

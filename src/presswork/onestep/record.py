@@ -78,7 +78,7 @@ def blank_mesh(result: OneStepResult) -> Mesh:
     points = np.column_stack([result.blank, np.full(len(result.blank), level)])
     section = Section(model.thickness, max(2, model.layers))
     cells = [("shell3_mitc", model.triangles), ("shell4_mitc", model.quadrilaterals)]
-    blocks = tuple(CellBlock(name, c, 0, section) for name, c in cells if len(c))  # type: ignore[arg-type]
+    blocks = tuple(CellBlock(name, c, 0, section) for name, c in cells if len(c))
     boundary = find_boundary_edges([block.connectivity for block in blocks])
     everything = np.arange(len(points), dtype=np.int32)
     return Mesh(points, blocks, {"all": everything}, {"boundary": boundary}, boundary)

@@ -19,7 +19,7 @@ def find_skin(mesh: ResultMesh) -> tuple[ResultMesh, NDArray[np.int32] | None]:
 
     Of a solid it is the boundary faces, as quadrilaterals; a sheet is seen itself, and comes without numbers.
     """
-    if not any(block.element.startswith("hex") for block in mesh.blocks):
+    if not any(block.vtk_type == VTK_TYPES["hex8"] for block in mesh.blocks):
         return mesh, None
     faces, owner = find_boundary_faces([block.connectivity.astype(np.int32) for block in mesh.blocks])
     return replace(mesh, blocks=(ResultBlock("quad4", VTK_TYPES["quad4"], faces.astype(np.int64)),)), owner

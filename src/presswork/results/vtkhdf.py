@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.formability import Info
-from presswork.model import FloatArray, IntArray, Mesh
+from presswork.model import ELEMENTS, FloatArray, IntArray, Mesh
 from presswork.results.vtkhdf_tools import (
     COMPRESSION,
     append_rows,
@@ -39,11 +39,8 @@ from presswork.results.vtkhdf_tools import (
 )
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
-VTK_TYPES = {
-    "tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28,
-    "shell3": 5, "shell6": 22, "shell4": 9, "shell8": 23, "shell9": 28,
-    "hex8": 12,
-}  # fmt: skip
+VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28, "hex8": 12}
+"""By the kind of cell."""
 
 _PLACES = ("bottom", "middle", "top")
 _SHEET_STRESSES = ("stress", "lamina_stress", "back_stress", "effective_stress")
@@ -233,7 +230,7 @@ def _append_mesh(file: h5py.File, mesh: Mesh) -> None:
     root = find_body(file)
     cells = [block.connectivity for block in mesh.blocks]
     nodes_per_cell = np.concatenate([np.full(len(c), c.shape[1]) for c in cells])
-    kinds = [np.full(len(b.connectivity), VTK_TYPES[b.element.split("_")[0]]) for b in mesh.blocks]
+    kinds = [np.full(len(b.connectivity), VTK_TYPES[ELEMENTS[b.element].cell]) for b in mesh.blocks]
     space = np.zeros((len(mesh.points), 3))
     space[:, : mesh.points.shape[1]] = mesh.points
     rows: dict[str, NDArray[np.generic]] = {

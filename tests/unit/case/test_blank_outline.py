@@ -38,7 +38,7 @@ def build(path: Path, **changes: object):
 def test_an_outline_becomes_a_meshed_blank(tmp_path, name):
     write_outline((CIRCLE, 0.1 * CIRCLE)[: 1 if name.endswith("dxf") else 2], tmp_path / name)
     mesh = build(tmp_path / name).mesh
-    assert mesh.blocks[0].element == "shell4_one_point"
+    assert mesh.blocks[0].element == "shell4_1pt"
     edge = np.linalg.norm(mesh.points[mesh.node_sets["edge"], :2], axis=1)
     assert edge == pytest.approx(np.full(len(edge), 50.0), rel=4e-4)
     assert {"symmetry_x", "symmetry_y"} <= set(mesh.node_sets)

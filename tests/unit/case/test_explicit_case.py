@@ -77,7 +77,7 @@ def test_description_says_how_it_starts_and_how_long_it_takes() -> None:
 @pytest.mark.parametrize(
     ("changes", "messages"),
     [
-        ({"workpiece__element": "quad4_fbar"}, ["workpiece.element", "no such element", "take quad4_1pt or tri3"]),
+        ({"workpiece__element": "quad4_fbar"}, ["workpiece.element", "no such element", "take tri3 or quad4_1pt"]),
         ({"materials__steel__density": None}, ["materials.steel.density", "missing key", "7850 kg/m^3"]),
         ({"materials__steel__density": 7850}, ["materials.steel.density", "7850 t/mm^3 is the density of no metal"]),
         ({"materials__steel__young": 207},

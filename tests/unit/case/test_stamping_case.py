@@ -236,7 +236,7 @@ def test_a_blank_from_a_file_is_cut_where_its_mesh_ends(tmp_path: Path) -> None:
     triangles += [(i, i + 5, i + 4) for i in (1, 2, 3, 5, 6, 7, 9, 10, 11)]
     rows = "\n".join(f"{k + 1}, {a}, {b}, {c}" for k, (a, b, c) in enumerate(triangles))
     (tmp_path / "blank.inp").write_text(f"{text.partition('*ELEMENT')[0]}*ELEMENT, TYPE=S3\n{rows}\n")
-    for procedure, element in (("explicit", "shell3_one_point"), ("implicit", "shell3_mitc_plus")):
+    for procedure, element in (("explicit", "shell3_1pt"), ("implicit", "shell3_mitc_plus")):
         (block,) = build(blank=blank, procedure=procedure).mesh.blocks
         assert (block.element, block.connectivity.shape) == (element, (18, 3))
     (tmp_path / "blank.inp").write_text(f"{text}*ELEMENT, TYPE=S3\n101, 1, 2, 6\n")

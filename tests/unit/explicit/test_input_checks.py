@@ -46,7 +46,7 @@ def test_bad_shells(changes: dict[str, object], message: str) -> None:
         ({"n_points": 0}, "n_points = 0: a gauss rule has 1 to 51"),
         ({"n_points": 1, "rule": "lobatto"}, "n_points = 1: a lobatto rule has 2 to 51"),
         ({"coefficients": (0.03, 0.03, 3.0)}, "between 0 and 0.2"),
-        ({"element": "shell9_mitc"}, "give shell4_one_point or shell4_mitc_plus"),
+        ({"element": "shell9_mitc"}, "give shell4_mitc_plus or shell4_1pt"),
         ({"element": "shell4_mitc_plus", "hourglass": "viscous"}, "has no hourglass modes: leave out warping"),
         ({"warping": False}, 'warping = False: hourglass = "physical" includes the warping terms; .* give hourglass'),
     ],

@@ -67,7 +67,7 @@ def reversed_cells() -> Mesh:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"mesh": mesh("quad8")}, "element quad8: explicit solids are quad4_1pt or tri3"),
+        ({"mesh": mesh("quad8")}, "element quad8: explicit solids are tri3 or quad4_1pt"),
         ({"mesh": mesh(x0=-1.0)}, "radius -1 mm: x is the radius"),
         ({"mesh": reversed_cells()}, "cell 0 of quad4_1pt .* counter-clockwise"),
         ({"mesh": replace(mesh(), points=np.full((9, 2), np.nan))}, "node 0 has a coordinate that is not a number"),

@@ -68,7 +68,7 @@ def test_a_rectangle_has_the_sides_asked_for_along_each_direction() -> None:
 def test_triangles_cover_what_quadrilaterals_cover(mesh_blank, symmetry) -> None:
     """Four for each, wound alike; sets hold the same nodes, but for the centres in `all`."""
     quads, triangles = (mesh_blank(element_size=3.0, symmetry=symmetry, triangles=t) for t in (False, True))
-    assert triangles.blocks[0].element == "shell3_one_point"
+    assert triangles.blocks[0].element == "shell3_1pt"
     corners = triangles.points[triangles.blocks[0].connectivity]
     area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
     assert len(area) == 4 * len(quads.blocks[0].connectivity)

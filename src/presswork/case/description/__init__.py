@@ -17,21 +17,6 @@ from presswork.memory import available_memory, estimate_memory
 from presswork.model_onestep import OneStepModel
 from presswork.model_stamping import AnyModel, StampingModel
 
-_ELEMENTS: dict[str, str] = {
-    "tri3": "3-node triangles, constant strain",
-    "tri6_6pt": "6-node triangles, 6-point rule",
-    "tri6_7pt": "6-node triangles, 7-point rule",
-    "quad4": "4-node quadrilaterals, full integration",
-    "quad4_fbar": "4-node quadrilaterals, F-bar",
-    "quad4_1pt": "4-node quadrilaterals, one point with hourglass control",
-    "quad8": "8-node quadrilaterals, 3 x 3 points",
-    "quad8_2x2": "8-node quadrilaterals, 2 x 2 points",
-    "quad9": "9-node quadrilaterals, 3 x 3 points",
-    "quad9_2x2": "9-node quadrilaterals, 2 x 2 points",
-    "hex8": "8-node hexahedra, full integration",
-    "hex8_fbar": "8-node hexahedra, F-bar",
-}
-
 
 def describe(problem: AnyModel | OneStepModel) -> str:
     """Describe a Model in words, a line per fact, with an estimate of what computing it takes."""
@@ -78,12 +63,16 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
         low, high = points.min(axis=0), points.max(axis=0)
         yield f"{body.name}: x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm"
         for block in mesh.blocks[body.blocks.start : body.blocks.stop]:
-            material = problem.materials[block.material].name
-            yield f"elements: {len(block.connectivity)} {block.element} ({_ELEMENTS[block.element]}) of {material}"
+            yield _describe_block(problem, block)
     n_points = len(mesh.points)
     yield f"nodes: {n_points}, freedoms: {2 * n_points} before supports, boundary edges: {len(mesh.boundary_edges)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     yield f"edge sets: {', '.join(f'{name} ({len(edges)})' for name, edges in sorted(mesh.edge_sets.items()))}"
+
+
+def _describe_block(problem: model.Model, block: model.CellBlock) -> str:
+    what, material = model.ELEMENTS[block.element].description, problem.materials[block.material].name
+    return f"elements: {len(block.connectivity)} {block.element} ({what}) of {material}"
 
 
 def _describe_space_solid(problem: model.Model) -> Iterator[str]:
@@ -93,8 +82,7 @@ def _describe_space_solid(problem: model.Model) -> Iterator[str]:
     extent = ", ".join(f"{axis} {a:g} to {b:g} mm" for axis, a, b in zip("xyz", low, high, strict=True))
     yield f"workpiece: {extent}"
     for block in mesh.blocks:
-        material = problem.materials[block.material].name
-        yield f"elements: {len(block.connectivity)} {block.element} ({_ELEMENTS[block.element]}) of {material}"
+        yield _describe_block(problem, block)
     n_points = len(mesh.points)
     yield f"nodes: {n_points}, freedoms: {3 * n_points} before supports, boundary faces: {len(mesh.boundary_faces)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"

@@ -7,29 +7,6 @@ from collections.abc import Iterator
 
 from presswork import model
 
-_WORDS: dict[str, str] = {
-    "shell3": "3-node degenerated shells, one point; they lock",
-    "shell3_mitc": "3-node shells, tied transverse shear (MITC3)",
-    "shell3_mitc_plus": "3-node shells, tied transverse shear and a bubble of the directors (MITC3+)",
-    "shell6": "6-node degenerated shells, 6 points",
-    "shell6_selective": "6-node degenerated shells, transverse shear from 3 points",
-    "shell6_reduced": "6-node degenerated shells, 3 points",
-    "shell6_mitc": "6-node shells, all strains tied (MITC6)",
-    "shell4": "4-node degenerated shells, 2 x 2 points; they lock",
-    "shell4_selective": "4-node degenerated shells, transverse shear from the centre",
-    "shell4_reduced": "4-node degenerated shells, one point, no hourglass control",
-    "shell4_mitc": "4-node shells, tied transverse shear (MITC4)",
-    "shell4_mitc_plus": "4-node shells, tied transverse shear and in-plane strains (MITC4+)",
-    "shell4_1pt": "4-node shells, one point, physical stabilisation",
-    "shell8": "8-node degenerated shells, 3 x 3 points",
-    "shell8_selective": "8-node degenerated shells, transverse shear from 2 x 2 points",
-    "shell8_reduced": "8-node degenerated shells, 2 x 2 points",
-    "shell9": "9-node degenerated shells, 3 x 3 points",
-    "shell9_selective": "9-node degenerated shells, transverse shear from 2 x 2 points",
-    "shell9_reduced": "9-node degenerated shells, 2 x 2 points",
-    "shell9_mitc": "9-node shells, all strains tied (MITC9, on the sides)",
-}
-
 
 def describe_sheet(problem: model.Model) -> Iterator[str]:
     """Describe mesh and sections, a line per fact."""
@@ -39,8 +16,8 @@ def describe_sheet(problem: model.Model) -> Iterator[str]:
     spans = (f"{axis} {a:g} to {b:g} mm" for axis, a, b in zip("xyz", low, high, strict=True))
     yield f"workpiece: {', '.join(spans)}"
     for block in mesh.blocks:
-        material = problem.materials[block.material].name
-        yield f"elements: {len(block.connectivity)} {block.element} ({_WORDS[block.element]}) of {material}"
+        what, material = model.ELEMENTS[block.element].description, problem.materials[block.material].name
+        yield f"elements: {len(block.connectivity)} {block.element} ({what}) of {material}"
         if block.section:
             section = block.section
             yield f"section: {section.thickness:g} mm thick, {section.points} {section.rule.capitalize()} points"

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from presswork import _core, model
 from presswork.case.errors import Problem
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import list_bodies
 
-ELEMENTS = ("quad4_1pt", "tri3")
 CONTACTS = ("frictionless", "coulomb")
 LARGEST_MU = 2.0
 STEPS_OF_A_STAGE = 20
@@ -40,9 +40,10 @@ def _check_explicit(case: schema.Case) -> list[Problem]:
     fault = "the explicit procedure knows no contact of bodies or of a body with itself"
     problems += [Problem(f"contacts.{name}", fault, remedy) for name in case.contacts]
     element = case.workpiece.element
-    if element not in ELEMENTS:
+    known = model.list_names(_core.Family.plane, in_explicit=True)
+    if element not in known:
         fault = "the explicit procedure has no such element"
-        problems.append(Problem("workpiece.element", fault, f"take {' or '.join(ELEMENTS)}", element))
+        problems.append(Problem("workpiece.element", fault, f"take {' or '.join(known)}", element))
     problems += _check_material(case)
     for name, tool in case.tools.items():
         problems += _check_tool(f"tools.{name}", tool)

@@ -135,7 +135,7 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
 
 def _elements(case: StampingCase) -> dict[int, model.ElementName]:
     """Return the elements that the case takes, by their number of nodes."""
-    return {3: "shell3_one_point", 4: case.explicit.element} if case.procedure == "explicit" else IMPLICIT_ELEMENTS
+    return {3: "shell3_1pt", 4: case.explicit.element} if case.procedure == "explicit" else IMPLICIT_ELEMENTS
 
 
 def _mesh_outline(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]) -> model.Mesh:

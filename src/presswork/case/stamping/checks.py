@@ -54,8 +54,8 @@ def check_names(case: StampingCase) -> list[Problem]:
     if case.blank.refine is not None and case.procedure == "implicit":
         fault, remedy = "only the explicit procedure splits shells", "leave it out, or give a smaller element_size"
         problems.append(Problem("blank.refine", fault, remedy))
-    elif case.blank.refine is not None and case.explicit.element != "shell4_one_point":
-        fault, remedy = "these shells cannot be split", 'take "shell4_one_point", or leave blank.refine out'
+    elif case.blank.refine is not None and case.explicit.element != "shell4_1pt":
+        fault, remedy = "these shells cannot be split", 'take "shell4_1pt", or leave blank.refine out'
         problems.append(Problem("explicit.element", fault, remedy, case.explicit.element))
     names = [stage.name for stage in case.stages]
     for index, stage in enumerate(case.stages):
