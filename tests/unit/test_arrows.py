@@ -83,6 +83,7 @@ PYTHON_ROOMS = {
     "onestep": {"case", "explicit", "fields", "implicit", "mesh", "model", "model_onestep", "results"},
     "api": {"case", "mesh", "onestep", "recorder", "results"},
     "cli": {
+        "fields",
         "case",
         "examples",
         "law",

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from problems import ELEMENTS, block_mesh, distort, elastic, fixed_increments, run
 
-from presswork.fields.solid_fields import point_fields
+from presswork.fields.table import compute_fields
 from presswork.model import Analysis, ElementName, Mesh, Model, OutputSettings, Stage, Support, Tool, ToolMotion
 
 YOUNG, POISSON = 200e3, 0.3
@@ -75,7 +75,7 @@ def stress_error(model: Model, degrees: float) -> float:
     state, fixed = procedure.state, procedure.interactions.supports.fixed(0)
     errors = [np.abs(block - exact).max() for block in state.stress]
     forces = procedure.interactions.tools.contact.forces(state, fixed)
-    fields = point_fields(model, state, forces, procedure.mechanics.nodal_flow_stress(state))
+    fields, _ = compute_fields(procedure.mechanics.show(state, forces))
     beside_wall = np.zeros(len(model.mesh.points), dtype=bool)  # a corner node has the mean of both faces
     if model.analysis == "plane_strain":
         edges = model.mesh.boundary_edges

@@ -11,11 +11,11 @@ import numpy as np
 from presswork import _core
 from presswork.body.shell_energy import elastic_energy, plastic_work
 from presswork.fields.contact_stress import ContactForces
+from presswork.fields.instant import Instant
 from presswork.fields.shell_fields import (
     ShellGeometry,
     sheet_effective_stress,
     shell_cell_fields,
-    shell_point_fields,
 )
 from presswork.law.sheet_law import make_sheet_law
 from presswork.mesh.directors import Directors, find_directors
@@ -238,7 +238,7 @@ class ShellMechanics:
         return result
 
     def cell_fields(self, state: State) -> dict[str, FloatArray]:
-        """Return the fields that are saved of the cells."""
+        """Return the quantities of the sheet's cells by name."""
         mesh = self._model.mesh
         if self._model.solver.is_small:  # for the strains, directors as far as rotations turn them to first order
             theta = state.displacement[self.directors.node, 3:]
@@ -259,11 +259,21 @@ class ShellMechanics:
         ]
         return shell_cell_fields(state, geometry)
 
-    def point_fields(
-        self, state: State, contact: ContactForces, between_bodies: tuple[FloatArray, FloatArray] | None
-    ) -> dict[str, FloatArray]:
-        """Return the fields that are saved of the nodes; nothing touches a shell."""
-        return shell_point_fields(state)
+    def show(
+        self,
+        state: State,
+        contact: ContactForces | None = None,
+        between_bodies: tuple[FloatArray, FloatArray] | None = None,
+    ) -> Instant:
+        """Return what the fields are computed from; neither contact nor bodies have stresses on a shell."""
+        return Instant(
+            self._model,
+            state.displacement[:, :3],
+            state,
+            reaction=state.reaction,
+            find_sheet=lambda: self.cell_fields(state),
+            judged=self._model.materials[self._model.mesh.blocks[0].material].formability,
+        )
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""

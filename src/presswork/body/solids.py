@@ -11,7 +11,8 @@ import numpy as np
 from presswork import _core
 from presswork.body.shells import ShellMechanics
 from presswork.fields.contact_stress import ContactForces
-from presswork.fields.solid_fields import cell_fields, effective_stress, point_fields
+from presswork.fields.instant import Instant, SolidPoints
+from presswork.fields.solid_fields import effective_stress, find_contact
 from presswork.law.umat import open_umat
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
 from presswork.outcome import BadGuess, Step
@@ -250,17 +251,25 @@ class Mechanics:
         result: FloatArray = flow.reshape(eqps.shape)
         return result
 
-    def cell_fields(self, state: State) -> dict[str, FloatArray]:
-        """Return the fields that are saved of the cells."""
-        return cell_fields(self._model, state)
-
-    def point_fields(
-        self, state: State, contact: ContactForces, between_bodies: tuple[FloatArray, FloatArray] | None
-    ) -> dict[str, FloatArray]:
-        """Return the fields that are saved of the nodes."""
-        if self._model.analysis == "solid":  # which no tool touches
-            return {"displacement": state.displacement.copy()}
-        return point_fields(self._model, state, contact, self.nodal_flow_stress(state), between_bodies)
+    def show(
+        self,
+        state: State,
+        contact: ContactForces | None = None,
+        between_bodies: tuple[FloatArray, FloatArray] | None = None,
+    ) -> Instant:
+        """Return what the fields are computed from. contact: forces of the tools; in space no tool touches a body."""
+        model = self._model
+        found = Instant(
+            model,
+            state.displacement,
+            state,
+            points=SolidPoints(state.stress, state.eqps, state.volume, state.user),
+        )
+        if contact is not None and model.analysis != "solid":
+            found.find_contact = lambda: find_contact(
+                model, state, contact, self.nodal_flow_stress(state), between_bodies
+            )
+        return found
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""

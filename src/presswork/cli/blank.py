@@ -23,9 +23,9 @@ def blank(
     case: Annotated[Path, typer.Argument(help="The stamping (TOML); its blank is drawn first.", show_default=False)],
     target: Annotated[Path | None, typer.Option(help="The flange's outline from above: DXF or CSV.")] = None,
     flange_width: Annotated[
-        float | None, typer.Option(help="Instead: a flange that reaches so far from the die's opening [mm].")
+        float | None, typer.Option(help="Instead: a flange that reaches so far from the die's opening (mm).")
     ] = None,
-    tolerance: Annotated[float, typer.Option(help="Largest distance of the drawn edge from the target [mm].")] = 0.5,
+    tolerance: Annotated[float, typer.Option(help="Largest distance of the drawn edge from the target (mm).")] = 0.5,
     draws: Annotated[int, typer.Option(min=1, help="Draws at most.")] = 8,
     damping: Annotated[float, typer.Option(help="Part of each correction that is made, up to 1.")] = 1.0,
     set_: Annotated[

@@ -29,12 +29,12 @@ in this package; a group of commands is the Typer `app` of its module."""
 
 
 def load(name: str) -> Any:
-    """Import a command and return it, as typer's own command or group."""
+    """Import a command and return it, as typer's own command or group; EPILOG of its module ends its help."""
     module = import_module(f"presswork.cli.{name}")
     if hasattr(module, "app"):
         return typer.main.get_command(module.app)
     alone = typer.Typer(add_completion=False)
-    alone.command(name)(getattr(module, name))
+    alone.command(name, epilog=getattr(module, "EPILOG", None))(getattr(module, name))
     return typer.main.get_command(alone)
 
 

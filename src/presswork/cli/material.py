@@ -79,7 +79,7 @@ def flc(
     name: Name,
     output: Annotated[Path | None, typer.Option(help="The picture; a CSV of the points lies beside it.")] = None,
     thickness: Annotated[
-        float | None, typer.Option(help="Of the sheet that it is for [mm]; default: that of the sheet tested.")
+        float | None, typer.Option(help="Of the sheet that it is for (mm); default: that of the sheet tested.")
     ] = None,
 ) -> None:
     """Find a material's forming limit curve; write its points and draw it."""

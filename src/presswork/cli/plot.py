@@ -10,8 +10,12 @@ import typer
 
 from presswork.cli.pictures import draw, overlay
 from presswork.cli.terminal import console, refuse
+from presswork.fields.table import list_fields
 from presswork.post import trace_outline
 from presswork.results import OutputError, Result, write_outline
+
+EPILOG = "\n\n".join(["Fields and their units; a run has those of its procedure.", *list_fields()])
+"""Ends the help; typer takes square brackets for markup."""
 
 
 def plot(
@@ -28,8 +32,8 @@ def plot(
         list[str] | None,
         typer.Option(
             metavar="[X,Y,]ANGLE",
-            help="Of a sheet: draw the section along a ray at an angle from x [degree], from the origin or from X, Y "
-            "[mm]; write its thickness as CSV.",
+            help="Of a sheet: draw the section along a ray at an angle from x (degrees), from the origin or from X, Y "
+            "(mm); write its thickness as CSV.",
         ),
     ] = None,
     outline: Annotated[

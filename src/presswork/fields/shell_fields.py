@@ -13,10 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork.fields.field import PLACES
 from presswork.model import FloatArray, IntArray, Material
 from presswork.state import State
-
-PLACES = ("bottom", "middle", "top")
 
 
 @dataclass(frozen=True)
@@ -62,15 +61,6 @@ def back_stress(material: Material, history: FloatArray) -> FloatArray:
     count = len(material.kinematic.parameters) // 2 if material.kinematic.law == "chaboche" else 2
     parts = history[..., 1 : 1 + 3 * count].reshape(*history.shape[:-1], count, 3)
     return np.asarray(parts.sum(axis=-2))
-
-
-def shell_point_fields(state: State) -> dict[str, FloatArray]:
-    """Return displacement, reaction force and moment at the nodes (n_points, 3)."""
-    return {
-        "displacement": state.displacement[:, :3].copy(),
-        "reaction_force": state.reaction[:, :3].copy(),
-        "reaction_moment": state.reaction[:, 3:].copy(),
-    }
 
 
 def sheet_effective_stress(stress: FloatArray) -> FloatArray:

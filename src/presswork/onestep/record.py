@@ -8,13 +8,16 @@ import platform
 import sys
 from collections.abc import Callable
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from presswork import __version__
-from presswork.fields.formability_fields import formability_fields, judge_fields
+from presswork.fields.formability_fields import judge_fields
+from presswork.fields.instant import Instant
+from presswork.fields.table import compute_fields
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import CellBlock, FloatArray, Mesh, Section
 from presswork.model_onestep import OneStepModel
@@ -92,16 +95,14 @@ def _write_results(path: Path, result: OneStepResult) -> None:
     info: dict[str, str | float | FloatArray] = {"title": result.model.title, "analysis": "onestep", "depth": 1.0}
     info |= result.model.material.formability.to_info()
     info["symmetry"] = "".join(axis for axis, wanted in zip("xy", result.model.symmetry, strict=True) if wanted)
-
-    def with_formability(cells: dict[str, FloatArray]) -> dict[str, FloatArray]:
-        return cells | formability_fields(cells, result.model.material.formability)
-
     steps: list[tuple[float, FloatArray, dict[str, FloatArray]]] = [
         (0.0, np.zeros_like(mesh.points), flat),
         (1.0, result.model.points - mesh.points, result.fields),
     ]
     for time, displacement, cells in steps:
-        append_step(path, mesh, time, {"displacement": displacement}, with_formability(cells), info=info)
+        now = Instant(result.model, displacement, judged=result.model.material.formability)
+        now.find_sheet = partial(dict, cells)
+        append_step(path, mesh, time, *compute_fields(now), info=info)
 
 
 def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str], total: float) -> dict[str, object]:

@@ -18,7 +18,8 @@ from presswork.explicit.input_checks import check_damping
 from presswork.explicit.motion import SmoothStroke
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import FREEDOMS, ExplicitSolids, Wall
-from presswork.fields.solid_fields import effective_stress
+from presswork.fields.instant import Instant, SolidPoints
+from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments
 from presswork.model import FloatArray, Material, Model, Stage, Tool, ToolMotion
 from presswork.process.limits import Watched, measure_hydrostatic_stress
@@ -186,38 +187,38 @@ class ExplicitImpact(RowRecording):
         ]
         return np.array(gaps).reshape(len(gaps), len(places))
 
+    def show(self) -> Instant:
+        """Return what the fields of the present state are computed from; a cell has one point."""
+        solids, model = self.solids, self.model
+        heats = any(material.heating for material in model.materials)
+        return Instant(
+            model,
+            solids.position - model.mesh.points,
+            velocity=solids.velocity,
+            reaction=self._reaction,
+            tool_force=sum((wall.nodal_force for wall in self.walls), start=np.zeros((len(model.mesh.points), 2))),
+            points=SolidPoints(
+                stress=[solids.stress[:, None]],
+                eqps=[solids.equivalent_plastic_strain[:, None]],
+                volume=[np.ones((len(solids.stress), 1))],
+                temperature=solids.temperature if heats else None,
+            ),
+        )
+
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""
         solids, model = self.solids, self.model
-        n = len(model.mesh.points)
-        contact = sum((wall.nodal_force for wall in self.walls), start=np.zeros((n, 2)))
+        points, cells = compute_fields(self.show())
         return Snapshot(
             time=solids.time,
-            point_data={
-                "displacement": np.column_stack([solids.position - model.mesh.points, np.zeros(n)]),
-                "velocity": np.column_stack([solids.velocity, np.zeros(n)]),
-                "contact_force": np.column_stack([contact, np.zeros(n)]),
-                "reaction_force": np.column_stack([self._reaction, np.zeros(n)]),
-            },
-            cell_data=self._cell_fields(),
+            point_data=points,
+            cell_data=cells,
             tools={t.name: t.segments for t in model.tools},
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={wall.name: wall.displacement for wall in self.walls},
             tool_angle={t.name: 0.0 for t in model.tools},
             info={**describe_plane(model), **self.reactions.gauges(model)},
         )
-
-    def _cell_fields(self) -> dict[str, FloatArray]:
-        stress = self.solids.stress
-        fields = {
-            "equivalent_plastic_strain": self.solids.equivalent_plastic_strain,
-            "effective_stress": effective_stress(stress),
-            "stress": np.column_stack([stress, np.zeros((len(stress), 2))]),
-            "hydrostatic_stress": stress[:, :3].mean(axis=1),
-        }
-        if any(material.heating for material in self.model.materials):
-            fields["temperature"] = self.solids.temperature
-        return fields
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array that the next row depends on."""
@@ -231,7 +232,7 @@ class ExplicitImpact(RowRecording):
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are out of hand."""
-        fields = {name: values for name, values in self._cell_fields().items() if values.ndim == 1}
+        fields = {name: values for name, values in compute_fields(self.show())[1].items() if values.ndim == 1}
         mass = self.solids.added_mass()
         speed = self.solids.mass @ self.solids.velocity / self.solids.mass.sum()
         if self.model.analysis == "axisymmetric":

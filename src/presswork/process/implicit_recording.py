@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.solids import Mechanics
-from presswork.fields.formability_fields import FormingVerdict, formability_fields, judge_fields
+from presswork.fields.formability_fields import FormingVerdict, judge_fields
+from presswork.fields.table import compute_fields
 from presswork.formability import Formability
 from presswork.geometry.pose import ToolPose, place_segments
 from presswork.implicit.arc_length import ArcLengthProcedure
@@ -129,15 +130,14 @@ class ImplicitRecording(IncrementRecording):
         state = procedure.state
         interactions = procedure.interactions
         forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self._stage()))
-        cells = procedure.mechanics.cell_fields(state)
-        points = procedure.mechanics.point_fields(state, forces, procedure.interface_stress())
+        now = procedure.mechanics.show(state, forces, procedure.interface_stress())
         if model.analysis != "shell":
-            held = state.reaction * self.reactions.mask(self.mesh, self._stage())
-            points["reaction_force"] = np.column_stack([held, np.zeros((len(held), 3 - held.shape[1]))])
+            now.reaction = state.reaction * self.reactions.mask(self.mesh, self._stage())
+        points, cells = compute_fields(now)
         return Snapshot(
             time=float(state.progress[TIME]),
             point_data=points,
-            cell_data=cells | formability_fields(cells, self._judged()),
+            cell_data=cells,
             tools={t.name: t.segments for t in model.tools},
             tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
             tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
@@ -160,7 +160,7 @@ class ImplicitRecording(IncrementRecording):
             return None
         points = self.mesh.points + state.displacement[:, :3]
         centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in self.mesh.blocks])
-        return judge_fields(mechanics.cell_fields(state), centres, self._judged())
+        return judge_fields(mechanics.show(state).sheet, centres, self._judged())
 
     def meta(self) -> Meta:
         """Return what the summary needs and no array holds."""

@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.fields.formability_fields import FormingVerdict, formability_fields, judge_fields
+from presswork.fields.formability_fields import FormingVerdict, judge_fields
+from presswork.fields.instant import Instant
+from presswork.fields.table import compute_fields
 from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.model import FloatArray, Model, OutputSettings, Push, SheetTool, Stage
@@ -164,19 +166,21 @@ class ImplicitStamping(IncrementRecording):
         progress = self.procedure.state.progress
         return max(int(progress[STAGE]) - int(progress[FRACTION] == 0.0), 0)
 
-    def snapshot(self) -> Snapshot:
-        """Return the fields of the converged state."""
+    def show(self) -> Instant:
+        """Return what the fields of the converged state are computed from."""
+        state = self.procedure.state
+        now = self.procedure.mechanics.show(state)
+        now.tool_force, now.judged = state.sheet_tool_force.sum(axis=0), self._judged
+        return now
+
+    def snapshot(self, now: Instant | None = None) -> Snapshot:
+        """Return the fields of the converged state. now: what they are computed from, of `show`."""
         state, model = self.procedure.state, self.model
-        cells = self.procedure.mechanics.cell_fields(state)
+        points, cells = compute_fields(now or self.show())
         return Snapshot(
             time=float(state.progress[TIME]),
-            point_data={
-                "displacement": state.displacement[:, :3].copy(),
-                "reaction_force": state.reaction[:, :3].copy(),
-                "reaction_moment": state.reaction[:, 3:].copy(),
-                "contact_force": state.sheet_tool_force.sum(axis=0),
-            },
-            cell_data=cells | formability_fields(cells, self._judged),
+            point_data=points,
+            cell_data=cells,
             info=describe_stamping(model),
             surfaces=cut_surfaces(model),
             tool_displacement=self._displacement(),
@@ -194,7 +198,7 @@ class ImplicitStamping(IncrementRecording):
     def watch(self) -> Watched:
         """Return how far the converged state is towards its limits."""
         procedure, thickness = self.procedure, self.model.sheet[0].thickness
-        strained = watch_sheet(self._judge(procedure.mechanics.cell_fields(procedure.state)))
+        strained = watch_sheet(self._judge(self.show().sheet))
         contact = self._sheet()
         depths = contact.depths(procedure.state) if contact else np.zeros(0)
         each = zip(self.model.tools, depths, strict=True)
@@ -228,7 +232,7 @@ class ImplicitStamping(IncrementRecording):
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are out of hand."""
         state = self.procedure.state
-        fields = self.procedure.mechanics.cell_fields(state)
+        fields = self.show().sheet
         verdict = self._judge(fields)
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         energy = self.procedure.energy_balance()

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.fields.formability_fields import formability_fields
+from presswork.fields.table import compute_fields
 from presswork.geometry.best_fit import measure_deviation
 from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
 from presswork.mesh.checks import MeshError
@@ -254,27 +254,19 @@ class ReleasedStamping(ModelRecording):
         `springback` is the displacement since the part was let go, `deviation` how far it lies off the shape that it
         had in its tools, along that shape's normal, after the best fit.
         """
-        snapshot = self.forming.snapshot()
+        now = self.forming.show()
         if self._released is None:
-            point_data = dict(snapshot.point_data)
             if self.model.springback is not None:
-                point_data[NAME] = np.zeros_like(self.mesh.points)
-                point_data[DEVIATION] = np.zeros(len(self.mesh.points))
-            return replace(snapshot, point_data=point_data)
-        state, mechanics = self._released.implicit.state, self._released.implicit.mechanics
-        cells = mechanics.cell_fields(state)
-        cells |= formability_fields(cells, self.model.sheet[1].formability)
-        point_data = {
-            "displacement": state.displacement[:, :3].copy(),
-            "reaction_force": state.reaction[:, :3].copy(),
-            "reaction_moment": state.reaction[:, 3:].copy(),
-            "contact_force": np.zeros_like(self.mesh.points),
-        }
+                now.springback, now.deviation = np.zeros_like(self.mesh.points), np.zeros(len(self.mesh.points))
+            return self.forming.snapshot(now)
+        snapshot = self.forming.snapshot(now)
+        now = self._released.implicit.mechanics.show(self._released.implicit.state)
+        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
         if self.model.springback is not None:
-            point_data[NAME] = self._moved()
-            point_data[DEVIATION] = self._deviation()
-        cell_data = {name: cells[name] for name in snapshot.cell_data}
-        return replace(snapshot, time=self._time(), point_data=point_data, cell_data=cell_data)
+            now.springback, now.deviation = self._moved(), self._deviation()
+        points, cells = compute_fields(now)
+        common = {name: cells[name] for name in snapshot.cell_data}  # what both procedures have
+        return replace(snapshot, time=self._time(), point_data=points, cell_data=common)
 
     def _moved(self) -> FloatArray:
         """Return the displacement of springback (n_points, 3) [mm]."""

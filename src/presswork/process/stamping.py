@@ -20,7 +20,9 @@ from presswork.explicit.input_checks import check_damping
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import FREEDOMS, PHASES, SAFETY, ExplicitShells
 from presswork.fields.explicit_fields import OnePointFields
-from presswork.fields.formability_fields import FormingVerdict, formability_fields, judge_fields
+from presswork.fields.formability_fields import FormingVerdict, judge_fields
+from presswork.fields.instant import Instant
+from presswork.fields.table import compute_fields
 from presswork.law.sheet_law import make_sheet_law
 from presswork.model import BoolArray, FloatArray, Mesh
 from presswork.model_stamping import Refinement, StampingModel, StampingStage
@@ -231,20 +233,24 @@ class ExplicitStamping(RowRecording):
         moved[:, :3] = self.shells.position - mesh.points
         return self.reactions.measure(mesh, self._stage_of_row(), self._reaction, moved)
 
-    def snapshot(self) -> Snapshot:
-        """Return the fields of the present state."""
-        shells, mesh = self.shells, self.model.mesh
-        points = shells.position
-        cells = self._cell_fields()
+    def show(self) -> Instant:
+        """Return what the fields of the present state are computed from."""
+        return Instant(
+            self.model,
+            self.shells.position - self.model.mesh.points,
+            reaction=self._reaction,
+            tool_force=self.shells.contact_force,
+            find_sheet=self._cell_fields,
+            judged=self._judged,
+        )
+
+    def snapshot(self, now: Instant | None = None) -> Snapshot:
+        """Return the fields of the present state. now: what they are computed from, of `show`."""
+        points, cells = compute_fields(now or self.show())
         return Snapshot(
-            time=shells.time,
-            point_data={
-                "displacement": points - mesh.points,
-                "reaction_force": self._reaction[:, :3],
-                "reaction_moment": self._reaction[:, 3:],
-                "contact_force": shells.contact_force,
-            },
-            cell_data=cells | formability_fields(cells, self._judged),
+            time=self.shells.time,
+            point_data=points,
+            cell_data=cells,
             info=describe_stamping(self.model),
             surfaces=cut_surfaces(self.model),
             tool_displacement=self.tools.displacement(),

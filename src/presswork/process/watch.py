@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.fields.table import split_components, to_scalar
 from presswork.model import FloatArray, Limits, Mesh
 from presswork.process.limits import Watched, explain_breach, find_breach
 from presswork.process.recording import Snapshot
 
-TENSOR = ("xx", "yy", "zz", "xy", "yz", "xz")
-"""Components of fields of six."""
 STROKE, FORCE = ".stroke", ".force"
 
 
@@ -124,8 +123,5 @@ def find_largest_forces(history: Mapping[str, NDArray[Any]]) -> dict[str, dict[s
 
 def _scalars(name: str, values: FloatArray) -> dict[str, FloatArray]:
     """Return a field as scalars: the components of a tensor, the length of a vector."""
-    if values.ndim == 1:
-        return {name: values}
-    if values.shape[1] == len(TENSOR):
-        return {f"{name}_{component}": values[:, i] for i, component in enumerate(TENSOR)}
-    return {name: np.linalg.norm(values, axis=1)}
+    one = to_scalar(name, values)
+    return split_components(name, values) if one is None else {name: one}

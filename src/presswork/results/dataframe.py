@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from presswork.results.reader import IN_PLANE, IN_PLANE_COMPONENTS, STRESS_COMPONENTS, Result, ResultError
+from presswork.fields.table import split_components
+from presswork.results.reader import Result, ResultError
 
 if TYPE_CHECKING:
     import pandas
@@ -35,21 +36,9 @@ def make_dataframe(result: Result, rows: Rows, step: int) -> pandas.DataFrame:
     for name, kind in result.field_names.items():
         if kind != rows:
             continue
-        values = result.field(name, step)
-        for title, column in (
-            [(name, values)] if values.ndim == 1 else zip(_titles(name, values), values.T, strict=True)
-        ):
+        for title, column in split_components(name, result.field(name, step)).items():
             columns[title], units[title] = column, result.unit(name)
     table = pandas.DataFrame(columns)
     table.index.name = rows
     table.attrs["units"] = units
     return table
-
-
-def _titles(name: str, values: np.ndarray) -> list[str]:
-    """Return the names of a field's components, as Result.field takes those of stresses."""
-    count = values.shape[1]
-    of_plane = name.startswith(IN_PLANE) and count == len(IN_PLANE_COMPONENTS)
-    known: dict[int, tuple[str, ...]] = {3: IN_PLANE_COMPONENTS if of_plane else ("x", "y", "z"), 6: STRESS_COMPONENTS}
-    parts = known.get(count, tuple(str(i) for i in range(count)))
-    return [f"{name}_{part}" for part in parts]

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.fields.formability_fields import FORMABILITY_FIELDS
+from presswork.fields.table import find_aliases, find_row, to_scalar
 from presswork.formability import Formability
 from presswork.geometry.pose import ToolPose, place_segments
 from presswork.model import FloatArray, IntArray
@@ -30,12 +31,6 @@ if TYPE_CHECKING:
     import pandas
 
     from presswork.results.dataframe import Rows
-
-ALIASES = {"eqps": "equivalent_plastic_strain", "u": "displacement", "mises": "effective_stress"}
-STRESS_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
-IN_PLANE = ("lamina_stress", "lamina_strain", "back_stress")
-"""Fields of a sheet's tensors in its lamina frame, and their components."""
-IN_PLANE_COMPONENTS = ("xx", "yy", "xy")
 
 
 class ResultError(OutputError):
@@ -197,7 +192,7 @@ class Result:
         """Return a field at a saved step, shape (n,) or (n, k), n points or cells; negative steps count from the end.
 
         "eqps" stands for equivalent_plastic_strain; "stress_xx" ... "stress_xy" for one component of the stress, and
-        "stress_top_xx", "lamina_stress_top_xx" and the like of a sheet's.
+        "displacement_x", "stress_top_xx", "lamina_stress_top_xx" and the like for one of another vector or tensor.
         """
         stored, component = self._resolve(name)
         group, count = ("PointData", "Points") if self.field_names[stored] == "point" else ("CellData", "Cells")
@@ -221,6 +216,17 @@ class Result:
         from presswork.results.dataframe import make_dataframe
 
         return make_dataframe(self, rows, step)
+
+    def scalar(self, name: str, step: int = -1) -> FloatArray:
+        """Return a field as one number per node or cell (n,), a vector's length. Raises ResultError for a tensor."""
+        values = self.field(name, step)
+        stored, component = self._resolve(name)
+        found = values if component is not None else to_scalar(stored, values)
+        if found is None:
+            row = find_row(stored)
+            first = row.components[0] if row else "xx"
+            raise ResultError(f"{name} has {values.shape[1]} components; choose one, as {name}_{first}")
+        return found
 
     def unit(self, name: str) -> str:
         """Return a field's unit; "" if it is not known, "1" for a pure number."""
@@ -264,11 +270,11 @@ class Result:
 
     def _resolve(self, name: str) -> tuple[str, int | None]:
         """Return the stored field and the component that a name stands for."""
-        stored = ALIASES.get(name, name)
+        stored = find_aliases().get(name, name)
         base, _, component = stored.rpartition("_")
-        for prefixes, components in ((("stress", "strain"), STRESS_COMPONENTS), (IN_PLANE, IN_PLANE_COMPONENTS)):
-            if base.startswith(prefixes) and component in components and base in self.field_names:
-                return base, components.index(component)
+        row = find_row(base) if stored not in self.field_names and base in self.field_names else None
+        if row and component in row.components:
+            return base, row.components.index(component)
         self._require(stored, self.field_names, "field")
         return stored, None
 
@@ -276,7 +282,7 @@ class Result:
         """Raise ResultError with the nearest choice if a name is not known."""
         names = list(known)
         if name not in names:
-            near = difflib.get_close_matches(name, [*names, *(ALIASES if what == "field" else ())], n=1)
+            near = difflib.get_close_matches(name, [*names, *(find_aliases() if what == "field" else ())], n=1)
             hint = f" (did you mean {near[0]}?)" if near else ""
             if name in FORMABILITY_FIELDS and self.is_shell:
                 hint = " (the material has no forming_limit, or the results are older than this field)"

@@ -7,7 +7,8 @@ other, found by their offsets. A step on another mesh than the one before, of a 
 points and cells: VTK calls these a part. Beside it the group /presswork, which VTK passes over, holds what the pictures
 need: cell blocks and boundary edges of each mesh, tool profiles and positions.
 
-Fields are compressed. Tensors at the layers of a sheet are kept in single precision, all else in double.
+Fields are compressed. Tensors at the layers of a sheet, most of its data, are kept in single precision, all else in
+double; the table of fields says so, and the units.
 
 Every append writes a copy and renames it. HDF5 has no journal, so an append in place that is killed can leave a file
 that nothing reads; the copy costs a sequential read and write of the file, and in return the file is whole at any
@@ -26,6 +27,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.fields.table import find_row, find_unit
 from presswork.formability import Info
 from presswork.model import ELEMENTS, FloatArray, IntArray, Mesh
 from presswork.results.vtkhdf_tools import (
@@ -42,42 +44,6 @@ from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28, "hex8": 12}
 """By the kind of cell."""
 
-_PLACES = ("bottom", "middle", "top")
-_SHEET_STRESSES = ("stress", "lamina_stress", "back_stress", "effective_stress")
-_SHEET_STRAINS = ("strain", "lamina_strain", "major_strain", "minor_strain", "equivalent_plastic_strain")
-UNITS = {
-    "displacement": "mm",
-    "springback": "mm",
-    "deviation": "mm",
-    "gap": "mm",
-    "contact_status": "1",
-    "contact_pressure": "MPa",
-    "contact_shear": "MPa",
-    "contact_traction": "MPa",
-    "friction_limit": "MPa",
-    "contact_force": "N",
-    "equivalent_plastic_strain": "1",
-    "effective_stress": "MPa",
-    "stress": "MPa",
-    "hydrostatic_stress": "MPa",
-    "body": "1",
-    "temperature": "degrees C",
-    "velocity": "mm/s",
-    "thickness": "mm",
-    "thickness_strain": "1",
-    "thinning": "%",
-    "wrinkling_indicator": "1",
-    "forming_limit_margin": "1",
-    "formability_zone": "1",
-    "reaction_force": "N",
-    "reaction_moment": "N mm",
-    **{f"{name}_{place}": "MPa" for name in _SHEET_STRESSES for place in _PLACES},
-    **{f"{name}_{place}": "1" for name in _SHEET_STRAINS for place in _PLACES},
-}
-
-_LAYERED = ("stress", "strain", "lamina_stress", "lamina_strain", "back_stress")
-_SINGLE = {f"{name}_{place}" for name in _LAYERED for place in _PLACES}
-"""Fields of single precision: most of a sheet's, and seven digits are more than they have."""
 _ROWS_PER_CHUNK = 16384
 _OVERHEAD_BYTES = 65536
 _COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
@@ -329,16 +295,16 @@ def _create_rows(group: h5py.Group, name: str, values: NDArray[np.generic]) -> h
     """Create an empty dataset whose rows look like those of `values`."""
     columns = values.shape[1:]
     chunks = (max(1, min(len(values), _ROWS_PER_CHUNK)), *columns)
-    dtype = np.float32 if name in _SINGLE else values.dtype
+    row = find_row(name)
+    dtype = np.float32 if row and row.single else values.dtype
     return group.create_dataset(name, (0, *columns), dtype, maxshape=(None, *columns), chunks=chunks, **COMPRESSION)
 
 
 def _create_field(group: h5py.Group, name: str, values: FloatArray) -> None:
     """Create an empty field whose rows look like those of `values`."""
     field = _create_rows(group, name, values)
-    of_tool = "contact_traction" if name.startswith("contact_traction_") else name
-    if of_tool in UNITS:
-        field.attrs["units"] = UNITS[of_tool]
+    if unit := find_unit(name):
+        field.attrs["units"] = unit
 
 
 def _append_time(file: h5py.File, time: float) -> None:

@@ -46,7 +46,7 @@ class Column:
             known = ", ".join(name for name in history if name != "stage")
             raise ResultError(f"{result.folder} has no history column {self.name}; there are: {known}")
         else:
-            values = _magnitude(result, self.name)
+            values = result.scalar(self.name)
         if not len(values):
             raise ResultError(f"{result.folder}: {self.name} has no values")
         return float(values[-1] if self.extreme == "last" else getattr(np, self.extreme)(values))
@@ -145,13 +145,3 @@ def _measure_blank(summary: Mapping[str, Any]) -> dict[str, float]:
         "blank_area": blank["area_mm2"],
         "strip_utilisation_percent": blank["strip"]["utilisation_percent"],
     }
-
-
-def _magnitude(result: Result, name: str) -> FloatArray:
-    """Return a field's values at the last step, a vector's lengths. Raises ResultError for a tensor."""
-    values = result.field(name)
-    if values.ndim == 1:
-        return values
-    if values.shape[1] == 3 and result.kind(name) == "point":
-        return np.asarray(np.linalg.norm(values, axis=1), dtype=np.float64)
-    raise ResultError(f"{name} has {values.shape[1]} components; name one, for instance {name}_xx")

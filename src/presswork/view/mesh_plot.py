@@ -9,7 +9,7 @@ import numpy as np
 
 from presswork.model import FloatArray
 from presswork.post import average_to_nodes
-from presswork.results import Result, ResultError
+from presswork.results import Result
 from presswork.view.cells import outline_cells, triangulate
 from presswork.view.extremes import describe_extremes, mark_extremes
 from presswork.view.mirror import IMAGES, Mirror
@@ -45,7 +45,7 @@ def plot_mesh(
     if field is None:
         _draw_cells(ax, outlines, None, mirror, show_edges, bare=True)
         return ax
-    values = _scalar(result, field, step)
+    values = result.scalar(field, step)
     if result.kind(field) == "point":
         colours, places = _shade_points(ax, result, values, step, mirror), points
         _draw_cells(ax, outlines, None, mirror, show_edges, bare=False)
@@ -64,7 +64,7 @@ def plot_contours(
     ax = _axes(result, step, mirror) if ax is None else ax
     _prepare(ax, result, step, mirror)
     ax.set_title(describe_step(result, step), fontsize="medium")
-    points, values = result.points(step), _scalar(result, field, step)
+    points, values = result.points(step), result.scalar(field, step)
     if result.kind(field) == "cell":
         values = average_to_nodes(points, [block.connectivity for block in result.mesh.blocks], values)
     triangles = triangulate(result.mesh)
@@ -143,16 +143,6 @@ def _prepare(ax: Axes, result: Result, step: int, mirror: Mirror) -> None:
     ax.set_xlabel("radius r [mm]" if axisymmetric else "x [mm]")
     ax.set_ylabel("height z [mm]" if axisymmetric else "y [mm]")
     draw_tools(ax, result, step, 0.05 * float(np.max(high - low)), IMAGES[mirror])
-
-
-def _scalar(result: Result, field: str, step: int) -> FloatArray:
-    """Return a field as one number per cell or point."""
-    values = result.field(field, step)
-    if values.ndim == 1:
-        return values
-    if values.shape[1] <= 3:
-        return np.asarray(np.linalg.norm(values, axis=1), dtype=np.float64)
-    raise ResultError(f"{field} has {values.shape[1]} components; choose one, as {field}_xx")
 
 
 def _levels(values: FloatArray) -> FloatArray:

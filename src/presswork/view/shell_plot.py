@@ -12,8 +12,7 @@ from presswork.formability import ZONES
 from presswork.model import FloatArray
 from presswork.post import find_skin
 from presswork.post.section import cut_tool
-from presswork.results import Result, ResultError, ResultMesh
-from presswork.results.reader import IN_PLANE
+from presswork.results import Result, ResultMesh
 from presswork.view.cells import outline_cells
 from presswork.view.extremes import describe_extremes
 from presswork.view.mirror import IMAGES, Mirror
@@ -133,11 +132,7 @@ def _face_values(
     result: Result, field: str, step: int, skin: ResultMesh, owner: NDArray[np.int32] | None
 ) -> FloatArray:
     """Return a field as one number per face of the skin: of its cell, or the mean of its nodes."""
-    values = result.field(field, step)
-    if values.ndim == 2 and values.shape[1] == 3 and not field.startswith(IN_PLANE):
-        values = np.linalg.norm(values, axis=1)
-    if values.ndim != 1:
-        raise ResultError(f"{field} has {values.shape[1]} components; choose one, as {field}_xx")
+    values = result.scalar(field, step)
     if result.kind(field) == "cell":
         return values if owner is None else values[owner]
     return np.concatenate([values[block.connectivity].mean(axis=1) for block in skin.blocks])

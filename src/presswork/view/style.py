@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.fields.table import describe_field
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
 
@@ -82,8 +83,7 @@ def require_matplotlib() -> None:
 
 def label_field(result: Result, name: str) -> str:
     """Return a field's name in words with its unit, as "effective stress [MPa]"."""
-    words = {"eqps": "equivalent plastic strain", "mises": "effective stress", "u": "displacement"}
-    text = words.get(name, name.replace("_", " "))
+    text = describe_field(name)
     unit = result.unit(name)
     return f"{text} [{'–' if unit == '1' else unit}]" if unit else text
 

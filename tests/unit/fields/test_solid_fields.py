@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from presswork import Case, build_model
-from presswork.fields.solid_fields import effective_stress, point_fields
+from presswork.fields.solid_fields import effective_stress
+from presswork.fields.table import compute_fields
 from presswork.implicit.stepping import ImplicitProcedure
 
 
@@ -14,7 +15,7 @@ def fields_of(procedure: ImplicitProcedure) -> dict[str, np.ndarray]:
     forces = procedure.interactions.tools.contact.forces(
         state, procedure.interactions.supports.fixed(len(procedure.model.stages) - 1)
     )
-    return point_fields(procedure.model, state, forces, procedure.mechanics.nodal_flow_stress(state))
+    return compute_fields(procedure.mechanics.show(state, forces))[0]
 
 
 @pytest.mark.parametrize("element", ["tri3", "tri6_7pt", "quad4_fbar", "quad8_2x2", "quad9_2x2"])

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The fields of the results: a row for each quantity, the same row for every procedure that has the quantity.
+
+A cell's value is the mean of its integration points, weighted by their volume. In a sheet the layers have tensors; what
+one number must say of a whole cell is that of the layer where it is largest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from presswork.fields.field import LAMINA, PLACES, TENSOR, VECTOR, Field
+from presswork.fields.instant import Instant, NodalContact
+from presswork.fields.solid_fields import effective_stress
+from presswork.model import FloatArray
+
+
+def _to_space(vectors: FloatArray | None) -> FloatArray | None:
+    """Return vectors (n, 2 | 3) with three components."""
+    if vectors is None:
+        return None
+    return np.column_stack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])
+
+
+def _contact_force(now: Instant) -> FloatArray | None:
+    return now.contact.force if now.contact else _to_space(now.tool_force)
+
+
+def _reaction_force(now: Instant) -> FloatArray | None:
+    return None if now.reaction is None else _to_space(now.reaction[:, :3])
+
+
+def _reaction_moment(now: Instant) -> FloatArray | None:
+    return now.reaction[:, 3:].copy() if now.reaction is not None and now.reaction.shape[1] == 6 else None
+
+
+def _of_contact(find: Callable[[NodalContact], FloatArray]) -> Callable[[Instant], FloatArray | None]:
+    return lambda now: find(now.contact) if now.contact else None
+
+
+def _traction_of_tools(now: Instant) -> Mapping[str, FloatArray] | None:
+    """Return the traction of each tool; of a single one, contact_traction is that."""
+    return now.contact.traction if now.contact and len(now.contact.traction) > 1 else None
+
+
+def _of_sheet(name: str) -> Callable[[Instant], FloatArray | None]:
+    return lambda now: now.sheet.get(name)
+
+
+def _of_layers(name: str) -> Callable[[Instant], Mapping[str, FloatArray] | None]:
+    def find(now: Instant) -> Mapping[str, FloatArray] | None:
+        found = {place: now.sheet[f"{name}_{place}"] for place in PLACES if f"{name}_{place}" in now.sheet}
+        return found or None
+
+    return find
+
+
+def _of_forming(name: str) -> Callable[[Instant], FloatArray | None]:
+    return lambda now: now.forming.get(name)
+
+
+def _weights(now: Instant) -> list[FloatArray]:
+    """Return the part of every integration point in its cell's mean, blocks of (n_cells, q)."""
+    assert now.points is not None
+    return [volume / volume.sum(axis=1, keepdims=True) for volume in now.points.volume]
+
+
+def _mean_stress(now: Instant) -> list[FloatArray]:
+    """Return the mean stress of the cells, blocks of (n_cells, 4 | 6) [MPa]."""
+    assert now.points is not None
+    each = zip(_weights(now), now.points.stress, strict=True)
+    return [np.einsum("cq,cqi->ci", weight, stress) for weight, stress in each]
+
+
+def _equivalent_plastic_strain(now: Instant) -> FloatArray | None:
+    if now.points is None:
+        return now.sheet.get("equivalent_plastic_strain")
+    each = zip(_weights(now), now.points.eqps, strict=True)
+    return np.concatenate([(weight * eqps).sum(axis=1) for weight, eqps in each])
+
+
+def _effective_stress(now: Instant) -> FloatArray | None:
+    if now.points is None:
+        return now.sheet.get("effective_stress")
+    each = zip(_weights(now), now.points.stress, strict=True)
+    return np.concatenate([(weight * effective_stress(stress)).sum(axis=1) for weight, stress in each])
+
+
+def _stress(now: Instant) -> FloatArray | None:
+    if now.points is None:
+        return None
+    return np.concatenate([np.column_stack([s, np.zeros((len(s), 6 - s.shape[1]))]) for s in _mean_stress(now)])
+
+
+def _hydrostatic_stress(now: Instant) -> FloatArray | None:
+    return None if now.points is None else np.concatenate([s[:, :3].mean(axis=1) for s in _mean_stress(now)])
+
+
+def _temperature(now: Instant) -> FloatArray | None:
+    return None if now.points is None else now.points.temperature
+
+
+def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:
+    """Return the means of UMATs' state variables, from 1 on; zero in cells of other laws."""
+    if now.points is None or not now.points.user:
+        return None
+    umats = [now.model.materials[block.material].umat for block in now.model.mesh.blocks]
+    numbers = [umat.n_state if umat else 0 for umat in umats]
+    parts = []
+    for n, history, weight in zip(numbers, now.points.user, _weights(now), strict=True):
+        mean = np.zeros((len(history), max(numbers)))
+        mean[:, :n] = np.einsum("cq,cqi->ci", weight, history[..., :n])
+        parts.append(mean)
+    return {str(i + 1): np.concatenate([part[:, i] for part in parts]) for i in range(max(numbers))} or None
+
+
+def _body(now: Instant) -> FloatArray | None:
+    if now.points is None or len(now.model.bodies) < 2:
+        return None
+    n_cells = [len(block.connectivity) for block in now.model.mesh.blocks]
+    bodies = enumerate(now.model.bodies)
+    return np.concatenate([np.full(n_cells[b], float(i)) for i, body in bodies for b in body.blocks])
+
+
+ROWS = (
+    Field("displacement", "mm", "point", lambda now: _to_space(now.displacement), components=VECTOR, alias="u"),
+    Field("velocity", "mm/s", "point", lambda now: _to_space(now.velocity), components=VECTOR),
+    Field("gap", "mm", "point", _of_contact(lambda c: c.gap)),
+    Field("contact_status", "1", "point", _of_contact(lambda c: c.status)),
+    Field("contact_pressure", "MPa", "point", _of_contact(lambda c: c.pressure)),
+    Field("contact_shear", "MPa", "point", _of_contact(lambda c: c.shear)),
+    Field("contact_traction", "MPa", "point", _of_contact(lambda c: c.total_traction), components=VECTOR),
+    Field("contact_traction_{}", "MPa", "point", _traction_of_tools, "tool", components=VECTOR),
+    Field("friction_limit", "MPa", "point", _of_contact(lambda c: c.friction_limit)),
+    Field("reaction_force", "N", "point", _reaction_force, components=VECTOR),
+    Field("reaction_moment", "N mm", "point", _reaction_moment, components=VECTOR),
+    Field("contact_force", "N", "point", _contact_force, components=VECTOR),
+    Field("springback", "mm", "point", lambda now: now.springback, components=VECTOR),
+    Field("deviation", "mm", "point", lambda now: now.deviation),
+    Field("thickness", "mm", "cell", _of_sheet("thickness")),
+    Field("thickness_strain", "1", "cell", _of_sheet("thickness_strain")),
+    Field("equivalent_plastic_strain", "1", "cell", _equivalent_plastic_strain, alias="eqps"),
+    Field("effective_stress", "MPa", "cell", _effective_stress, alias="mises"),
+    Field("stress", "MPa", "cell", _stress, components=TENSOR),
+    Field("hydrostatic_stress", "MPa", "cell", _hydrostatic_stress),
+    Field("temperature", "degrees C", "cell", _temperature),
+    Field("SDV{}", "", "cell", _state_variables, "number"),
+    Field("body", "1", "cell", _body),
+    Field("equivalent_plastic_strain_{}", "1", "layer", _of_layers("equivalent_plastic_strain"), "layer"),
+    Field("effective_stress_{}", "MPa", "layer", _of_layers("effective_stress"), "layer"),
+    Field("lamina_stress_{}", "MPa", "layer", _of_layers("lamina_stress"), "layer", LAMINA, single=True),
+    Field("stress_{}", "MPa", "layer", _of_layers("stress"), "layer", TENSOR, single=True),
+    Field("strain_{}", "1", "layer", _of_layers("strain"), "layer", TENSOR, single=True),
+    Field("lamina_strain_{}", "1", "layer", _of_layers("lamina_strain"), "layer", LAMINA, single=True),
+    Field("major_strain_{}", "1", "layer", _of_layers("major_strain"), "layer"),
+    Field("minor_strain_{}", "1", "layer", _of_layers("minor_strain"), "layer"),
+    Field("back_stress_{}", "MPa", "layer", _of_layers("back_stress"), "layer", LAMINA, single=True),
+    Field("thinning", "%", "cell", _of_forming("thinning")),
+    Field("wrinkling_indicator", "1", "cell", _of_forming("wrinkling_indicator")),
+    Field("forming_limit_margin", "1", "cell", _of_forming("forming_limit_margin")),
+    Field("formability_zone", "1", "cell", _of_forming("formability_zone")),
+)
