@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from problems import elastic
 from shell_problems import X, Y, Z, fixing, patch, shell_model, symmetry
-from test_shell_large_rotation import TABLES, lines
+from test_shell_large_rotation import TABLES, cylinder, lines
 
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.remedy import find_remedy
@@ -73,6 +73,20 @@ def test_load_control_jumps_over_the_path_between_the_limit_loads() -> None:
         for _ in procedure.advance():
             deflections.append(-float(procedure.state.displacement[node, Z].mean()))
     assert not any(12.0 < d < 24.0 for d in deflections)
+
+
+def test_arc_length_does_not_follow_the_path_backwards() -> None:
+    """The pinched cylinder on 16 x 16 cells turns at 43.4 mm, so sharply that a long arc meets the way it came."""
+    mesh = cylinder(100.0, 100.0, 1.0, (16, 16))
+    held = [("left", symmetry(Y)), ("right", fixing(X, Z)), ("bottom", symmetry(X)), ("top", symmetry(Z))]
+    model = shell_model(mesh, elastic(3e4, 0.3), held, forces=[("bottom_left", (0, 0, -3000.0))], control="arc_length",
+                        initial_increment=0.02)  # fmt: skip
+    procedure = ArcLengthProcedure(model, threads=1)
+    node = mesh.node_sets["bottom_left"]
+    down = [-float(procedure.state.displacement[node, Z].mean()) for _ in itertools.islice(procedure.advance(), 42)]
+    assert 42.0 < max(down[:32]) < 44.0
+    assert min(down[32:]) > 41.5
+    assert down[-1] > max(down[:32]), "and on"
 
 
 def test_a_stop_at_a_limit_load_names_its_remedy() -> None:
