@@ -225,8 +225,11 @@ class ImplicitProcedure:
 
     @property
     def _may_turn(self) -> bool:
-        """Say whether the next increment may go another way than the last: shells that buckle, snap or collapse."""
-        return self.model.analysis == "shell" and bool(self.state.increment.any())
+        """Say whether the next increment may go another way than the last: shells that buckle, snap or collapse.
+
+        Between tools contact leads the sheet, and another start has not been seen to help.
+        """
+        return self.model.analysis == "shell" and not self.model.sheet_tools and bool(self.state.increment.any())
 
     def _attempt(
         self, stage: int, fraction_n: float, fraction: float, *, gently: bool = False, from_rest: bool = False
