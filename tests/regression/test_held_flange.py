@@ -114,3 +114,16 @@ def test_damping_that_holds_the_sheet_as_in_tar_is_refused(tmp_path: Path) -> No
     with pytest.raises(StartError, match=r"explicit\.damping = 1e\+09 1/s: it would stop the part within 1e-09 s"):
         run_model(build_model(cup(explicit={"damping": 1e9})), tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_flange_is_ironed_to_the_gap_of_its_holder_unless_the_case_leaves_that_out(tmp_path: Path) -> None:
+    """A gap of the thickness: the flange keeps it within 0.5 %; else it thickens by 1.8 %, and sinks in."""
+    thickest = {}
+    for ironing in (True, False):
+        case = cup(stroke=8.0, holder=None, explicit={"ironing": ironing})
+        result = run_model(build_model(case), tmp_path / str(ironing), threads=1).result
+        assert result.summary["status"] == "completed"
+        assert abs(result.history["energy_error_percent"][-1]) < 0.2
+        thickest[ironing] = result.field("thickness").max() / 0.8
+    assert thickest[True] < 1.005
+    assert thickest[False] > 1.015
