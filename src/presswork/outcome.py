@@ -13,6 +13,8 @@ class IterationLog:
     residual: list[float] = field(default_factory=list)
     correction: list[float] = field(default_factory=list)
     contact_changes: list[int] = field(default_factory=list)
+    start: int = 1
+    """First iteration towards the present equilibrium: what contact asks for has been changed on purpose before it."""
 
     def __len__(self) -> int:
         return len(self.residual)

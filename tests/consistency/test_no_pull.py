@@ -31,6 +31,8 @@ LAWS: dict[str, dict[str, Any]] = {
     "coulomb_capped": {"contact": "coulomb_capped", "mu": 0.2, "m": 0.3},
 }
 
+HEELS = {"quad4_fbar": 0.2, "quad8_2x2": 0.9, "tri3": 0.3, "tri6_7pt": 0.9}
+
 
 def block(mesh: dict[str, Any]) -> dict[str, Any]:
     return {"material": "steel", "element": "quad4_fbar", "mesh": mesh}
@@ -74,17 +76,17 @@ def press_body(law: dict[str, Any]) -> ImplicitProcedure:
     return ImplicitProcedure(build_model(case), threads=1)
 
 
-def drag_heel() -> ImplicitProcedure:
+def drag_heel(element: str, m: float) -> ImplicitProcedure:
     """The heel of a block dragged under constant shear: it pulls when it is held and comes back when it is let go."""
     case = Case(
         title="heel",
         analysis="plane_strain",
-        workpiece=block({"size": [10, 10], "cells": [6, 6]}),
+        workpiece=block({"size": [10, 10], "cells": [9, 9]}) | {"element": element},
         materials={"steel": {**STEEL, "hardening": {"law": "linear", "yield_stress": 700, "modulus": 0}}},
-        tools={"floor": {"profile": [[-30, 0], [30, 0]], "contact": "shear", "m": 0.2}},
+        tools={"floor": {"profile": [[-30, 0], [30, 0]], "contact": "shear", "m": m}},
         boundary={"top": {"set": "top", "fix": ["x", "y"]}},
         stages=[{"name": "press", "tools": {"floor": {"move": [0, 0.01]}}},
-                {"name": "slide", "tools": {"floor": {"move": [0.05, 0]}}}],
+                {"name": "slide", "tools": {"floor": {"move": [0.1, 0]}}}],
         solver={"initial_increment": 0.1, "max_increment": 0.1},
     )  # fmt: skip
     return ImplicitProcedure(build_model(case), threads=1)
@@ -118,6 +120,14 @@ def pulls_of_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
     return push, procedure.model.solver.force_tolerance * float(state.peak_force[0])
 
 
+def pulls_of_edges(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
+    """The same with mid-sides judged with half the push of their ends, as the contact judges them."""
+    _, allowed = pulls_of_tools(procedure)
+    contact, state = procedure.interactions.tools.contact, procedure.state
+    push = contact.normal_forces(state, state.reaction, procedure.interactions.supports.fixed(0))
+    return contact._judge(push)[state.contact > 0], allowed
+
+
 def pulls_of_slots(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
     """Return the pressures of the slots of bodies, and the part of the largest with which a slot may pull that has
     changed too often.
@@ -128,23 +138,22 @@ def pulls_of_slots(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
 
 def pulls_of_sheet_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
     """Return the forces on the nodes of a sheet along the outward normals of the tools."""
-    sheet, state = procedure.interactions.sheet_tools.contact, procedure.state
-    pushes = []
+    state, pushes = procedure.state, []
     for tool, force, moved in zip(
         procedure.model.sheet_tools, state.sheet_tool_force - state.sheet_friction, state.sheet_tool_move, strict=True
     ):
         touched = np.linalg.norm(force, axis=1) > 0.0
         place = procedure.model.mesh.points + state.displacement[:, :3] - np.array(tool.position) - moved
-        _, normal, _, _ = tool.surface.nearest(np.ascontiguousarray(place[touched]), 10.0)
+        surface = tool.shape.surface(10.0, smooth=True)
+        _, normal, _, _ = surface.nearest(np.ascontiguousarray(place[touched]), 10.0)
         pushes.append((force[touched] * normal).sum(axis=1))
-    assert sheet is not None
     return np.concatenate(pushes), 0.0
 
 
 CONTACTS: dict[str, tuple[Callable[[], ImplicitProcedure], Callable[..., tuple[FloatArray, float]]]] = {
     **{f"tool_{name}": (lambda law=law: press_ball(law), pulls_of_tools) for name, law in LAWS.items()},
     **{f"bodies_{name}": (lambda law=law: press_body(law), pulls_of_slots) for name, law in LAWS.items()},
-    "tool_heel": (drag_heel, pulls_of_tools),
+    **{f"tool_heel_{e}": (lambda e=e, m=m: drag_heel(e, m), pulls_of_edges) for e, m in HEELS.items()},
     "self_contact": (fold_spring, pulls_of_slots),
     "self_contact_tools": (fold_spring, pulls_of_tools),
     "sheet_tools": (draw_sheet, pulls_of_sheet_tools),

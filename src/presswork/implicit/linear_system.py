@@ -40,6 +40,9 @@ class Balance:
     lacking: FloatArray
     """Out of balance (n_points, freedoms) [N], in the nodes' own frames."""
     changes: int
+    """What has come, gone or is not right yet."""
+    tuned: int
+    """The part of it that interactions tune."""
     length: FloatArray
     """What each freedom is multiplied by to make it a length, and its force divided by to make it a force."""
 

@@ -14,7 +14,7 @@ from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.implicit.linear_solver import LinearSolver, SolverError
 from presswork.implicit.linear_system import Balance, LinearSystem
-from presswork.interaction.contract import Constraints, Forces, Guess, Interaction, Point, turn
+from presswork.interaction.contract import Constraints, Forces, Guess, Interaction, Point, Resistance, turn
 from presswork.interaction.floating_tools import LostWorkpieceError
 from presswork.model import FloatArray, Model
 from presswork.outcome import BadGuess, Converged, Failed, IterationLog, Step
@@ -129,7 +129,7 @@ class Equilibrium:
             # 2. converged? Not before this very iterate has been searched for contact that pulls
             self._note(log, balance, scale, size, increment)
             stiff = self._softness == 1.0
-            if iteration > 0 and stiff and not may_release and self._has_converged(log):
+            if iteration > 0 and stiff and self._has_converged(log):
                 pull = scale * settings.force_tolerance
                 point, balance = self.balance(state_n, trial, point, near=True, pull=pull)
                 log.forget_last()
@@ -195,21 +195,37 @@ class Equilibrium:
         constraints = self._nothing_held(point)
         for interaction in self._interactions:
             constraints = interaction.constrain(state_n, trial, point, constraints)
-        resistances = tuple(i.resist(state_n, trial, point, constraints) for i in self._interactions)
-        drag = np.zeros_like(point.reaction)
-        for resistance in resistances:
-            if resistance:
-                drag += resistance.vector(len(drag))
+        length = self._mechanics.length
+        resistances, drag, lacking = self._resist(state_n, trial, point, constraints)
+        tuned = 0
+        if near and not changes:
+            credible = float(np.abs(lacking / length).max())
+            changes = tuned = sum(i.tune(trial, point, pull=pull, credible=credible) for i in self._interactions)
+            if tuned:
+                resistances, drag, lacking = self._resist(state_n, trial, point, constraints)
         borders = []
         for k, interaction in enumerate(self._interactions):
             border, moved = interaction.border(trial, point, point.forces[k], resistances[k], near=near)
             borders.append(border)
             changes += moved
+        self._timing.add("contact", started)
+        return point, Balance(constraints, resistances, drag, tuple(borders), lacking, changes, tuned, length)
+
+    def _resist(
+        self, state_n: State, trial: State, point: Point, constraints: Constraints
+    ) -> tuple[tuple[Resistance | None, ...], FloatArray, FloatArray]:
+        """Return the resistances, their sum, and what is out of balance (n_points, freedoms) [N].
+
+        The last is in the nodes' own frames, without freedoms that are prescribed.
+        """
+        resistances = tuple(i.resist(state_n, trial, point, constraints) for i in self._interactions)
+        drag = np.zeros_like(point.reaction)
+        for resistance in resistances:
+            if resistance:
+                drag += resistance.vector(len(drag))
         lacking = turn(constraints, drag - point.reaction)
         lacking[constraints.mask == 1] = 0.0
-        self._timing.add("contact", started)
-        length = self._mechanics.length
-        return point, Balance(constraints, resistances, drag, tuple(borders), lacking, changes, length)
+        return resistances, drag, lacking
 
     def _nothing_held(self, point: Point) -> Constraints:
         """Return constraints of nodes that are free."""
@@ -303,6 +319,8 @@ class Equilibrium:
         moved, size = self._largest(increment), max(size, self._largest(balance.constraints.value))
         log.correction.append(size / moved if moved > 0 else (np.inf if size > 0 else 0.0))
         log.contact_changes.append(balance.changes)
+        if balance.tuned:
+            log.start = len(log)
 
     def _has_converged(self, log: IterationLog) -> bool:
         settings = self._model.solver
@@ -320,4 +338,4 @@ class Equilibrium:
         r = log.residual
         if not np.isfinite(r[-1]):
             return True
-        return self._tangent_is_consistent and len(r) > 8 and min(r[-5:]) > min(r[1:-5])
+        return self._tangent_is_consistent and len(r) - log.start > 7 and min(r[-5:]) > min(r[log.start : -5])

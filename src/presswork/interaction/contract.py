@@ -8,6 +8,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     update            take hold and let go: changes of an active set at a guess
     constrain         what is prescribed of the nodes, in frames of their own
     resist            forces that follow from the reactions of what is held, such as friction
+    tune              near equilibrium: what a law leaves open, such as a friction between none and all
     border            freedoms of its own, one equation each, such as a tool that a force pushes
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
     settle            the increment has converged; what the next one needs goes into the trial state
@@ -182,6 +183,13 @@ class Interaction:
     def resist(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> Resistance | None:
         """Return the forces that follow from the reactions."""
         return None
+
+    def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
+        """Improve what its law leaves open at a guess; return how many nodes are not right yet.
+
+        pull: as in update() [N]. credible: forces below it say nothing, since equilibrium is as far off [N].
+        """
+        return 0
 
     def border(
         self, trial: State, point: Point, own: Forces | None, resistance: Resistance | None, *, near: bool

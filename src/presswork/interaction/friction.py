@@ -29,6 +29,7 @@ import numpy as np
 from presswork import _core
 from presswork.fields.contact_stress import edge_shares
 from presswork.interaction.contract import Constraints
+from presswork.interaction.grazing import Drag
 from presswork.interaction.tool_contact import Contact
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.state import FRICTION, SLIDING, State
@@ -111,10 +112,16 @@ class Friction:
         self._bond = np.zeros(len(contact.nodes))
         self._slip_before = np.zeros(len(contact.nodes))  # in the last iteration of this increment
         self._force_before = np.zeros(len(contact.nodes))
+        self._used = np.ones(len(contact.nodes))
+
+    @property
+    def drag(self) -> Drag:
+        """Friction of the candidates in the last iteration."""
+        return Drag(np.abs(self._force_before), self._used)
 
     def begin_increment(self, state_n: State, flow_stress: FloatArray) -> None:
         """Take the shear flow stress of every candidate from the flow stress at the nodes (n_points,) [MPa]."""
-        self._slip_before[:], self._force_before[:] = 0.0, 0.0
+        self._slip_before[:], self._force_before[:], self._used[:] = 0.0, 0.0, 1.0
         if self.is_needed:
             self._shear_flow = flow_stress[self._contact.nodes] / np.sqrt(3.0)
             slip = np.abs(state_n.increment[self._contact.nodes]).max(axis=1)
@@ -170,6 +177,7 @@ class Friction:
             way = np.abs(slip - self._slip_before[place])
             on_diagonal = np.where(turned_round, np.minimum(chord / np.maximum(way, 1e-300), stiffness), on_diagonal)
         self._slip_before[place], self._force_before[place] = slip, force
+        self._used[place] = np.abs(force) / np.maximum(limit, 1e-300)
         return FrictionForces(nodes, tool, tangent, slip, force, on_diagonal, slope)
 
     def _tangent(

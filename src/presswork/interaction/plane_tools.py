@@ -86,7 +86,7 @@ class PlaneTools(Interaction):
         """Take hold of nodes inside tools; near equilibrium let go of those that pull."""
         self.contact.search(trial, point.guess.displacement)
         fixed = self._supports.fixed(self._stage)
-        return self.contact.update(trial, point.reaction, fixed, near=near, tolerance=pull)
+        return self.contact.update(trial, point.reaction, self.friction.drag, fixed, near=near, tolerance=pull)
 
     def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
         """Hold the nodes in contact on their tools."""
@@ -99,6 +99,11 @@ class PlaneTools(Interaction):
             return None
         free = constraints.turned == 1
         return self.friction.evaluate(state_n, trial, point.guess.displacement, point.reaction, free)
+
+    def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
+        """Find better parts of constant shear where nodes neither push nor lift off."""
+        fixed, drag = self._supports.fixed(self._stage), self.friction.drag
+        return self.contact.graze(trial, point.reaction, drag, fixed, tolerance=pull, credible=credible)
 
     def border(
         self, trial: State, point: Point, own: Forces | None, resistance: Any, *, near: bool

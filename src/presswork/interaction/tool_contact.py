@@ -23,7 +23,7 @@ from presswork import _core
 from presswork.fields.contact_stress import ContactForces
 from presswork.geometry.pose import ToolPose, place_points, to_tool_frame, turn_vectors
 from presswork.interaction.contract import Constraints
-from presswork.interaction.grazing import Grazing
+from presswork.interaction.grazing import Drag, Grazing
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
 from presswork.state import SLIDING, STUCK, ContactArray, State
 
@@ -54,6 +54,7 @@ class Contact:
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
         self._by_shear = np.array([t.contact in ("shear", "coulomb_capped") for t in model.tools], dtype=bool).repeat(2)
         self._grazing = Grazing(len(self.nodes))
+        self._grazes = np.zeros(len(self.nodes), dtype=bool)
         self.n_unsettled = 0
         """Nodes that may change no more in this increment, and pull strongly."""
 
@@ -156,7 +157,9 @@ class Contact:
             flush = self.normal[order[0], node] @ self.normal[order[1], node] > FLUSH
             contact[order[1:] if flush and len(order) == 2 else order[2:], node] = 0
 
-    def update(self, trial: State, reaction: FloatArray, fixed: BoolArray, *, near: bool, tolerance: float) -> int:
+    def update(
+        self, trial: State, reaction: FloatArray, drag: Drag, fixed: BoolArray, *, near: bool, tolerance: float
+    ) -> int:
         """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes.
 
         tolerance: pull below which nothing can be said [N].
@@ -170,27 +173,45 @@ class Contact:
         limit = np.where(lost.any(axis=0), self.tolerance, -self.tolerance)  # where tools adjoin, the next one takes it
         trial.contact[(self.gap < limit) & (trial.contact == 0) & self._free(fixed)] = SLIDING
         self._limit_faces(trial.contact, before)
-        graze = self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), tolerance) if near else 0
+        if near:
+            self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), drag, tolerance)
         changed = (before != trial.contact).any(axis=0)
         self._changes[changed] += 1
-        return int(changed.sum()) + graze
+        return int(changed.sum())
 
-    def _let_go(self, trial: State, before: ContactArray, push: FloatArray, tolerance: float) -> int:
-        """Let go of nodes that pull; return how many have another part of the shear instead."""
+    def _let_go(self, trial: State, before: ContactArray, push: FloatArray, drag: Drag, tolerance: float) -> None:
+        """Let go of nodes that pull, but for those that their shear may drag off the tool."""
         held = (before > 0) & (trial.contact > 0)
         judged = np.where(held, self._judge(push), 0.0)
-        largest = float(np.abs(push).max(initial=0.0))
         pulls = judged < -tolerance
-        # 1. those that come back when they are let go, under constant shear
-        on_shear = (held & self._by_shear[:, None]).any(axis=0) & (held.sum(axis=0) == 1)
-        grazes = on_shear & ((self._changes >= 2) & pulls.any(axis=0) | (trial.shear_part < 1.0))
-        part = trial.shear_part.copy()
-        count = self._grazing.update(trial.shear_part, grazes, judged.sum(axis=0), tolerance, largest)
-        pulls &= ~(grazes & (part > 0.0))
-        # 2. all others
+        by_shear = (self._changes >= 2) | (-judged.min(axis=0, initial=0.0) < drag.force)
+        self._grazes = self._on_shear(trial) & (pulls.any(axis=0) & by_shear | (trial.shear_part < 1.0))
+        pulls &= ~(self._grazes & (trial.shear_part > 0.0))
         trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
         self.n_unsettled = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
-        return count
+
+    def _on_shear(self, trial: State) -> BoolArray:
+        """Mark nodes that one face alone holds, with constant shear (n_candidates,)."""
+        held = trial.contact > 0
+        return np.asarray((held & self._by_shear[:, None]).any(axis=0) & (held.sum(axis=0) == 1))
+
+    def graze(
+        self, trial: State, reaction: FloatArray, drag: Drag, fixed: BoolArray, *, tolerance: float,
+        credible: float,
+    ) -> int:  # fmt: skip
+        """Find better parts of the shear where nodes neither push nor lift off; return how many are not right yet.
+
+        After update() of the same iterate, near equilibrium. tolerance, credible: as in Grazing.update [N].
+        """
+        grazes = self._grazes & self._on_shear(trial)
+        if not grazes.any():
+            return 0
+        push = self.normal_forces(trial, reaction, fixed)
+        own = np.where(trial.contact > 0, self._judge(push), 0.0).sum(axis=0)
+        largest = float(np.abs(push).max())
+        return self._grazing.update(
+            trial.shear_part, grazes, own, drag, tolerance=tolerance, credible=credible, largest=largest
+        )
 
     def _free(self, fixed: BoolArray) -> BoolArray:
         """Faces whose normal has a part along a direction that supports leave free (n_faces, n_candidates)."""

@@ -232,12 +232,13 @@ def test_an_increment_fails_whose_contact_does_not_settle() -> None:
     pulling = state.reaction.copy()
     pulling[contact.nodes[held]] *= -1.0
     contact.begin_increment()
-    assert contact.update(state.duplicate(), pulling, fixed, near=True, tolerance=0.0) == 1, "it lets go"
+    drag = procedure.interactions.tools.friction.drag
+    assert contact.update(state.duplicate(), pulling, drag, fixed, near=True, tolerance=0.0) == 1, "it lets go"
     assert contact.n_unsettled == 0
     contact._changes[held] = 4
-    assert contact.update(state.duplicate(), pulling, fixed, near=True, tolerance=0.0) == 0, "it may not let go"
+    assert contact.update(state.duplicate(), pulling, drag, fixed, near=True, tolerance=0.0) == 0, "it may not let go"
     assert contact.n_unsettled == 1
-    assert contact.update(state.duplicate(), state.reaction, fixed, near=True, tolerance=0.0) == 0
+    assert contact.update(state.duplicate(), state.reaction, drag, fixed, near=True, tolerance=0.0) == 0
     assert contact.n_unsettled == 0
 
 
