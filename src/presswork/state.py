@@ -71,6 +71,8 @@ class State:
     """(n_tools, 2)."""
     tool_angle: FloatArray
     """(n_tools,) [rad]."""
+    tool_restart: FloatArray
+    """Part of tool_displacement by which stages have placed tools anew (n_tools, 2)."""
     tool_travel: FloatArray
     """Part of tool_displacement that forces and springs have made (n_tools, 2)."""
     tool_travel_increment: FloatArray
@@ -160,6 +162,7 @@ class State:
             inertia_force=np.zeros((n_moving, d)),
             tool_displacement=np.zeros((n_tools, 2)),
             tool_angle=np.zeros(n_tools),
+            tool_restart=np.zeros((n_tools, 2)),
             tool_travel=np.zeros((n_tools, 2)),
             tool_travel_increment=np.zeros((n_tools, 2)),
             tool_gives=np.zeros(n_tools, dtype=np.int8),

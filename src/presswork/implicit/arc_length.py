@@ -89,6 +89,7 @@ class ArcLengthProcedure(ImplicitProcedure):
         trial.displacement, trial.increment = self.state.displacement + point.increment, point.increment
         trial.reaction, trial.external_force = point.internal - point.loads.force, point.loads.force
         size = arc * float(np.clip(np.sqrt(settings.target_iterations / max(len(log), 1)), 0.5, 1.5))
+        self._start = self.state
         self._commit(trial, stage, fraction_n, 1.0 if over else fraction, arc, log, len(cutbacks))
         now = self.state.progress
         if not over:

@@ -28,6 +28,9 @@ from presswork.timing import Timing
 GROWTH = 1.5
 SMALLEST = 10.0
 """Times min_increment: increments that converge slowly are made no smaller, or the end would never come."""
+BACK = 1e-3
+"""Of the last increment, by which the first guess goes back where a stage lets go of what held the workpiece: the
+tangent from there is that of unloading."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
 TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
@@ -67,6 +70,7 @@ class ImplicitProcedure:
         self.state = self.mechanics.at_rest(len(tools.contact.nodes), bodies.n_slots)
         self.state.own.update({i.name: dict(i.at_rest()) for i in others})
         self.state.progress[SIZE] = model.solver.initial_increment
+        self._start, self._lets_go = self.state, False
         tools.contact.begin(self.state, self.interactions.supports.fixed(0))
         self._check_held()
         self.mechanics.evaluate(self.state, self.state, self.state.increment, with_stiffness=False)
@@ -101,7 +105,7 @@ class ImplicitProcedure:
                     f"that holds its place{others} touches it at the start. Add a [boundary] entry, or let a tool "
                     "touch it"
                 )
-        self._check_pushed(0)
+        self._check_pushed(self.state, 0)
 
     def _held_by_tools(self, body: Body) -> BoolArray:
         """Say for x and y whether supports, or tools that touch it at the start, hold a body."""
@@ -122,10 +126,10 @@ class ImplicitProcedure:
             held |= (np.abs(along) > 0.1).any(axis=0)
         return held
 
-    def _check_pushed(self, stage: int) -> None:
-        """Refuse a tool that a force pushes at nothing."""
+    def _check_pushed(self, state: State, stage: int) -> None:
+        """Refuse a tool that a force pushes at nothing when a stage begins with this state."""
         for t, (direction, _) in self.interactions.tools.floating.pushed(stage).items():
-            face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2])
+            face, place = np.nonzero(state.contact[2 * t : 2 * t + 2])
             if not (self.interactions.tools.contact.normal[2 * t + face, place] @ direction > 0.1).any():
                 name, where = self.model.tools[t].name, self.model.stages[stage].name
                 raise NotHeldError(
@@ -178,9 +182,13 @@ class ImplicitProcedure:
         target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
         size = float(progress[SIZE])
         cutbacks: list[str] = []
+        self._start, self._lets_go = self.state, False
         if fraction_n == 0.0 and stage > 0:
+            self._start = self.state.duplicate()
+            let_go = [i.begin_stage(self._start, stage) for i in self.interactions.all]
+            self._lets_go = any(let_go)
             try:
-                self._check_pushed(stage)
+                self._check_pushed(self._start, stage)
             except NotHeldError as error:
                 raise GaveUpError(str(error)) from error
         while True:
@@ -235,13 +243,14 @@ class ImplicitProcedure:
         self, stage: int, fraction_n: float, fraction: float, *, gently: bool = False, from_rest: bool = False
     ) -> tuple[State, Converged | Failed]:
         """Try an increment, from the last one scaled or from where the sheet is (from_rest)."""
-        trial = self.state.duplicate()
-        last = float(self.state.progress[LAST])
+        state_n, trial = self._start, self._start.duplicate()
+        last = float(state_n.progress[LAST])
         ratio = (fraction - fraction_n) / last if last > 0 and not from_rest else 0.0
         step = Step(stage, fraction_n, fraction)
         for interaction in self.interactions.all:
-            interaction.place(self.state, trial, step, ratio)
-        outcome = self.equilibrium.solve(self.state, trial, step, self.state.increment * ratio, gently=gently)
+            interaction.place(state_n, trial, step, ratio)
+        guess = state_n.increment * (-BACK if self._lets_go else ratio)
+        outcome = self.equilibrium.solve(state_n, trial, step, guess, gently=gently)
         return trial, outcome
 
     def _commit(
@@ -257,16 +266,17 @@ class ImplicitProcedure:
         """Make the trial state the converged one."""
         settings = self.model.solver
         step = Step(stage, fraction_n, fraction)
-        self.mechanics.settle(self.state, trial)
+        state_n = self._start
+        self.mechanics.settle(state_n, trial)
         for interaction in self.interactions.all:
-            interaction.commit(self.state, trial, step)
+            interaction.commit(state_n, trial, step)
         dt = self.model.stages[stage].time_between(fraction_n, fraction)
         stage_n = stage - 1 if fraction_n == 0.0 and stage > 0 else stage
         supports = self.interactions.supports
-        add_external_work(self.state, trial, supports.fixed(stage_n), supports.fixed(stage))
+        add_external_work(state_n, trial, supports.fixed(stage_n), supports.fixed(stage))
         for interaction in self.interactions.all:
-            add_work(trial, interaction.work(self.state, trial))
-        trial.work[PLASTIC] += self.mechanics.plastic_work(self.state, trial, dt)
+            add_work(trial, interaction.work(state_n, trial))
+        trial.work[PLASTIC] += self.mechanics.plastic_work(state_n, trial, dt)
         p = trial.progress
         p[TIME] += dt
         p[INCREMENTS] += 1

@@ -3,6 +3,7 @@
 
 Newton's method asks every interaction of a run the same questions, in this order, and knows none of them by name:
 
+    begin_stage       a stage begins; what stands elsewhere from now on is put there
     begin_increment   the increment begins; what is taken from the converged state is taken here
     evaluate          forces on the nodes at a guess, with their derivative, or why the guess is bad
     update            take hold and let go: changes of an active set at a guess
@@ -152,6 +153,10 @@ class Interaction:
     def at_rest(self) -> Mapping[str, np.ndarray[Any, Any]]:
         """Return the arrays that it owns in the State, by name, before the first increment."""
         return {}
+
+    def begin_stage(self, state: State, stage: int) -> bool:
+        """Prepare a copy of the converged state for a stage that begins; return whether it lets go of what it held."""
+        return False
 
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
         """Put what moves by itself to where an increment leads; `ratio` of it to the increment before."""

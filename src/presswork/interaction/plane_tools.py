@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 
 from presswork.body.contract import Cells
+from presswork.geometry.pose import ToolPose, to_tool_frame, turn_vectors
+from presswork.geometry.segments import find_touch
 from presswork.interaction.contract import Constraints, Factors, Forces, Interaction, Point
 from presswork.interaction.floating_tools import Floating, FloatingTools
 from presswork.interaction.friction import Friction, FrictionForces
 from presswork.interaction.supports import Supports
 from presswork.interaction.tool_contact import Contact
 from presswork.model import FloatArray, Model, Stage, ToolMotion
-from presswork.outcome import Step
+from presswork.outcome import GaveUpError, Step
 from presswork.state import State
 
 
@@ -72,7 +74,48 @@ class PlaneTools(Interaction):
         pose = self.base(step.stage) + step.fraction * self._motion(self._model.stages[step.stage])
         floats = (trial.tool_gives > 0) | np.isin(np.arange(len(pose)), list(self.floating.pushed(step.stage)))
         trial.tool_travel += ratio * state_n.tool_travel_increment * floats[:, None]
-        trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_travel, pose[:, 2]
+        trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_restart + trial.tool_travel, pose[:, 2]
+
+    def begin_stage(self, state: State, stage: int) -> bool:
+        """Place the tools that a stage places anew; what they held is let go over the first increment."""
+        lets_go = False
+        for t, tool in enumerate(self._model.tools):
+            motion = self._model.stages[stage].tool_motion.get(tool.name, ToolMotion())
+            if motion.start is None:
+                continue
+            if motion.start == "touch":
+                target = state.tool_displacement[t] + self._way_to_touch(state, t, motion)
+            else:
+                target = np.subtract(motion.start, tool.origin)
+            jump = target - state.tool_displacement[t]
+            if not jump.any():
+                continue
+            faces = slice(2 * t, 2 * t + 2)
+            nodes = self.contact.nodes[(state.contact[faces] > 0).any(axis=0)]
+            state.external_force[nodes] += state.reaction[nodes] * ~self._supports.fixed(stage - 1)[nodes]
+            state.contact[faces], state.drag[np.isin(self.contact.nodes, nodes)] = 0, 0.0
+            state.tool_force[t], state.tool_force_start[t] = 0.0, 0.0
+            state.tool_restart[t] += jump
+            state.tool_displacement[t] = target
+            lets_go |= len(nodes) > 0
+        return lets_go
+
+    def _way_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
+        """Return how far a tool goes along its way until it touches the workpiece (2,) [mm]."""
+        if (state.contact[2 * t : 2 * t + 2] > 0).any():
+            return np.zeros(2)
+        tool = self._model.tools[t]
+        way = np.asarray(motion.direction if motion.force is not None else motion.move, dtype=np.float64)
+        way = way / np.linalg.norm(way)
+        nodes = self._model.mesh.points[self.contact.nodes] + state.displacement[self.contact.nodes]
+        pose = ToolPose(np.array(tool.centre), state.tool_displacement[t], float(state.tool_angle[t]))
+        gone = find_touch(to_tool_frame(nodes, pose), tool.segments, turn_vectors(way, -pose.angle))
+        if gone is None:
+            raise GaveUpError(
+                f'the tool {tool.name!r} has position = "touch", but along its way it passes the workpiece: give '
+                "position = [x, y]"
+            )
+        return gone * way
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Forget the changes of the increment before; take the flow stress that friction asks for."""

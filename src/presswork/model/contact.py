@@ -46,6 +46,8 @@ class Tool:
     """About which it turns, and its torque is taken [mm]."""
     spring: Spring | None = None
     """On which it rests; its stages move the spring's foot."""
+    origin: tuple[float, float] = (0.0, 0.0)
+    """Where the origin of its drawing is at the start [mm]."""
 
 
 class ToolShape(Protocol):

@@ -115,6 +115,9 @@ class ToolMotion:
     linearly from what it pushed with at its start."""
     direction: tuple[float, float] = (0.0, 0.0)
     """Unit vector along which a tool with a force pushes and is free to move."""
+    start: tuple[float, float] | Literal["touch"] | None = None
+    """Where the origin of its drawing stands when the stage begins [mm]; touch: where the tool touches the workpiece on
+    its way; None: where the stage before has left it."""
 
 
 @dataclass(frozen=True)

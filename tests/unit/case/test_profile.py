@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from presswork.case import ProfilePoint
-from presswork.case.tools.profile import ProfileError, draw_outline, measure_distance, reverse_segments
+from presswork.case.tools.profile import ProfileError, draw_outline
+from presswork.geometry.segments import measure_distance, reverse_segments
 
 CORNER = (ProfilePoint(to=(10, -20)), ProfilePoint(to=(10, 0), radius=1.0), ProfilePoint(to=(50, 0)))
 QUARTER = (ProfilePoint(to=(5, 0)), ProfilePoint(to=(0, 5), centre=(0, 0), turn="left"))

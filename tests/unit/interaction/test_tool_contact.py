@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import Case, _core, build_model
-from presswork.case.tools.profile import measure_distance
+from presswork.geometry.segments import measure_distance
 from presswork.implicit.stepping import ImplicitProcedure
 
 FLOOR = np.array([[0.0, 0, 10, 0, 0, 0, 0]])

@@ -130,6 +130,10 @@ def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
 
 def _describe_stage(stage: model.Stage) -> Iterator[str]:
     for name, motion in stage.tool_motion.items():
+        if motion.start == "touch":
+            yield f"tool {name} starts where it touches the workpiece"
+        elif motion.start is not None:
+            yield f"tool {name} starts at ({motion.start[0]:g}, {motion.start[1]:g}) mm"
         if motion.force is not None:
             x, y = motion.direction
             yield f"tool {name} pushes along ({x:g}, {y:g}), with {motion.force:g} N at the end"

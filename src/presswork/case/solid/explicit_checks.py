@@ -31,7 +31,24 @@ def _check_implicit(case: schema.Case) -> list[Problem]:
     keys += [f"explicit.{key}" for key in sorted(case.explicit.model_fields_set)]
     keys += [f"stages.{number}.ramp" for number, stage in enumerate(case.stages) if stage.ramp is not None]
     keys += ["output.rows"] if "rows" in case.output.model_fields_set else []
-    return [Problem(key, fault, remedy) for key in keys]
+    return [Problem(key, fault, remedy) for key in keys] + _check_placed(case)
+
+
+def _check_placed(case: schema.Case) -> list[Problem]:
+    """Return problems of tools that a stage places anew."""
+    problems = []
+    for index, stage in enumerate(case.stages):
+        for name, motion in stage.tools.items():
+            key = f"stages.{index}.tools.{name}.position"
+            if motion.position is None:
+                continue
+            if index == 0:
+                remedy = f"give tools.{name}.position"
+                problems.append(Problem(key, "the first stage begins where the tool starts", remedy, motion.position))
+            elif name in case.tools and case.tools[name].spring is not None:
+                fault = "a tool on a spring stays on it"
+                problems.append(Problem(key, fault, "leave it out, or take the spring away", motion.position))
+    return problems
 
 
 def _check_explicit(case: schema.Case) -> list[Problem]:
@@ -129,6 +146,9 @@ def _check_stage(key: str, stage: schema.Stage) -> list[Problem]:
         if getattr(stage, load):
             problems.append(Problem(f"{key}.{load}", fault, "leave it out"))
     for name, motion in stage.tools.items():
+        if motion.position is not None:
+            fault = "in the explicit procedure a tool goes on from where it is"
+            problems.append(Problem(f"{key}.tools.{name}.position", fault, "leave it out", motion.position))
         for way in ("force", "turn"):
             if getattr(motion, way):
                 fault = "in the explicit procedure a tool can be moved only"

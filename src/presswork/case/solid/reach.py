@@ -78,7 +78,7 @@ def check_room(
     problems = []
     for tool in tools:
         motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
-        if tool.spring is not None or any(motion.turn or motion.force is not None for motion in motions):
+        if tool.spring is not None or any(m.turn or m.force is not None or m.start is not None for m in motions):
             continue
         place, nodes = np.zeros(2), mesh.points[chosen]
         free = _gap_to_held(tool, nodes, held[chosen], place) > tolerance
@@ -134,12 +134,12 @@ def _leaves(first: float, later: float, tolerance: float) -> bool:
 def _approach(tool: Tool, stages: Sequence[Stage], nodes: FloatArray) -> tuple[float, float]:
     """Return the least gap of a tool to the nodes at its start, and after it on its way [mm].
 
-    Of a tool that turns, or that a force pushes, the way is not known: 0.
+    Of a tool that turns, that a force pushes or that a stage places anew, the way is not known: 0.
     """
     motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
     place = np.zeros(2)
     first = _distance(tool, nodes, place)
-    if any(motion.turn != 0.0 or motion.force is not None for motion in motions):
+    if any(m.turn != 0.0 or m.force is not None or m.start is not None for m in motions):
         return first, 0.0
     later = np.inf
     for motion in motions:

@@ -285,6 +285,11 @@ class ToolMotion(Part):
     turn: Angle = Field(
         default=0.0, description="angle turned over the stage about the tool's centre, counter-clockwise [degree]"
     )
+    position: Place | None = Field(
+        default=None,
+        description="where the origin of the profile, as drawn, stands when the stage begins [x, y] [mm]; touch: where "
+        "the tool touches the workpiece on its way; without it: where the stage before has left the tool",
+    )
 
     @model_validator(mode="after")
     def _check_one_way_of_moving(self) -> Self:
@@ -296,8 +301,17 @@ class ToolMotion(Part):
             raise fault("force stands beside stroke", "a tool either travels or pushes in a stage", key="force")
         if along and self.direction is None:
             raise fault("missing key", remedy, key="direction")
-        if not along and (self.direction is not None or (self.move is None and not self.turn)):
+        if self.position == "touch" and not along and not (self.move and any(self.move)):
+            raise fault(
+                "the tool has no way to come from", "give stroke, move or force, or position = [x, y]", key="position"
+            )
+        is_placed = isinstance(self.position, tuple)
+        if not along and (self.direction is not None or (self.move is None and not self.turn and not is_placed)):
             raise fault("missing key", remedy, key="stroke")
+        if self.position is not None and self.turn:
+            raise fault(
+                "a tool that turns stays where it is", "leave out position, or turn it in another stage", key="position"
+            )
         if self.direction is not None:
             require_direction(self.direction)
         return self
@@ -307,12 +321,14 @@ class ToolMotion(Part):
         turn = math.radians(self.turn)
         if self.force is not None:
             assert self.direction is not None
-            return model.ToolMotion(turn=turn, force=self.force, direction=unit_vector(self.direction))
+            return model.ToolMotion(
+                turn=turn, force=self.force, direction=unit_vector(self.direction), start=self.position
+            )
         if self.stroke is not None:
             assert self.direction is not None
             x, y = unit_vector(self.direction)
-            return model.ToolMotion(move=(self.stroke * x + 0.0, self.stroke * y + 0.0), turn=turn)
-        return model.ToolMotion(move=self.move or (0.0, 0.0), turn=turn)
+            return model.ToolMotion(move=(self.stroke * x + 0.0, self.stroke * y + 0.0), turn=turn, start=self.position)
+        return model.ToolMotion(move=self.move or (0.0, 0.0), turn=turn, start=self.position)
 
 
 class Displacement(Part):

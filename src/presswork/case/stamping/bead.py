@@ -11,8 +11,9 @@ from pydantic import Field, model_validator
 
 from presswork.case.part import Part
 from presswork.case.solid.schema import ProfilePoint
-from presswork.case.tools.profile import TURN, ProfileError, draw_outline
+from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.case.units import Length, LineForce, Point, fault
+from presswork.geometry.segments import TURN
 from presswork.model import FloatArray
 
 CHORD = math.radians(2.0)

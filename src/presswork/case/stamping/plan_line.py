@@ -13,11 +13,12 @@ from presswork.case.errors import Problem
 from presswork.case.part import Part
 from presswork.case.solid import schema
 from presswork.case.tools.dxf import read_drawing
-from presswork.case.tools.profile import ProfileError, draw_outline, sample_arc
+from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.case.tools.profile_file import is_drawing, read_points
 from presswork.case.units import LENGTH, Length, Point, fault, unit_factor
 from presswork.geometry.chain import ProfileFileError, join_pieces
 from presswork.geometry.crossing import find_crossing
+from presswork.geometry.segments import sample_arc
 from presswork.model import FloatArray
 
 FINE = 1e-5

@@ -10,25 +10,13 @@ import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.case.solid import schema
-from presswork.case.tools.profile import (
-    CENTRE,
-    TURN,
-    Outline,
-    ProfileError,
-    draw_outline,
-    measure_distance,
-    reverse_segments,
-    sample_points,
-)
+from presswork.case.tools.profile import Outline, ProfileError, draw_outline
 from presswork.case.tools.profile_file import read_outline
 from presswork.geometry.chain import ProfileFileError
 from presswork.geometry.crossing import find_crossing
+from presswork.geometry.segments import CENTRE, TURN, find_touch, measure_distance, reverse_segments, sample_points
 from presswork.model import FloatArray, Mesh, Spring, Tool
 
-TOUCHING = 1e-9
-"""Of the size of the workpiece: the gap of a tool that is moved to touch it."""
-MOST_STEPS = 2000
-"""Steps on its way there: one for a flat tool, more the more it slides along the workpiece."""
 TOLERANCE = 1e-6
 """Of the size of the workpiece: how deep a node may lie in a tool at the start."""
 
@@ -85,7 +73,10 @@ def build_tool(
     centre = find_centre(segments) or (0.0, 0.0)
     if tool.centre is not None:
         centre = (tool.centre[0] + float(place[0]), tool.centre[1] + float(place[1]))
-    return Tool(name, segments, tool.contact, m=m, mu=mu, mirrored_across=mirrored, centre=centre, spring=spring)
+    return Tool(
+        name, segments, tool.contact, m=m, mu=mu, mirrored_across=mirrored, centre=centre, spring=spring,
+        origin=(float(place[0]), float(place[1])),
+    )  # fmt: skip
 
 
 def shift_segments(segments: FloatArray, place: FloatArray) -> FloatArray:
@@ -99,28 +90,16 @@ def shift_segments(segments: FloatArray, place: FloatArray) -> FloatArray:
 def _find_place(
     name: str, tool: schema.Tool, segments: FloatArray, nodes: FloatArray, way: FloatArray
 ) -> FloatArray | Problem:
-    """Return how far a tool is moved from where it is drawn to where it starts (2) [mm].
-
-    To touch, it goes along its way by the least distance of any node again and again: no node can come nearer.
-    """
+    """Return how far a tool is moved from where it is drawn to where it starts (2) [mm]."""
     if tool.position != "touch":
         return np.array(tool.position or (0.0, 0.0))
     key = f"tools.{name}.position"
     if not way.any():
         remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y]"
         return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
-    corners = segments[:, 0:4].reshape(-1, 2)
-    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    farthest = size + float(np.linalg.norm(np.ptp(corners, axis=0)))
-    farthest += float(np.linalg.norm(corners.mean(axis=0) - nodes.mean(axis=0)))
-    gone = 0.0
-    for _ in range(MOST_STEPS):
-        gap = float(np.abs(measure_distance(nodes - gone * way, segments).distance).min())
-        if gap <= TOUCHING * size:
-            return np.asarray(gone * way)
-        gone += gap
-        if gone > farthest:
-            break
+    gone = find_touch(nodes, segments, way)
+    if gone is not None:
+        return np.asarray(gone * way)
     fault = f"along its first motion, ({way[0]:g}, {way[1]:g}), the tool passes the workpiece or never comes to it"
     return Problem(key, fault, "draw it on the side that it comes from, or give position = [x, y]", "touch")
 

@@ -84,9 +84,11 @@ def _motion(stage: Stage, tool: Tool) -> ToolMotion:
 
 
 def _has_known_way(tool: Tool, stages: Sequence[Stage]) -> bool:
-    """Say whether neither forces nor springs place the tool, and it does not turn."""
+    """Say whether neither forces nor springs place the tool, it does not turn, and no stage places it anew."""
     motions = [_motion(stage, tool) for stage in stages]
-    return tool.spring is None and all(motion.force is None and motion.turn == 0.0 for motion in motions)
+    return tool.spring is None and all(
+        motion.force is None and motion.turn == 0.0 and motion.start is None for motion in motions
+    )
 
 
 class _Cavity:

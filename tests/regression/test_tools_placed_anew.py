@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stages that place a tool anew: lifted, the workpiece springs back; brought to touch, it goes on where it was."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork import CaseError, Result, build_model, run_model
+from presswork.case import Case
+from presswork.recorder import Progress
+
+HEIGHT, STROKE, MORE = 10.0, 1.0, 0.4
+
+BLOCK: dict[str, Any] = {
+    "title": "block pressed twice",
+    "analysis": "plane_strain",
+    "workpiece": {"material": "steel", "mesh": {"kind": "rectangle", "size": [5.0, HEIGHT], "cells": [2, 4]}},
+    "materials": {
+        "steel": {
+            "young": 200000.0,
+            "poisson": 0.3,
+            "hardening": {"law": "linear", "yield_stress": 300.0, "modulus": 500.0},
+        }
+    },
+    "boundary": {"left": {"set": "left", "fix": ["x"]}, "floor": {"set": "bottom", "fix": ["y"]}},
+    "tools": {
+        "punch": {
+            "contact": "frictionless",
+            "mirrored": ["x"],
+            "profile": [{"to": [8.0, HEIGHT]}, {"to": [-1.0, HEIGHT]}],
+        }
+    },
+    "output": {"steps": 2},
+}
+PRESS = {"name": "press", "tools": {"punch": {"stroke": STROKE, "direction": [0, -1]}}}
+LIFT = {"name": "lift", "tools": {"punch": {"position": [0.0, 3.0]}}}
+AGAIN = {"name": "again", "tools": {"punch": {"position": "touch", "stroke": MORE, "direction": [0, -1]}}}
+
+
+def case(*stages: dict[str, Any]) -> Case:
+    return Case.model_validate(BLOCK | {"stages": list(stages)})
+
+
+@pytest.fixture(scope="module")
+def twice(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    folder = tmp_path_factory.mktemp("block") / "twice"
+    outcome = run_model(build_model(case(PRESS, LIFT, AGAIN)), folder)
+    assert outcome.status == "completed"
+    return Result(folder)
+
+
+def test_a_lifted_tool_leaves_the_block_free(twice: Result) -> None:
+    """The floor carries nothing; what plane strain locks in across the plane stays below yield."""
+    lifted = np.flatnonzero(np.asarray(twice.history["stage"]) == "lift")[-1]
+    assert twice.history["punch.force"][lifted] == 0.0
+    assert twice.history["punch.stroke"][lifted] == pytest.approx(-3.0)
+    pressed = np.abs(twice.history["floor.force_y"]).max()
+    assert abs(twice.history["floor.force_y"][lifted]) < 1e-3 * pressed
+    step = int(np.argmin(np.abs(np.asarray(twice.times) - twice.history["time"][lifted])))
+    assert twice.field("effective_stress", step).max() < 150.0
+    assert twice.field("equivalent_plastic_strain", step).min() > 0.9 * STROKE / HEIGHT
+
+
+def test_energy_goes_back_with_what_is_let_go(twice: Result) -> None:
+    assert abs(twice.summary["energy"]["error_percent"]) < 0.2
+
+
+def test_a_tool_that_touches_again_goes_on_where_the_block_was(twice: Result, tmp_path: Path) -> None:
+    """Elastic return and reload: at the same place of the tool the force is that of a run without the lift."""
+    end = float(twice.history["punch.stroke"][-1])
+    again = np.asarray(twice.history["stage"]) == "again"
+    first = float(twice.history["punch.stroke"][again][0]) - MORE * 0.5
+    assert first < STROKE, "it begins where the block has sprung back to"
+    straight = {"name": "press", "tools": {"punch": {"stroke": end, "direction": [0, -1]}}}
+    run_model(build_model(case(straight)), tmp_path / "once")
+    once = Result(tmp_path / "once")
+    assert twice.history["punch.force"][-1] == pytest.approx(once.history["punch.force"][-1], rel=2e-3)
+
+
+def test_a_resumed_run_places_it_alike(twice: Result, tmp_path: Path) -> None:
+    def interrupt(progress: Progress) -> None:
+        if "lift" in progress.text:
+            raise KeyboardInterrupt
+
+    folder, model = tmp_path / "resumed", build_model(case(PRESS, LIFT, AGAIN))
+    assert run_model(model, folder, on_increment=interrupt).status == "interrupted"
+    assert run_model(model, folder, resume=True).status == "completed"
+    assert (folder / "history.csv").read_bytes() == (twice.folder / "history.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("stages", "key", "says"),
+    [
+        ([AGAIN], "stages.0.tools.punch.position", "the first stage begins where the tool starts"),
+        (
+            [PRESS, {"name": "lift", "tools": {"punch": {"position": "touch"}}}],
+            "stages.1.tools.punch",
+            "no way to come from",
+        ),
+    ],
+)
+def test_positions_without_sense_are_refused(stages: list[dict[str, Any]], key: str, says: str) -> None:
+    with pytest.raises(CaseError) as error:
+        build_model(case(*stages))
+    assert key in str(error.value)
+    assert says in str(error.value)
