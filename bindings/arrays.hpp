@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "material/von_mises.hpp"
+#include "material/law_data.hpp"
 
 namespace nb = nanobind;
 

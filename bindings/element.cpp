@@ -56,13 +56,23 @@ void bind_element(nb::module_& m) {
   m.def("elements", &list_elements, "The table of elements, a row each.");
 
   m.def(
+      "kept_values",
+      [](std::variant<const Owned<PlaneLaw>*, const Owned<SolidLaw>*> law) {
+        return std::visit([](const auto* chosen) { return kept_values(chosen->view); }, law);
+      },
+      nb::arg("law"),
+      "Values that a point of a solid keeps for a law besides stress and eqps; at the end the directions of its axes: "
+      "x "
+      "in the plane (2), x and y in space (6).");
+  m.def(
       "evaluate_block",
       [](const std::string& name, Ints connectivity, Doubles points, Doubles increment,
-         std::variant<const VonMises*, const Umat*> law, const PointSettings& settings, bool axisymmetric, double depth,
-         double hourglass_fraction, Doubles stress_n, Doubles eqps_n, Doubles hourglass_n, MutableDoubles stress,
-         MutableDoubles eqps, MutableDoubles hourglass, MutableDoubles volume, MutableDoubles force,
-         std::optional<MutableDoubles> stiffness, bool symmetric, std::optional<Doubles> user_n,
-         std::optional<MutableDoubles> user, int first_cell, std::optional<UmatPlace> when, UmatFault* fault) {
+         std::variant<const Owned<VonMises>*, const Owned<PlaneLaw>*, const Owned<SolidLaw>*, const Umat*> law,
+         const PointSettings& settings, bool axisymmetric, double depth, double hourglass_fraction, Doubles stress_n,
+         Doubles eqps_n, Doubles hourglass_n, MutableDoubles stress, MutableDoubles eqps, MutableDoubles hourglass,
+         MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric,
+         std::optional<Doubles> history_n, std::optional<MutableDoubles> history, double dt, int first_cell,
+         std::optional<UmatPlace> when, LawFault* fault) {
         const auto element = element_named(name);
         const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width;
         const std::size_t freedoms = element.dim() * element.nodes, q = n * element.points;
@@ -95,16 +105,31 @@ void bind_element(nb::module_& m) {
                         force.data(),
                         nullptr,
                         symmetric};
-        const Umat* const* umat = std::get_if<const Umat*>(&law);
-        if (umat) {
+        BulkLaw used_law;
+        if (const auto* mises = std::get_if<const Owned<VonMises>*>(&law)) {
+          used_law = &(*mises)->view;
+        } else if (const auto* plane = std::get_if<const Owned<PlaneLaw>*>(&law)) {
+          require(element.evaluate_plane, "this element takes a law of another dimension");
+          used_law = &(*plane)->view, block.n_history = kept_values((*plane)->view);
+        } else if (const auto* space = std::get_if<const Owned<SolidLaw>*>(&law)) {
+          require(element.evaluate_space, "this element takes a law of another dimension");
+          used_law = &(*space)->view, block.n_history = kept_values((*space)->view);
+        } else {
+          const Umat* umat = std::get<const Umat*>(law);
           require(element.evaluate_umat, "this element does not take a law from a shared library");
-          const std::size_t rows = q * ((*umat)->n_state + UmatHistory::size);
-          require(user_n && user && user_n->size() == rows && user->size() == rows && when && fault,
-                  "a law from a shared library needs user_n, user (n_cells, points, n_user), when and fault");
-          block.user_n = user_n->data(), block.user = user->data();
-          block.first_cell = first_cell, block.when = *when;
-          *fault = {};
+          used_law = umat, block.n_history = umat->n_state + UmatHistory::size;
         }
+        if (block.n_history > 0) {
+          const std::size_t rows = q * block.n_history;
+          require(history_n && history && history_n->size() == rows && history->size() == rows && when && fault,
+                  "this law needs history_n, history (n_cells, points, n_history), when and fault");
+          block.history_n = history_n->data(), block.history = history->data();
+        }
+        if (when) block.when = *when;
+        block.first_cell = first_cell, block.dt = dt;
+        LawFault unheard;
+        LawFault& told = fault ? *fault : unheard;
+        told = {};
         PointSettings used = settings;
         if (stiffness)
           block.stiffness = stiffness->data();
@@ -112,18 +137,17 @@ void bind_element(nb::module_& m) {
           used.tangent = TangentKind::none;
         nb::gil_scoped_release release;
         if (n == 0) return -1;
-        if (umat) return evaluate_block(element, block, used, **umat, *fault);
-        return evaluate_block(element, block, used, *std::get<const VonMises*>(law));
+        return evaluate_block(element, block, used, used_law, told);
       },
       nb::arg("element"), nb::arg("connectivity"), nb::arg("points"), nb::arg("increment"), nb::arg("law"),
       nb::arg("settings"), nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth"), nb::arg("hourglass_fraction"),
       nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"), nb::arg("stress"), nb::arg("eqps"),
       nb::arg("hourglass"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(),
-      nb::arg("symmetric") = false, nb::arg("user_n") = nb::none(), nb::arg("user") = nb::none(),
-      nb::arg("first_cell") = 0, nb::arg("when") = nb::none(), nb::arg("fault") = nb::none(),
+      nb::arg("symmetric") = false, nb::arg("history_n") = nb::none(), nb::arg("history") = nb::none(),
+      nb::arg("dt") = 0.0, nb::arg("first_cell") = 0, nb::arg("when") = nb::none(), nb::arg("fault") = nb::none(),
       "Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. "
-      "Returns "
-      "the index of a cell turned inside out, or -1. A Umat needs user_n and user, when and fault besides.");
+      "history (n_cells, points, n_history) is what the law keeps besides stress and eqps. Returns the index of a cell "
+      "turned inside out, or -1; what the law told is in fault.");
 }
 
 }  // namespace presswork::bindings

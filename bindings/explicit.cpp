@@ -16,15 +16,20 @@ namespace {
 using namespace explicit_dynamics;
 using namespace shell_state;
 
-ShellSection make_section(const SheetLaw& law, double density, std::vector<double> height, std::vector<double> weight,
-                          bool tabulate, Treatment treatment, bool viscous, std::array<double, 3> hourglass) {
+ShellSection make_section(const Owned<SheetLaw>& law, double density, std::vector<double> height,
+                          std::vector<double> weight, bool tabulated, Treatment treatment, bool viscous,
+                          std::array<double, 3> hourglass) {
   require(height.size() == weight.size() && !height.empty(), "height and weight must have the same length, not 0");
-  ShellSection section{GeneralSheet{law}, {std::move(height), std::move(weight)}, density, treatment, {}};
-  if (tabulate) {
-    if (auto fast = find_fast_law(law))
-      section.law = std::move(*fast);
-    else if (auto table = std::make_shared<const TabulatedHardening>(law.flow.hardening); table->error() < 1e-5)
-      std::get<GeneralSheet>(section.law).law.flow.table = std::move(table);
+  ShellSection section{
+      GeneralSheet{law.view}, law.data, {std::move(height), std::move(weight)}, density, treatment, {}};
+  if (tabulated) {
+    if (auto fast = find_fast_law(law)) {
+      section.law = fast->view, section.law_data = std::move(fast->data);
+    } else {
+      Owned<SheetLaw> looked_up = law;
+      tabulate(looked_up);
+      section.law = GeneralSheet{looked_up.view}, section.law_data = std::move(looked_up.data);
+    }
   }
   section.control = {1.0, hourglass[0], hourglass[1], hourglass[2], viscous, density};
   return section;
@@ -37,7 +42,7 @@ void make_loop(ShellLoop<Real>* self, Doubles points) {
 }
 
 template <class Real>
-void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, const SheetLaw& law,
+void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, const Owned<SheetLaw>& law,
                 double density, std::vector<double> height, std::vector<double> weight, bool tabulate,
                 Treatment treatment, bool viscous, std::array<double, 3> hourglass) {
   require(connectivity.ndim() == 2 && connectivity.shape(0) > 0, "connectivity must have shape (n, 3 or 4), n > 0");

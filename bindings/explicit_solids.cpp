@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/variant.h>
 
 #include <algorithm>
 #include <numeric>
@@ -79,22 +80,36 @@ RigidWall& wall_of(const SolidLoop& self, int wall) {
   return *self.walls[wall];
 }
 
+// A PlaneLaw looks its hardening up in a table.
+SolidLawChoice choose_law(std::variant<const Owned<AdiabaticMises>*, const Owned<PlaneLaw>*, const Umat*> given,
+                          double young, double poisson) {
+  if (const auto* mises = std::get_if<const Owned<AdiabaticMises>*>(&given)) return **mises;
+  if (const auto* umat = std::get_if<const Umat*>(&given)) return OwnedUmat{**umat, young, poisson};
+  Owned<PlaneLaw> law = *std::get<const Owned<PlaneLaw>*>(given);
+  tabulate(law);
+  return law;
+}
+
 void bind_law(nb::module_& m) {
-  nb::class_<AdiabaticMises>(m, "AdiabaticMises",
-                             "Von Mises plasticity with strain rate, softening by temperature and adiabatic heating.")
+  using Law = Owned<AdiabaticMises>;
+  nb::class_<Law>(m, "AdiabaticMises",
+                  "Von Mises plasticity with strain rate, softening by temperature and adiabatic heating.")
       .def(
           "__init__",
-          [](AdiabaticMises* self, const VonMises& mises, RateLaw rate, std::array<double, 2> parameters, double start,
+          [](Law* self, const Owned<VonMises>& mises, RateLaw rate, std::array<double, 2> parameters, double start,
              double reference, double melting, double exponent, double heating) {
-            new (self) AdiabaticMises{
-                mises, {rate, parameters[0], parameters[1]}, {reference, melting, exponent}, start, heating};
+            auto table = std::make_shared<const HardeningTable>(mises.view.hardening);
+            AdiabaticMises made{mises.view, {}, {{reference, melting, exponent}, start, heating}, table->view()};
+            require(make_rate(rate, parameters, made.rate), "rate_parameters must have the two of the law");
+            new (self) Law{made, mises.data};
+            self->data.push_back(std::move(table));
           },
-          nb::arg("mises"), nb::kw_only(), nb::arg("rate") = RateLaw::none,
+          nb::arg("mises"), nb::kw_only(), nb::arg("rate") = RateLaw{},
           nb::arg("rate_parameters") = std::array<double, 2>{0.0, 1.0}, nb::arg("start") = 0.0,
           nb::arg("reference") = 0.0, nb::arg("melting") = 0.0, nb::arg("exponent") = 1.0, nb::arg("heating") = 0.0)
       .def(
           "update",
-          [](const AdiabaticMises& law, Doubles strain, double dt, Doubles stress, Doubles eqps, Doubles rise) {
+          [](const Law& law, Doubles strain, double dt, Doubles stress, Doubles eqps, Doubles rise) {
             const std::size_t n = eqps.size();
             require(strain.size() == 4 * n && stress.size() == 4 * n && rise.size() == n,
                     "strain and stress must have shape (n, 4), eqps and rise (n)");
@@ -103,14 +118,14 @@ void bind_law(nb::module_& m) {
             auto strains = new_array({n}, &new_eqps);
             auto rises = new_array({n}, &new_rise);
             for (std::size_t i = 0; i < n; ++i) {
-              PointState<double> point;
-              std::copy_n(stress.data() + 4 * i, 4, point.stress);
-              point.eqps = eqps.data()[i];
-              new_rise[i] = rise.data()[i];
-              const HardeningPoint<double> hard(law.hardening, point.eqps);
-              update_adiabatic_mises(law, strain.data() + 4 * i, dt, hard, point, new_rise[i]);
-              std::copy_n(point.stress, 4, new_stress + 4 * i);
-              new_eqps[i] = point.eqps;
+              LawInput<4, double> in{{}, dt, law.view.thermal.start};
+              double s0[6], s1[6];
+              std::copy_n(strain.data() + 4 * i, 4, in.strain);
+              std::copy_n(stress.data() + 4 * i, 4, s0);
+              s0[4] = eqps.data()[i], s0[5] = rise.data()[i];
+              update(law.view, in, HardeningPoint<double>(law.view.hardening, s0[4]), s0, s1);
+              std::copy_n(s1, 4, new_stress + 4 * i);
+              new_eqps[i] = s1[4], new_rise[i] = s1[5];
             }
             return std::make_tuple(stresses, strains, rises);
           },
@@ -145,13 +160,17 @@ void bind_explicit_solids(nb::module_& m) {
        nb::arg("hourglass_fraction") = 0.05)
       .def(
           "add",
-          [](SolidLoop& self, const std::string& element, Ints cells, const AdiabaticMises& law, double density) {
+          [](SolidLoop& self, const std::string& element, Ints cells,
+             std::variant<const Owned<AdiabaticMises>*, const Owned<PlaneLaw>*, const Umat*> law, double density,
+             double young, double poisson) {
             std::vector<int> list(cells.data(), cells.data() + cells.size());
             for (int node : list) require(node >= 0 && node < self.n_nodes, "cells name a node that is not there");
-            self.add(element, std::move(list), law, density);
+            self.add(element, std::move(list), choose_law(law, young, poisson), density);
           },
-          nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
-          "Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come.")
+          nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"), nb::kw_only(),
+          nb::arg("young") = 0.0, nb::arg("poisson") = 0.0,
+          "Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a "
+          "shared library.")
       .def(
           "add_wall",
           [](SolidLoop& self, Doubles segments, double mu) {
@@ -199,16 +218,21 @@ void bind_explicit_solids(nb::module_& m) {
           "Take over where a wall was and what it pushed.")
       .def(
           "advance",
-          [](SolidLoop& self, double dt, double dt_before, Doubles force_scale, Doubles velocity_scale,
+          [](SolidLoop& self, double time, double dt, double dt_before, Doubles force_scale, Doubles velocity_scale,
              double damping) {
             require(force_scale.size() == velocity_scale.size(), "the scales must have the same length");
             nb::gil_scoped_release release;
-            return self.advance(static_cast<int>(force_scale.size()), dt, dt_before, damping, force_scale.data(),
-                                velocity_scale.data());
+            const int code = self.advance(static_cast<int>(force_scale.size()), time, dt, dt_before, damping,
+                                          force_scale.data(), velocity_scale.data());
+            const bool failed = code >= 0;
+            return std::make_tuple(failed ? code / SolidBlock::reasons : -1,
+                                   static_cast<LawStatus>(failed ? code % SolidBlock::reasons : 0));
           },
-          nb::arg("dt"), nb::arg("dt_before"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
-          nb::arg("damping") = 0.0,
-          "Advance as many cycles of dt [s] as the scales have values; returns a cell turned inside out, or -1.")
+          nb::arg("time"), nb::arg("dt"), nb::arg("dt_before"), nb::arg("force_scale"), nb::arg("velocity_scale"),
+          nb::kw_only(), nb::arg("damping") = 0.0,
+          "Advance as many cycles of dt [s] from `time` as the scales have values; returns the cell that failed, or "
+          "-1, and "
+          "what its law told: done, if it is turned inside out.")
       .def("energies", &SolidLoop::energies, nb::arg("dt"), nb::arg("dt_before"), nb::kw_only(),
            nb::arg("damping") = 0.0, nb::arg("force_scale") = 1.0, nb::arg("velocity_scale") = 1.0,
            "Energies at the present time.")
@@ -281,12 +305,30 @@ void bind_explicit_solids(nb::module_& m) {
         }
       },
       nb::rv_policy::move, "Mass of each cell over its true one (n); then call weigh.");
-  using State = SolidBlock::State;
-  bind_cells<State::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");
-  bind_cells<State::eqps, 1>(c, "eqps", "Equivalent plastic strain (n).");
-  bind_cells<State::rise, 1>(c, "rise", "Rise of temperature since the start (n).");
-  bind_cells<State::hourglass, 2>(c, "hourglass", "Hourglass forces (n, 2) [N].");
-  bind_cells<State::work, 2>(c, "cell_work", "Work of stress and of hourglass control (n, 2) [N mm].");
+  c.def_prop_rw(
+      "kept",
+      [](const SolidLoop& self) {
+        std::vector<double> all;
+        for (const auto& b : self.blocks)
+          for (int e = 0; e < b.n(); ++e)
+            for (int row = CycleRow::count; row < b.rows(); ++row) all.push_back(b.value(e, row));
+        return copy(all, {all.size()});
+      },
+      [](SolidLoop& self, Doubles x) {
+        std::size_t size = 0;
+        for (const auto& b : self.blocks) size += std::size_t(b.n()) * (b.rows() - CycleRow::count);
+        require(x.size() == size, "kept does not belong to these cells and laws");
+        const double* from = x.data();
+        for (auto& b : self.blocks)
+          for (int e = 0; e < b.n(); ++e)
+            for (int row = CycleRow::count; row < b.rows(); ++row) b.set_value(e, row, *from++);
+      },
+      nb::rv_policy::move, "What the laws keep besides, cell after cell of all blocks (n).");
+  bind_cells<CycleRow::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");
+  bind_cells<CycleRow::eqps, 1>(c, "eqps", "Equivalent plastic strain (n).");
+  bind_cells<CycleRow::rise, 1>(c, "rise", "Rise of temperature since the start (n).");
+  bind_cells<CycleRow::hourglass, 2>(c, "hourglass", "Hourglass forces (n, 2) [N].");
+  bind_cells<CycleRow::work, 2>(c, "cell_work", "Work of stress and of hourglass control (n, 2) [N mm].");
 }
 
 }  // namespace presswork::bindings

@@ -7,38 +7,37 @@ namespace presswork::bindings {
 namespace {
 
 template <int N>
-std::tuple<NewDoubles, NewDoubles, NewDoubles> update_points(const VonMises& law, Doubles strain, Doubles stress,
-                                                             Doubles eqps) {
+auto update_mises_in(const VonMises& law, Doubles strain, Doubles stress, Doubles eqps) {
   const std::size_t n = eqps.size();
   double *new_stress, *new_eqps, *tangent;
   auto stresses = new_array({n, N}, &new_stress);
   auto strains = new_array({n}, &new_eqps);
   auto tangents = new_array({n, N, N}, &tangent);
   for (std::size_t i = 0; i < n; ++i) {
-    PointState<double, N> point;
-    double increment[N];
-    for (int k = 0; k < N; ++k) point.stress[k] = stress.data()[N * i + k], increment[k] = strain.data()[N * i + k];
-    point.eqps = eqps.data()[i];
-    update_von_mises(law, increment, point, reinterpret_cast<double (*)[N]>(tangent + N * N * i));
-    for (int k = 0; k < N; ++k) new_stress[N * i + k] = point.stress[k];
-    new_eqps[i] = point.eqps;
+    LawInput<N, double> in;
+    double s0[N + 1], s1[N + 1];
+    for (int k = 0; k < N; ++k) in.strain[k] = strain.data()[N * i + k], s0[k] = stress.data()[N * i + k];
+    s0[N] = eqps.data()[i];
+    update(law, in, s0, s1, reinterpret_cast<double (*)[N]>(tangent + N * N * i));
+    for (int k = 0; k < N; ++k) new_stress[N * i + k] = s1[k];
+    new_eqps[i] = s1[N];
   }
-  return {stresses, strains, tangents};
+  return std::make_tuple(stresses, strains, tangents);
+}
+
+auto update_mises(const Owned<VonMises>& law, Doubles strain, Doubles stress, Doubles eqps) {
+  const std::size_t n = eqps.size();
+  if (strain.size() == 6 * n && stress.size() == 6 * n) return update_mises_in<6>(law.view, strain, stress, eqps);
+  require(strain.size() == 4 * n && stress.size() == 4 * n, "strain and stress must have shape (n, 4) or (n, 6)");
+  return update_mises_in<4>(law.view, strain, stress, eqps);
 }
 
 }  // namespace
 
 void bind_material(nb::module_& m) {
-  nb::enum_<HardeningLaw>(m, "HardeningLaw", "Flow stress against equivalent plastic strain.")
-      .value("linear", HardeningLaw::linear)
-      .value("swift", HardeningLaw::swift)
-      .value("ludwik", HardeningLaw::ludwik)
-      .value("voce", HardeningLaw::voce)
-      .value("linear_voce", HardeningLaw::linear_voce)
-      .value("hockett_sherby", HardeningLaw::hockett_sherby)
-      .value("table", HardeningLaw::table)
-      .value("swift_voce", HardeningLaw::swift_voce)
-      .value("monotone_table", HardeningLaw::monotone_table);
+  nb::enum_<HardeningLaw> laws(m, "HardeningLaw", "Flow stress against equivalent plastic strain.");
+  for_each_alternative<Hardening::Law>(
+      [&](std::size_t index, auto law) { laws.value(law.name, static_cast<HardeningLaw>(index)); });
   nb::enum_<Integrator>(m, "Integrator", "Stress integrator of the von Mises law.")
       .value("backward_euler", Integrator::backward_euler)
       .value("radial_return", Integrator::radial_return)
@@ -50,39 +49,34 @@ void bind_material(nb::module_& m) {
       .value("consistent", Modulus::consistent)
       .value("continuum", Modulus::continuum);
 
-  nb::class_<VonMises>(m, "VonMises", "Isotropic elasticity with von Mises plasticity; stresses in MPa.")
+  using Law = Owned<VonMises>;
+  nb::class_<Law>(m, "VonMises", "Isotropic elasticity with von Mises plasticity; stresses in MPa.")
       .def(
           "__init__",
-          [](VonMises* self, double young, double poisson, HardeningLaw hardening, std::vector<double> parameters,
+          [](Law* self, double young, double poisson, HardeningLaw hardening, std::vector<double> parameters,
              Integrator integrator, int substeps, Modulus modulus) {
-            new (self) VonMises{young, poisson, {hardening, std::move(parameters)}, integrator, substeps, modulus};
+            Law made{{young, poisson, {}, integrator, substeps, modulus}};
+            require(make_hardening(hardening, std::move(parameters), made.view.hardening, made.data),
+                    "the parameters are not those of the hardening law");
+            new (self) Law(std::move(made));
           },
           nb::arg("young"), nb::arg("poisson"), nb::arg("hardening"), nb::arg("parameters"), nb::kw_only(),
           nb::arg("integrator") = Integrator::backward_euler, nb::arg("substeps") = 10,
           nb::arg("modulus") = Modulus::consistent)
       .def(
           "flow_stress",
-          [](const VonMises& law, Doubles eqps) {
+          [](const Law& law, Doubles eqps) {
             double *flow, *slope;
             auto flows = new_array({eqps.size()}, &flow);
             auto slopes = new_array({eqps.size()}, &slope);
-            for (std::size_t i = 0; i < eqps.size(); ++i) law.hardening.evaluate(eqps.data()[i], flow[i], slope[i]);
+            for (std::size_t i = 0; i < eqps.size(); ++i)
+              law.view.hardening.evaluate(eqps.data()[i], flow[i], slope[i]);
             return std::make_tuple(flows, slopes);
           },
           nb::arg("eqps"), "Flow stress and its slope [MPa] at equivalent plastic strains (n).")
-      .def(
-          "update",
-          [](const VonMises& law, Doubles strain, Doubles stress, Doubles eqps) {
-            require(strain.ndim() == 2 && (strain.shape(1) == 4 || strain.shape(1) == 6) &&
-                        strain.shape(0) == eqps.size() && stress.size() == strain.size(),
-                    "strain and stress must have shape (n, 4) or (n, 6)");
-            return strain.shape(1) == 6 ? update_points<6>(law, strain, stress, eqps)
-                                        : update_points<4>(law, strain, stress, eqps);
-          },
-          nb::arg("strain"), nb::arg("stress"), nb::arg("eqps"),
-          "Advance points by strain increments (n, N), N = 4 (xx, yy, zz, xy) or 6 (and yz, zx); returns stress (n, "
-          "N), "
-          "eqps (n) and tangent (n, N, N).");
+      .def("update", &update_mises, nb::arg("strain"), nb::arg("stress"), nb::arg("eqps"),
+           "Advance points by strain increments (n, 4), or (n, 6) in space: xx, yy, zz, xy, yz, zx; returns stress, "
+           "eqps (n) and tangent (n, 4, 4) or (n, 6, 6).");
 }
 
 }  // namespace presswork::bindings

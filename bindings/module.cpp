@@ -8,7 +8,7 @@
 namespace presswork::bindings {
 void bind_kinematics(nb::module_& m);
 void bind_material(nb::module_& m);
-void bind_anisotropic(nb::module_& m);
+void bind_elastic_plastic(nb::module_& m);
 void bind_umat(nb::module_& m);
 void bind_element(nb::module_& m);
 void bind_shell(nb::module_& m);
@@ -30,7 +30,7 @@ NB_MODULE(_core, m) {
   m.def("max_threads", [] { return omp_get_max_threads(); }, "Number of threads that loops use.");
   bind_kinematics(m);
   bind_material(m);
-  bind_anisotropic(m);
+  bind_elastic_plastic(m);
   bind_umat(m);
   bind_element(m);
   bind_shell(m);

@@ -9,40 +9,41 @@ namespace presswork::bindings {
 namespace {
 
 // Hardening and yield function of deformation theory.
-DeformationLaw make_law(double young, const std::array<double, 9>& metric, HardeningLaw law,
-                        std::vector<double> parameters) {
+using Law = Owned<DeformationLaw>;
+
+Law make_law(double young, const std::array<double, 9>& metric, HardeningLaw law, std::vector<double> parameters) {
   require(young > 0.0, "young must be above zero");
-  DeformationLaw made{{law, std::move(parameters)}, young, {}};
-  for (int i = 0; i < 9; ++i) made.strain_metric[i / 3][i % 3] = metric[i];
+  Law made{{{}, young, {}}};
+  require(make_hardening(law, std::move(parameters), made.view.hardening, made.data),
+          "the parameters are not those of the hardening law");
+  for (int i = 0; i < 9; ++i) made.view.strain_metric[i / 3][i % 3] = metric[i];
   return made;
 }
 
 // Stress and its slope at total equivalent strains.
-std::tuple<NewDoubles, NewDoubles> flow_curve(const DeformationLaw& law, Doubles strain) {
+std::tuple<NewDoubles, NewDoubles> flow_curve(const Law& law, Doubles strain) {
   double *stress, *slope;
   auto stresses = new_array({strain.size()}, &stress);
   auto slopes = new_array({strain.size()}, &slope);
-  for (std::size_t i = 0; i < strain.size(); ++i) law.flow(strain.data()[i], stress[i], slope[i]);
+  for (std::size_t i = 0; i < strain.size(); ++i) law.view.flow(strain.data()[i], stress[i], slope[i]);
   return {stresses, slopes};
 }
 
 }  // namespace
 
 void bind_one_step(nb::module_& m) {
-  nb::class_<DeformationLaw>(m, "DeformationLaw", "Deformation theory of a sheet in plane stress.")
+  nb::class_<Law>(m, "DeformationLaw", "Deformation theory of a sheet in plane stress.")
       .def(
           "__init__",
-          [](DeformationLaw* self, double young, const std::array<double, 9>& metric, HardeningLaw law,
-             std::vector<double> parameters) {
-            new (self) DeformationLaw(make_law(young, metric, law, std::move(parameters)));
-          },
+          [](Law* self, double young, const std::array<double, 9>& metric, HardeningLaw law,
+             std::vector<double> parameters) { new (self) Law(make_law(young, metric, law, std::move(parameters))); },
           nb::arg("young"), nb::arg("strain_metric"), nb::arg("law"), nb::arg("parameters"),
           "strain_metric: rows of Q, e^2 = E' Q E over E = (xx, yy, 2 xy).")
       .def("flow_curve", &flow_curve, nb::arg("strain"), "Stress [MPa] and its slope at total equivalent strains (n).");
   m.def(
       "evaluate_inverse",
       [](Ints triangles, Doubles share, Doubles axes, Doubles edges, Doubles curvature, Doubles bases, Doubles blank,
-         double thickness, const DeformationLaw& law, std::vector<double> height, std::vector<double> weight,
+         double thickness, const Law& law, std::vector<double> height, std::vector<double> weight,
          bool with_stiffness) {
         require(triangles.ndim() == 2 && triangles.shape(1) == 3, "triangles must have shape (n, 3)");
         require(blank.ndim() == 2, "blank must have shape (n_nodes, 2)");
@@ -66,7 +67,7 @@ void bind_one_step(nb::module_& m) {
         int failed = -1;
         {
           nb::gil_scoped_release release;
-          if (n > 0) failed = evaluate_inverse(block, law, force, with_stiffness ? stiffness : nullptr);
+          if (n > 0) failed = evaluate_inverse(block, law.view, force, with_stiffness ? stiffness : nullptr);
         }
         return std::make_tuple(forces, stiffnesses, failed);
       },

@@ -25,11 +25,12 @@ auto tabulate(const std::string& name) {
 }
 
 auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doubles undeformed, Doubles points,
-              Doubles increment, Doubles director, Doubles layer_position, Doubles layer_weight, const SheetLaw& law,
-              double dt, double penalty, const std::vector<Doubles>& state_n, const std::vector<MutableDoubles>& state,
-              MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric,
-              bool small_displacements) {
+              Doubles increment, Doubles director, Doubles layer_position, Doubles layer_weight,
+              const Owned<SheetLaw>& owned, double dt, double penalty, const std::vector<Doubles>& state_n,
+              const std::vector<MutableDoubles>& state, MutableDoubles volume, MutableDoubles force,
+              std::optional<MutableDoubles> stiffness, bool symmetric, bool small_displacements) {
   const auto shell = shell_named(name);
+  const SheetLaw& law = owned.view;
   const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width, freedoms = 6 * shell.nodes;
   const std::size_t q = n * shell.points, k = layer_position.size(), h = law.history_size();
   require(connectivity.ndim() == 2 && connectivity.shape(1) == std::size_t(shell.nodes),

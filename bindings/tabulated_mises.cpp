@@ -6,21 +6,27 @@
 
 namespace presswork::bindings {
 
-std::optional<FastMises> find_fast_law(const SheetLaw& law) {
+std::optional<Owned<FastMises>> find_fast_law(const Owned<SheetLaw>& given) {
+  const SheetLaw& law = given.view;
   const auto* quadratic = std::get_if<QuadraticYield<3>>(&law.yield);
-  const bool plain = law.kinematic.index() == 0 && law.flow.rate.law == RateLaw::none && law.young_rate == 0.0;
+  const bool isothermal = !law.flow.thermal.softening.active() && !law.flow.thermal.heats();
+  const bool plain = law.kinematic.index() == 0 && !law.flow.rate.active() && law.young_rate == 0.0 && isothermal;
   const auto von_mises = HillParameters{}.plane_stress();
   if (!plain || !quadratic) return std::nullopt;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       if (std::fabs(quadratic->P[i][j] - von_mises.P[i][j]) > 1e-14) return std::nullopt;
-  return FastMises{{law.young, law.poisson, TabulatedHardening(law.flow.hardening)}};
+  auto table = std::make_shared<const HardeningTable>(law.flow.hardening);
+  return Owned<FastMises>{{law.young, law.poisson, table->view()}, {std::move(table)}};
 }
 
 namespace {
 
 struct FastLaw {
-  FastMises law;
+  Owned<FastMises> law;
+  std::shared_ptr<const HardeningTable> table() const {
+    return std::static_pointer_cast<const HardeningTable>(law.data.front());
+  }
 };
 
 // Points (n, 3) by packs: stress, equivalent plastic strain, thickness strain increment.
@@ -59,7 +65,7 @@ auto update_fast(const FastLaw& self, Doubles strain, Doubles stress, Doubles eq
   auto plastic = new_array({n}, &new_eqps);
   auto thicknesses = new_array({n}, &thickness);
   auto update = single ? update_range<float> : update_range<double>;
-  update(self.law, n, strain.data(), stress.data(), eqps.data(), new_stress, new_eqps, thickness);
+  update(self.law.view, n, strain.data(), stress.data(), eqps.data(), new_stress, new_eqps, thickness);
   return std::make_tuple(stresses, plastic, thicknesses);
 }
 
@@ -70,17 +76,17 @@ void bind_tabulated_mises(nb::module_& m) {
                       "The explicit loop's von Mises update in plane stress; hardening from a table.")
       .def(
           "__init__",
-          [](FastLaw* self, const SheetLaw& law) {
+          [](FastLaw* self, const Owned<SheetLaw>& law) {
             auto fast = find_fast_law(law);
             require(fast.has_value(), "the law must be von Mises with isotropic hardening alone");
             new (self) FastLaw{std::move(*fast)};
           },
           nb::arg("law"))
       .def_prop_ro(
-          "table_error", [](const FastLaw& self) { return self.law.hardening.error(); },
+          "table_error", [](const FastLaw& self) { return self.table()->error(); },
           "Largest error of the table, of the flow stress.")
       .def_prop_ro(
-          "table_rows", [](const FastLaw& self) { return self.law.hardening.rows(); },
+          "table_rows", [](const FastLaw& self) { return self.law.view.hardening.last + 1; },
           "Number of the table's intervals.")
       .def(
           "update", &update_fast, nb::arg("strain"), nb::arg("stress"), nb::arg("eqps"), nb::kw_only(),

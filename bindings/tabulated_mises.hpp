@@ -10,7 +10,7 @@
 namespace presswork::bindings {
 
 // The fast law where it gives what the general one does: von Mises, isotropic hardening alone.
-std::optional<FastMises> find_fast_law(const SheetLaw& law);
+std::optional<Owned<FastMises>> find_fast_law(const Owned<SheetLaw>& law);
 
 void bind_tabulated_mises(nb::module_& m);
 

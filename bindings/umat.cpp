@@ -8,17 +8,18 @@ void bind_umat(nb::module_& m) {
   nb::enum_<UmatJacobian>(m, "UmatJacobian", "What a UMAT's DDSDDE is the derivative of.")
       .value("stress_increment", UmatJacobian::stress_increment)
       .value("jaumann_kirchhoff", UmatJacobian::jaumann_kirchhoff);
-  nb::enum_<UmatStatus>(m, "UmatStatus", "How the call of a UMAT ended.")
-      .value("done", UmatStatus::done)
-      .value("smaller", UmatStatus::smaller)
-      .value("not_finite", UmatStatus::not_finite)
-      .value("overrun", UmatStatus::overrun)
-      .value("stopped", UmatStatus::stopped);
-  nb::class_<UmatFault>(m, "UmatFault", "The worst of what the calls of a block have told.")
+  nb::enum_<LawStatus>(m, "LawStatus", "How the call of a law ended.")
+      .value("done", LawStatus::done)
+      .value("smaller", LawStatus::smaller)
+      .value("not_finite", LawStatus::not_finite)
+      .value("overrun", LawStatus::overrun)
+      .value("stopped", LawStatus::stopped)
+      .value("no_stress", LawStatus::no_stress);
+  nb::class_<LawFault>(m, "LawFault", "The worst of what the calls of a law have told.")
       .def(nb::init<>())
-      .def_ro("status", &UmatFault::status)
-      .def_ro("cell", &UmatFault::cell, "In the block.")
-      .def_ro("step_factor", &UmatFault::step_factor, "Least PNEWDT.");
+      .def_ro("status", &LawFault::status)
+      .def_ro("cell", &LawFault::cell, "In the block.")
+      .def_ro("step_factor", &LawFault::step_factor, "Least PNEWDT.");
   nb::class_<UmatPlace>(m, "UmatPlace", "Which increment a UMAT is called in.")
       .def(
           "__init__",

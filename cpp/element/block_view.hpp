@@ -26,12 +26,44 @@ struct BlockView {
   double* force;      // (n_packs, d nodes, pack_width) [N]
   double* stiffness;  // (n_packs, d nodes, d nodes, pack_width) [N/mm], or null
   bool symmetric;     // keep the symmetric part of the stiffness
-  // of a law from a shared library
-  const double* user_n = nullptr;  // (n_cells, q, n_state + UmatHistory::size)
-  double* user = nullptr;
-  int first_cell = 0;          // of the block in the mesh
-  UmatPlace when = {};         // stage, increment and times
-  UmatFault* fault = nullptr;  // (n_packs)
+  // what a law keeps besides: kept_values, or, of one from a shared library, n_state + UmatHistory::size
+  const double* history_n = nullptr;  // (n_cells, q, n_history)
+  double* history = nullptr;
+  int n_history = 0;
+  double dt = 0.0;            // of the increment [s]
+  int first_cell = 0;         // of the block in the mesh
+  UmatPlace when = {};        // stage, increment and times
+  LawFault* fault = nullptr;  // (n_packs)
 };
+
+// Values of point q, of n_points, in N components, and back. Those that a law from a shared library keeps it reads and
+// writes itself.
+template <int N, class Law>
+void load_point(const BlockView& b, const Law& law, const int cells[], int n_points, int q, Pack* s0) {
+  for (int lane = 0; lane < pack_width; ++lane) {
+    const std::size_t at = static_cast<std::size_t>(cells[lane]) * n_points + q;
+    for (int i = 0; i < N; ++i) s0[i].set(lane, b.stress_n[N * at + i]);
+    s0[N].set(lane, b.eqps_n[at]);
+    if constexpr (!std::is_same_v<Law, Umat>)
+      for (int i = 0; i < kept_values(law); ++i) s0[N + 1 + i].set(lane, b.history_n[b.n_history * at + i]);
+  }
+}
+template <int N, class Law>
+void save_point(const BlockView& b, const Law& law, const int cells[], int count, int n_points, int q, const Pack* s1,
+                Pack volume) {
+  for (int lane = 0; lane < count; ++lane) {
+    const std::size_t at = static_cast<std::size_t>(cells[lane]) * n_points + q;
+    for (int i = 0; i < N; ++i) b.stress[N * at + i] = s1[i][lane];
+    b.eqps[at] = s1[N][lane];
+    b.volume[at] = volume[lane];
+    if constexpr (!std::is_same_v<Law, Umat>)
+      for (int i = 0; i < kept_values(law); ++i) b.history[b.n_history * at + i] = s1[N + 1 + i][lane];
+  }
+}
+// Notes the lanes in which a law of our own found no stress.
+inline void note_failed(const BlockView& b, int pack, int count, Pack::Mask failed) {
+  for (int lane = 0; any(failed) && lane < count; ++lane)
+    if (failed[lane]) b.fault[pack].note(LawStatus::no_stress, pack * pack_width + lane, 0.5);
+}
 
 }  // namespace presswork

@@ -13,15 +13,19 @@ template <class Cell, int n_points, Treatment treatment = Treatment::standard>
 constexpr ElementType element(std::string_view name, std::string_view description, bool in_explicit = false) {
   using Kernel = Solid2d<Cell, n_points, treatment>;
   const ElementRow row{name, Cell::name, Cell::nodes, n_points, Family::plane, description, true, in_explicit};
-  ElementType type{row, &Kernel::template evaluate<VonMises>, nullptr};
+  ElementType type{row, &Kernel::template evaluate<VonMises>};
+  type.evaluate_plane = &Kernel::template evaluate<PlaneLaw>;
   if constexpr (treatment != Treatment::one_point) type.evaluate_umat = &Kernel::template evaluate<Umat>;
   return type;
 }
 
 template <class Cell, int n_points, Treatment treatment = Treatment::standard>
 constexpr ElementType space_element(std::string_view name, std::string_view description) {
+  using Kernel = SpaceSolid<Cell, n_points, treatment>;
   const ElementRow row{name, Cell::name, Cell::nodes, n_points, Family::space, description};
-  return {row, &SpaceSolid<Cell, n_points, treatment>::evaluate, nullptr};
+  ElementType type{row, &Kernel::template evaluate<VonMises>};
+  type.evaluate_space = &Kernel::template evaluate<SolidLaw>;
+  return type;
 }
 
 constexpr ElementType elements[] = {
@@ -50,31 +54,41 @@ std::optional<ElementType> find_element(std::string_view name) {
   return std::nullopt;
 }
 
-int evaluate_block(const ElementType& element, const BlockView& block, const PointSettings& settings,
-                   const VonMises& law) {
-  const int n_packs = (block.n_cells + pack_width - 1) / pack_width;
+namespace {
+
+template <class Law>
+int evaluate_packs(int (*evaluate)(const BlockView&, const PointSettings&, const Law&, int), const BlockView& block,
+                   const PointSettings& settings, const Law& law, int n_packs, bool shared) {
   int failed = INT_MAX;
-#pragma omp parallel for schedule(static) reduction(min : failed)
+#pragma omp parallel for schedule(static) reduction(min : failed) if (shared)
   for (int pack = 0; pack < n_packs; ++pack) {
-    const int cell = element.evaluate_pack(block, settings, law, pack);
+    const int cell = evaluate(block, settings, law, pack);
     if (cell >= 0) failed = std::min(failed, cell);
   }
   return failed == INT_MAX ? -1 : failed;
 }
 
-int evaluate_block(const ElementType& element, BlockView block, const PointSettings& settings, const Umat& law,
-                   UmatFault& fault) {
+}  // namespace
+
+int evaluate_block(const ElementType& element, BlockView block, const PointSettings& settings, const BulkLaw& law,
+                   LawFault& fault) {
   const int n_packs = (block.n_cells + pack_width - 1) / pack_width;
-  std::vector<UmatFault> faults(n_packs);
+  std::vector<LawFault> faults(n_packs);
   block.fault = faults.data();
-  int failed = INT_MAX;
-#pragma omp parallel for schedule(static) reduction(min : failed) if (law.thread_safe)
-  for (int pack = 0; pack < n_packs; ++pack) {
-    const int cell = element.evaluate_umat(block, settings, law, pack);
-    if (cell >= 0) failed = std::min(failed, cell);
-  }
+  const auto evaluate = [&](auto kernel, const auto& chosen, bool shared) {
+    return evaluate_packs(kernel, block, settings, chosen, n_packs, shared);
+  };
+  int failed;
+  if (const auto* mises = std::get_if<const VonMises*>(&law))
+    failed = evaluate(element.evaluate_mises, **mises, true);
+  else if (const auto* plane = std::get_if<const PlaneLaw*>(&law))
+    failed = evaluate(element.evaluate_plane, **plane, true);
+  else if (const auto* space = std::get_if<const SolidLaw*>(&law))
+    failed = evaluate(element.evaluate_space, **space, true);
+  else
+    failed = evaluate(element.evaluate_umat, *std::get<const Umat*>(law), std::get<const Umat*>(law)->thread_safe);
   for (const auto& f : faults) fault.note(f.status, f.cell, f.step_factor);
-  return failed == INT_MAX ? -1 : failed;
+  return failed;
 }
 
 }  // namespace presswork

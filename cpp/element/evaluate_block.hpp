@@ -12,11 +12,19 @@
 namespace presswork {
 
 struct ElementType : ElementRow {
-  int components() const { return dim() == 3 ? 6 : 4; }  // of a stress
+  // null where the element does not take the law
+  template <class Law>
+  using Kernel = int (*)(const BlockView&, const PointSettings&, const Law&, int pack);
+  Kernel<VonMises> evaluate_mises = nullptr;
+  Kernel<PlaneLaw> evaluate_plane = nullptr;
+  Kernel<SolidLaw> evaluate_space = nullptr;
+  Kernel<Umat> evaluate_umat = nullptr;
 
-  int (*evaluate_pack)(const BlockView&, const PointSettings&, const VonMises&, int pack);
-  int (*evaluate_umat)(const BlockView&, const PointSettings&, const Umat&, int pack);  // null if it cannot
+  int components() const { return dim() == 3 ? 6 : 4; }  // of a stress
 };
+
+// The laws that a solid's points can have.
+using BulkLaw = std::variant<const VonMises*, const PlaneLaw*, const SolidLaw*, const Umat*>;
 
 // Solids in the plane and in space.
 std::span<const ElementType> solid_elements();
@@ -24,14 +32,11 @@ std::span<const ElementType> solid_elements();
 // The element of that name, or nothing.
 std::optional<ElementType> find_element(std::string_view name);
 
-// Evaluate every pack of a block. Returns the lowest index of a cell turned inside out, or -1. The result does not
-// depend on the number of threads: each pack writes its own slots.
-int evaluate_block(const ElementType& element, const BlockView& block, const PointSettings& settings,
-                   const VonMises& law);
-
-// The same with a law from a shared library, by one thread unless it says that several may call it. What its calls told
-// goes to `fault`: block.fault need not be set. element.evaluate_umat must not be null.
-int evaluate_block(const ElementType& element, BlockView block, const PointSettings& settings, const Umat& law,
-                   UmatFault& fault);
+// Evaluate every pack of a block. Returns the lowest index of a cell turned inside out, or -1; what the law's calls
+// told goes to `fault`, block.fault need not be set. The result does not depend on the number of threads: each pack
+// writes its own slots. A law from a shared library is called by one thread unless it says that several may; the
+// element's evaluate_umat must then not be null.
+int evaluate_block(const ElementType& element, BlockView block, const PointSettings& settings, const BulkLaw& law,
+                   LawFault& fault);
 
 }  // namespace presswork

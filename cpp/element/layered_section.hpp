@@ -10,7 +10,7 @@
 //   can_fail                                   whether it may find no stress: its sum is then NaN
 #pragma once
 
-#include "material/anisotropic_law.hpp"
+#include "material/elastic_plastic.hpp"
 #include "material/tabulated_mises.hpp"
 
 namespace presswork {
@@ -18,6 +18,7 @@ namespace presswork {
 // Any SheetLaw, always in double precision. x of its frame is the frame's first axis.
 struct GeneralSheet {
   static constexpr bool can_fail = true;
+  static constexpr int most_rows = 3 + 1 + 1 + 3 * Chaboche::most;
   SheetLaw law;
   double young = law.young, poisson = law.poisson;
 
@@ -35,22 +36,24 @@ struct GeneralSheet {
 
   template <class T>
   T advance(T sum, T difference, T shear, double dt, T* state) const {
-    const T strain[3] = {T(0.5) * (sum + difference), T(0.5) * (sum - difference), shear};
-    T stress[3] = {T(0.5) * (state[0] + state[1]), T(0.5) * (state[0] - state[1]), state[2]}, across;
-    auto failed = update_sheet(law, strain, dt, T(1.0), stress, state + 3, across, static_cast<T(*)[3]>(nullptr));
-    state[0] = select(failed, T(NAN), stress[0] + stress[1]);
-    state[1] = stress[0] - stress[1];
-    state[2] = stress[2];
+    const LawInput<3, T> in{
+        {T(0.5) * (sum + difference), T(0.5) * (sum - difference), shear}, dt, T(law.flow.thermal.start)};
+    const T xx = T(0.5) * (state[0] + state[1]), yy = T(0.5) * (state[0] - state[1]);
+    T across;
+    state[0] = xx, state[1] = yy;
+    auto failed = update_sheet(law, in, state, state, across, static_cast<T(*)[3]>(nullptr));
+    const T s_xx = state[0], s_yy = state[1];
+    state[0] = select(failed, T(NAN), s_xx + s_yy);
+    state[1] = s_xx - s_yy;
     return across;
   }
 
   FloatPack advance(FloatPack sum, FloatPack difference, FloatPack shear, double dt, FloatPack* state) const {
-    thread_local std::vector<Pack> wide;
-    wide.resize(rows());
+    Pack wide[most_rows];
     FloatPack across;
     for (int half = 0; half < 2; ++half) {
       for (int i = 0; i < rows(); ++i) wide[i] = widen(state[i], half);
-      narrow(advance(widen(sum, half), widen(difference, half), widen(shear, half), dt, wide.data()), half, across);
+      narrow(advance(widen(sum, half), widen(difference, half), widen(shear, half), dt, wide), half, across);
       for (int i = 0; i < rows(); ++i) narrow(wide[i], half, state[i]);
     }
     return across;

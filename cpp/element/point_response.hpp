@@ -9,9 +9,14 @@
 // 0:
 //     K_o: D : sym l      K_e: -(sigma d + d sigma)      K_u: l sigma      K_v: sigma tr l
 // With small displacements the strain is sym(F - 1), nothing turns, and a = D.
+//
+// The law is called in axes that turn with the material (law.hpp). Von Mises's closed form asks for no axes of its own:
+// it works in those of t. Others keep the direction of their x beside their state, and stress and strain are turned to
+// it and back; so their back stresses are never turned, and an anisotropic law knows its rolling direction.
 #pragma once
 
 #include "kinematics/increment.hpp"
+#include "material/elastic_plastic.hpp"
 #include "material/von_mises.hpp"
 
 namespace presswork {
@@ -132,28 +137,101 @@ void thesis_modulus(const PointSettings& settings, const T F[5], const Increment
 
 }  // namespace point
 
-// Advance a point by F and, unless settings.tangent is none, give its spatial modulus. F must have a positive
-// determinant; state goes from t to t+dt, its stress turned with the material.
+// Values of a point in N components: stress in the axes of space and equivalent plastic strain, then what its law
+// keeps, the directions of the law's axes at the end: x in the plane (2), x and y in space (6).
+template <int N>
+inline constexpr int axes_values = N == 6 ? 6 : 2;
+template <int N>
+inline constexpr int most_point_values = N + 2 + N * Chaboche::most + axes_values<N>;
+
+// How many a law keeps behind the equivalent plastic strain.
+inline int kept_values(const VonMises&) { return 0; }
+template <int N>
+int kept_values(const ElasticPlastic<N>& law) {
+  return law.history_size() - 1 + axes_values<N>;
+}
+
+// Temperature given to a point from outside, and the whole of it at the start.
 template <class T>
-void respond(const PointSettings& settings, const VonMises& law, const T F[5], PointState<T>& state,
-             PointResponse<T>& response) {
+T given_temperature(const VonMises&) {
+  return T(0.0);
+}
+template <class T, int N>
+T given_temperature(const ElasticPlastic<N>& law) {
+  return T(law.flow.thermal.start);
+}
+template <class T>
+T point_temperature(const VonMises&, const T*) {
+  return T(0.0);
+}
+template <class T, int N>
+T point_temperature(const ElasticPlastic<N>& law, const T* s0) {
+  const T given = given_temperature<T>(law);
+  return law.flow.thermal.heats() ? given + s0[N + 1] : given;
+}
+
+namespace point {
+
+template <class T>
+Mask<T> call_law(const VonMises& law, const LawInput<4, T>& in, const T* s0, T* s1, T (*D)[4]) {
+  return update(law, in, s0, s1, D);
+}
+
+// In the law's own axes, x along (c, s).
+template <class T>
+Mask<T> call_law(const PlaneLaw& law, const LawInput<4, T>& in, const T* s0, T* s1, T (*D)[4]) {
+  const int size = law.state_size();
+  const T c = s0[size], s = s0[size + 1];
+  LawInput<4, T> own = in;
+  T before[most_point_values<4>], tangent[4][4];
+  turn_strain(c, -s, in.strain, own.strain);
+  turn_stress(c, -s, s0, before);
+  for (int i = 4; i < size; ++i) before[i] = s0[i];
+  const Mask<T> failed = update(law, own, before, s1, D ? tangent : nullptr);
+  const T stress[4] = {s1[0], s1[1], s1[2], s1[3]};
+  turn_stress(c, s, stress, s1);
+  if (D) turn_tangent(c, s, tangent, D);
+  return failed;
+}
+
+// The law's x turns with the material.
+template <class T>
+void turn_axes(const VonMises&, T, T, const T*, T*) {}
+template <class T>
+void turn_axes(const PlaneLaw& law, T c, T s, const T* s0, T* s1) {
+  const int at = law.state_size();
+  const T x = s0[at], y = s0[at + 1];
+  s1[at] = c * x - s * y, s1[at + 1] = s * x + c * y;
+}
+
+}  // namespace point
+
+// Advance a point by F over the time dt and, unless settings.tangent is none, give its spatial modulus. F must have a
+// positive determinant; s0 goes to s1, the stress turned with the material. Gives the lanes in which the law failed.
+template <class T, class Law>
+Mask<T> respond(const PointSettings& settings, const Law& law, const T F[5], double dt, const T* s0, T* s1,
+                PointResponse<T>& response) {
   const bool with_tangent = settings.tangent != TangentKind::none;
   T D[4][4];
+  LawInput<4, T> in;
+  in.dt = dt, in.temperature = given_temperature<T>(law);
   if (settings.small_displacements) {
-    T strain[4];
-    point::small_strain(F, strain);
-    update_von_mises(law, strain, state, with_tangent ? D : nullptr);
-    for (int i = 0; i < 4; ++i) response.stress[i] = state.stress[i];
+    point::small_strain(F, in.strain);
+    const Mask<T> failed = point::call_law(law, in, s0, s1, with_tangent ? D : nullptr);
+    point::turn_axes(law, T(1.0), T(0.0), s0, s1);
+    for (int i = 0; i < 4; ++i) response.stress[i] = s1[i];
     if (with_tangent) point::small_modulus(D, response.modulus);
-    return;
+    return failed;
   }
   Increment<T> inc;
   measure_increment(F, settings.measure, with_tangent, inc);
-  update_von_mises(law, inc.strain, state, with_tangent ? D : nullptr);
-  const T unturned[4] = {state.stress[0], state.stress[1], state.stress[2], state.stress[3]};
-  turn_stress(inc.cosine, inc.sine, unturned, state.stress);
-  for (int i = 0; i < 4; ++i) response.stress[i] = state.stress[i];
-  if (!with_tangent) return;
+  for (int i = 0; i < 4; ++i) in.strain[i] = inc.strain[i];
+  const Mask<T> failed = point::call_law(law, in, s0, s1, with_tangent ? D : nullptr);
+  const T unturned[4] = {s1[0], s1[1], s1[2], s1[3]};
+  turn_stress(inc.cosine, inc.sine, unturned, s1);
+  point::turn_axes(law, inc.cosine, inc.sine, s0, s1);
+  for (int i = 0; i < 4; ++i) response.stress[i] = s1[i];
+  if (!with_tangent) return failed;
 
   auto& a = response.modulus;
   if (settings.tangent == TangentKind::consistent)
@@ -162,6 +240,7 @@ void respond(const PointSettings& settings, const VonMises& law, const T F[5], P
     point::thesis_modulus(settings, F, inc, D, unturned, a);
   for (auto& row : a) point::turn_gradient(inc.cosine, inc.sine, row[0], row[1], row[2], row[3]);
   for (int k = 0; k < 5; ++k) point::turn_gradient(inc.cosine, inc.sine, a[0][k], a[1][k], a[2][k], a[3][k]);
+  return failed;
 }
 
 }  // namespace presswork

@@ -9,18 +9,17 @@
 #pragma once
 
 #include "kinematics/increment.hpp"
-#include "material/anisotropic_law.hpp"
+#include "material/elastic_plastic.hpp"
 #include "tensor/dual.hpp"
 
 namespace presswork {
 
-inline constexpr int most_history = 32;  // values a layer point may keep
+inline constexpr int most_history = 32;  // values a layer point may keep behind its stress
 
 template <class T>
 struct Layer {
-  T stress[3];              // Cauchy, lamina frame
-  T history[most_history];  // of the law
-  T direction[2];           // unit vector of the covariant base vector g_1 in the lamina frame
+  T state[3 + most_history];  // of the law: Cauchy stress in the lamina frame, equivalent plastic strain, ...
+  T direction[2];             // unit vector of the covariant base vector g_1 in the lamina frame
 };
 
 template <class T>
@@ -92,23 +91,24 @@ void thickness_slope(T young, double poisson, const T D[3][3], T slope[3]) {
 
 // Advance a layer by the strain of small displacements; otherwise as respond_layer.
 template <class T>
-Mask<T> respond_layer_linearly(const SheetLaw& law, double dt, const T strain[3], bool with_modulus, Layer<T>& state,
-                               LayerResponse<T>& out, StressSquares<T>* squares = nullptr) {
+Mask<T> respond_layer_linearly(const SheetLaw& law, double dt, const T strain[3], bool with_modulus, const Layer<T>& at,
+                               Layer<T>& end, LayerResponse<T>& out, StressSquares<T>* squares = nullptr) {
   using V = Dual<T, 3>;
-  T D[3][3], young = law.young_at(state.history[0]), trial[3];
+  T D[3][3], young = law.young_at(at.state[3]), trial[3];
   const T plane = young * T(1.0 / (1.0 - law.poisson * law.poisson)), shear = young * T(0.5 / (1.0 + law.poisson));
   const T elastic[3][3] = {
       {plane, T(law.poisson) * plane, T(0.0)}, {T(law.poisson) * plane, plane, T(0.0)}, {T(0.0), T(0.0), shear}};
   for (int i = 0; i < 3; ++i) {
-    trial[i] = state.stress[i];
+    trial[i] = at.state[i];
     for (int j = 0; j < 3; ++j) trial[i] += elastic[i][j] * strain[j];
   }
-  const Mask<T> failed = update_sheet(law, strain, dt, T(1.0), state.stress, state.history, out.thickness_strain,
-                                      with_modulus ? D : nullptr);
+  const LawInput<3, T> in{{strain[0], strain[1], strain[2]}, dt, T(law.flow.thermal.start)};
+  const Mask<T> failed = update_sheet(law, in, at.state, end.state, out.thickness_strain, with_modulus ? D : nullptr);
+  for (int i = 0; i < 2; ++i) end.direction[i] = at.direction[i];
   V tried[3], found[3];
   for (int i = 0; i < 3; ++i) {
-    out.force[i] = state.stress[i];
-    tried[i] = V(trial[i]), found[i] = V(state.stress[i]);
+    out.force[i] = end.state[i];
+    tried[i] = V(trial[i]), found[i] = V(end.state[i]);
     for (int j = 0; with_modulus && j < 3; ++j)
       out.modulus[i][j] = found[i].slope[j] = D[i][j], tried[i].slope[j] = elastic[i][j];
   }
@@ -116,22 +116,22 @@ Mask<T> respond_layer_linearly(const SheetLaw& law, double dt, const T strain[3]
   return failed;
 }
 
-// Advance a layer by E over dt; gives the lanes in which the law failed.
+// Advance a layer by E over dt, from `at` to `end`; gives the lanes in which the law failed.
 template <class T>
-Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_modulus, Layer<T>& state,
-                      LayerResponse<T>& out, StressSquares<T>* squares = nullptr) {
+Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_modulus, const Layer<T>& at,
+                      Layer<T>& end, LayerResponse<T>& out, StressSquares<T>* squares = nullptr) {
   using V = Dual<T, 3>;
-  T D[3][3], young = law.young_at(state.history[0]);
-  const T before[3] = {state.stress[0], state.stress[1], state.stress[2]};
+  T D[3][3], young = law.young_at(at.state[3]);
+  const T* before = at.state;
   layer::Stretch<T> u;
   layer::stretch_from(E, u);
-  Mask<T> failed = update_sheet(law, u.strain, dt, T(1.0), state.stress, state.history, out.thickness_strain,
-                                with_modulus ? D : nullptr);
+  const LawInput<3, T> in{{u.strain[0], u.strain[1], u.strain[2]}, dt, T(law.flow.thermal.start)};
+  Mask<T> failed = update_sheet(law, in, at.state, end.state, out.thickness_strain, with_modulus ? D : nullptr);
   // the frame turns with the material: g_1 goes to U g_1, seen from the turned frame
-  T c = state.direction[0], s = state.direction[1];
+  T c = at.direction[0], s = at.direction[1];
   T x = u.inverse[1] * c - u.inverse[2] * s, y = u.inverse[0] * s - u.inverse[2] * c;  // U = adj(U^-1) det U
   T length = T(1.0) / square_root(x * x + y * y);
-  state.direction[0] = x * length, state.direction[1] = y * length;
+  end.direction[0] = x * length, end.direction[1] = y * length;
   // trial stress: plane stress elasticity from `before`
   auto try_elastic = [&](const auto* strain, auto* trial) {
     using S = std::remove_cvref_t<decltype(*trial)>;
@@ -145,9 +145,9 @@ Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_mo
     if (squares) {
       T trial[3];
       try_elastic(u.strain, trial);
-      squares->trial = V(layer::mises_square(trial)), squares->found = V(layer::mises_square(state.stress));
+      squares->trial = V(layer::mises_square(trial)), squares->found = V(layer::mises_square(end.state));
     }
-    layer::pull_back(u, state.stress, out.force);
+    layer::pull_back(u, end.state, out.force);
     return failed;
   }
   V E_dual[3], stress[3], S[3];
@@ -160,7 +160,7 @@ Mask<T> respond_layer(const SheetLaw& law, double dt, const T E[3], bool with_mo
     out.thickness_slope[k] = T(0.0);
     for (int j = 0; j < 3; ++j) out.thickness_slope[k] += slope[j] * v.strain[j].slope[k];
     for (int i = 0; i < 3; ++i) {
-      if (k == 0) stress[i] = V(state.stress[i]);
+      if (k == 0) stress[i] = V(end.state[i]);
       for (int j = 0; j < 3; ++j) stress[i].slope[k] += D[i][j] * v.strain[j].slope[k];
     }
   }

@@ -155,13 +155,13 @@ struct ShellPack {
     load(view.thickness_n, n_points, q, 1, &h);
     for (int k = 0; k < view.n_layers; ++k) {
       const std::size_t row = static_cast<std::size_t>(q) * view.n_layers + k;
-      Layer<T> state;
+      Layer<T> at, end;
       LayerResponse<T> response;
-      load(view.stress_n, rows, row, 3, state.stress);
-      load(view.history_n, rows, row, view.n_history, state.history);
-      load(view.direction_n, rows, row, 2, state.direction);
+      load(view.stress_n, rows, row, 3, at.state);
+      load(view.history_n, rows, row, view.n_history, at.state + 3);
+      load(view.direction_n, rows, row, 2, at.direction);
       T z = T(0.5 * view.layer_position[k]) * h, Q[3][3], covariant[3], E[3];
-      T area = Kernel::lamina_map(surface, z, state.direction, Q);
+      T area = Kernel::lamina_map(surface, z, at.direction, Q);
       for (int c = 0; c < 3; ++c) covariant[c] = strain.E[0][c] + z * (strain.E[1][c] + z * strain.E[2][c]);
       for (int i = 0; i < 3; ++i) E[i] = Q[i][0] * covariant[0] + Q[i][1] * covariant[1] + Q[i][2] * covariant[2];
       // a layer folded onto itself has no stretch
@@ -170,7 +170,7 @@ struct ShellPack {
       if (auto bad = find(!(least > T(1e-6)), ShellFault::inside_out); bad.cell >= 0) return bad;
       StressSquares<T> squares;
       const auto respond = view.small ? &respond_layer_linearly<T> : &respond_layer<T>;
-      auto failed = respond(law, view.dt, E, with_modulus, state, response, retained ? &squares : nullptr);
+      auto failed = respond(law, view.dt, E, with_modulus, at, end, response, retained ? &squares : nullptr);
       if (retained) retained->add(squares, Q, 0.5 * view.layer_weight[k], view.layer_position[k], z);
       if (auto bad = find(failed, ShellFault::law); bad.cell >= 0) return bad;
       T weight = T(0.5 * table.shape.weight[q] * view.layer_weight[k]) * area * h;
@@ -184,9 +184,9 @@ struct ShellPack {
             for (int i = 0; i < 3; ++i) sum.thickness[p][c] += power * Q[i][c] * response.thickness_slope[i];
       }
       Kernel::add_layer(response, Q, weight, z, with_modulus, sum);
-      save(state.stress, rows, row, 3, view.stress);
-      save(state.history, rows, row, view.n_history, view.history);
-      save(state.direction, rows, row, 2, view.direction);
+      save(end.state, rows, row, 3, view.stress);
+      save(end.state + 3, rows, row, view.n_history, view.history);
+      save(end.direction, rows, row, 2, view.direction);
       save(&volume, rows, row, 1, view.volume);
     }
     if (!view.small) {

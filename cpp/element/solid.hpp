@@ -28,7 +28,8 @@ struct SpaceSolid : SolidSpace<Cell, n_points, Pack> {
   static_assert(treatment != Treatment::one_point);
 
   // Evaluate the pack whose first cell is pack * pack_width. Returns the index of a cell turned inside out, or -1.
-  static int evaluate(const BlockView& b, const PointSettings& settings, const VonMises& law, int pack) {
+  template <class Law>
+  static int evaluate(const BlockView& b, const PointSettings& settings, const Law& law, int pack) {
     const int first = pack * pack_width;
     int cells[pack_width];
     T x[nodes][3], du[nodes][3];
@@ -65,17 +66,14 @@ struct SpaceSolid : SolidSpace<Cell, n_points, Pack> {
 
     // 2. stress, internal force and tangent point by point
     for (int q = 0; q < n_points; ++q) {
-      PointState<T, 6> state;
-      for (int lane = 0; lane < pack_width; ++lane) {
-        const std::size_t at = static_cast<std::size_t>(cells[lane]) * n_points + q;
-        for (int i = 0; i < 6; ++i) state.stress[i].set(lane, b.stress_n[6 * at + i]);
-        state.eqps.set(lane, b.eqps_n[at]);
-      }
+      T s0[most_point_values<6>], s1[most_point_values<6>];
+      load_point<6>(b, law, cells, n_points, q, s0);
       T F[9];
       std::copy_n(g[q].F, 9, F);
       if constexpr (treatment == Treatment::fbar) Base::use_mean_dilatation(mean, g[q], small, F);
       typename Base::Response response;
-      respond(settings, law, F, state, response);
+      const int count = std::min(pack_width, b.n_cells - first);
+      note_failed(b, pack, count, respond(settings, law, F, b.dt, s0, s1, response));
 
       T dv = g[q].volume_t * g[q].jacobian;
       typename Base::Gradients now;
@@ -88,12 +86,7 @@ struct SpaceSolid : SolidSpace<Cell, n_points, Pack> {
         else if (with_K)
           Base::add_fbar(now, response, dv, mean_div, K);
       }
-      for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane) {
-        const std::size_t at = static_cast<std::size_t>(cells[lane]) * n_points + q;
-        for (int i = 0; i < 6; ++i) b.stress[6 * at + i] = state.stress[i][lane];
-        b.eqps[at] = state.eqps[lane];
-        b.volume[at] = dv[lane];
-      }
+      save_point<6>(b, law, cells, count, n_points, q, s1, dv);
     }
 
     // 3. out

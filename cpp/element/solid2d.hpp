@@ -43,8 +43,8 @@ struct Solid2d : SolidGeometry<Cell, n_points> {
   using T = Pack;
 
   // Where the lanes of point q are, for a law from a shared library.
-  static UmatLanes find_lanes(const BlockView& b, const Umat& law, const int cells[], int count, const T x[][2],
-                              const T du[][2], const PointGeometry* g, int q) {
+  static UmatLanes find_lanes(const BlockView& b, const int cells[], int count, const T x[][2], const T du[][2],
+                              const PointGeometry* g, int q) {
     UmatLanes lanes;
     lanes.count = count;
     T area(0.0), at[2] = {T(0.0), T(0.0)};
@@ -58,7 +58,7 @@ struct Solid2d : SolidGeometry<Cell, n_points> {
     }
     for (int a = 0; a < nodes; ++a)
       for (int i = 0; i < 2; ++i) at[i] += T(Geometry::table().N[q][a]) * (x[a][i] + du[a][i]);
-    const std::size_t row = law.n_state + UmatHistory::size;
+    const std::size_t row = b.n_history;
     for (int lane = 0; lane < count; ++lane) {
       UmatPlace& place = lanes.place[lane] = b.when;
       place.coordinates[0] = at[0][lane], place.coordinates[1] = at[1][lane];
@@ -66,8 +66,8 @@ struct Solid2d : SolidGeometry<Cell, n_points> {
       place.cell = b.first_cell + cells[lane] + 1;
       place.point = q + 1;
       const std::size_t start = (static_cast<std::size_t>(cells[lane]) * n_points + q) * row;
-      lanes.history_n[lane] = b.user_n + start;
-      lanes.history[lane] = b.user + start;
+      lanes.history_n[lane] = b.history_n + start;
+      lanes.history[lane] = b.history + start;
     }
     return lanes;
   }
@@ -116,21 +116,16 @@ struct Solid2d : SolidGeometry<Cell, n_points> {
 
     // 2. stress, internal force and tangent point by point
     for (int q = 0; q < n_points; ++q) {
-      PointState<T> state;
-      for (int lane = 0; lane < pack_width; ++lane) {
-        const std::size_t at = static_cast<std::size_t>(cells[lane]) * n_points + q;
-        for (int i = 0; i < 4; ++i) state.stress[i].set(lane, b.stress_n[4 * at + i]);
-        state.eqps.set(lane, b.eqps_n[at]);
-      }
-      T eqps_n = state.eqps;
+      T s0[most_point_values<4>], s1[most_point_values<4>];
+      load_point<4>(b, law, cells, n_points, q, s0);
       T F[5] = {g[q].F[0], g[q].F[1], g[q].F[2], g[q].F[3], g[q].F[4]};
       if constexpr (treatment == Treatment::fbar) Geometry::use_mean_dilatation(b, mean, g[q], small, F);
       PointResponse<T> response;
+      const int count = std::min(pack_width, b.n_cells - first);
       if constexpr (is_umat) {
-        const UmatLanes lanes = find_lanes(b, law, cells, std::min(pack_width, b.n_cells - first), x, du, g, q);
-        respond(settings, law, lanes, first, F, state, response, b.fault[pack]);
+        respond(settings, law, find_lanes(b, cells, count, x, du, g, q), first, F, s0, s1, response, b.fault[pack]);
       } else {
-        respond(settings, law, F, state, response);
+        note_failed(b, pack, count, respond(settings, law, F, b.dt, s0, s1, response));
       }
 
       T now[nodes][3], dv = g[q].volume_t * g[q].jacobian;
@@ -149,18 +144,14 @@ struct Solid2d : SolidGeometry<Cell, n_points> {
         for (int lane = 0; lane < pack_width; ++lane)
           for (int i = 0; i < 2; ++i) Q[i].set(lane, b.hourglass_n[2 * cells[lane] + i]);
         T flow, slope;
-        law.hardening.evaluate(eqps_n, flow, slope);
-        Forces::add_hourglass(Forces::hourglass_modulus(law, eqps_n, flow, slope), b.hourglass_fraction, x, du, g[q],
-                              now, Q, force, with_K ? K : nullptr, small);
+        const T eqps_n = s0[4], modulus_n = T(law.shear_modulus());
+        law.flow_at_rest(eqps_n, point_temperature(law, s0), flow, slope);
+        Forces::add_hourglass(Forces::hourglass_modulus(modulus_n, eqps_n, flow, slope), b.hourglass_fraction, x, du,
+                              g[q], now, Q, force, with_K ? K : nullptr, small);
         for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane)
           for (int i = 0; i < 2; ++i) b.hourglass[2 * cells[lane] + i] = Q[i][lane];
       }
-      for (int lane = 0; lane < pack_width && first + lane < b.n_cells; ++lane) {
-        const std::size_t at = static_cast<std::size_t>(cells[lane]) * n_points + q;
-        for (int i = 0; i < 4; ++i) b.stress[4 * at + i] = state.stress[i][lane];
-        b.eqps[at] = state.eqps[lane];
-        b.volume[at] = dv[lane];
-      }
+      save_point<4>(b, law, cells, count, n_points, q, s1, dv);
     }
 
     // 3. out

@@ -89,9 +89,8 @@ struct SolidForces {
         K[i * freedoms + j] += dv * (on[i] * more[j] + more[i] * by[j] + stiff * more[i] * more[j]);
   }
 
-  // G before first yield, then flow + slope/3 of the hardening at t, at most G.
-  static T hourglass_modulus(const VonMises& law, T eqps_n, T flow, T slope) {
-    const T elastic(law.shear_modulus());
+  // The shear modulus before first yield, then flow + slope/3 of the hardening at t, at most the shear modulus.
+  static T hourglass_modulus(T elastic, T eqps_n, T flow, T slope) {
     return select(eqps_n > T(0.0), smaller(flow + slope * T(1.0 / 3), elastic), elastic);
   }
 

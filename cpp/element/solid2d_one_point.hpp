@@ -9,8 +9,7 @@
 // that of r dN_a/dz by -r for z in the factors q_z, p_z, h_z; of N_a: J0 + (xi_a J1 + eta_a J2)/3.
 #pragma once
 
-#include "element/solid2d_forces.hpp"
-#include "material/adiabatic_mises.hpp"
+#include "element/solid2d_cycle.hpp"
 
 namespace presswork {
 
@@ -29,10 +28,6 @@ struct OnePointSolid {
   using T = Pack;
   static constexpr int nodes = Geometry::nodes;
   using Forces = SolidForces<nodes>;
-  // Rows of the state: stress xx, yy, zz, xy [MPa]; equivalent plastic strain; rise of temperature; hourglass forces
-  // [N]; work of the stress and of the hourglass forces [N mm].
-  enum Row { stress = 0, eqps = 4, rise = 5, hourglass = 6, work = 8, hourglass_work = 9, rows = 10 };
-
   // Gradients, N/r (0 in plane strain) and volume at x; true in lanes where the cell is turned inside out.
   static Pack::Mask measure(const ExplicitSolidSection& section, const T x[][2], Point& g) {
     if constexpr (is_quad)
@@ -43,8 +38,9 @@ struct OnePointSolid {
 
   // One cycle of dt, by du to x at its end. Advances the state in place and gives the nodal forces (2 nodes); in lanes
   // where the cell is turned inside out the answer is true, and the pack's state then stays.
-  [[gnu::flatten]] static Pack::Mask advance(const AdiabaticMises& law, const ExplicitSolidSection& section, double dt,
-                                             const T x[][2], const T du[][2], T* state, T* force) {
+  template <class Law>
+  [[gnu::flatten]] static Pack::Mask advance(const Law& law, const ExplicitSolidSection& section, double dt,
+                                             const T x[][2], const T du[][2], CyclePlace& place, T* state, T* force) {
     for (int i = 0; i < 2 * nodes; ++i) force[i] = T(0.0);
     // 1. configuration at the start, deformation gradient
     T x_n[nodes][2];
@@ -58,30 +54,28 @@ struct OnePointSolid {
     // 2. strain of the increment, stress at its end, in the frame that has not turned; work by the mean stress
     Increment<T> inc;
     measure_increment(g.F, StrainMeasure::log, false, inc);
-    PointState<T> point;
-    for (int i = 0; i < 4; ++i) point.stress[i] = state[stress + i];
-    point.eqps = state[eqps];
-    const HardeningPoint<T> hard(law.hardening, point.eqps);
-    const T modulus = Forces::hourglass_modulus(law.mises, point.eqps, hard.flow, hard.slope);
-    update_adiabatic_mises(law, inc.strain, dt, hard, point, state[rise]);
-    T unturned[4];
-    T done(0.0);
-    for (int i = 0; i < 4; ++i) {
-      unturned[i] = point.stress[i];
-      done += T(0.5) * (state[stress + i] + inc.jacobian * unturned[i]) * inc.strain[i];
+    if constexpr (std::is_same_v<Law, CycleUmat>) {
+      for (int i = 0; i < 2; ++i) {
+        place.at[i] = T(0.0);
+        for (int a = 0; a < nodes; ++a) place.at[i] += T(1.0 / nodes) * x[a][i];
+      }
+      const T around = T(2.0 * std::numbers::pi) * place.at[0];
+      place.length = square_root(g.volume_t / (section.axisymmetric ? around : T(section.depth)));
     }
-    turn_stress(inc.cosine, inc.sine, unturned, point.stress);
-    for (int i = 0; i < 4; ++i) state[stress + i] = point.stress[i];
-    state[eqps] = point.eqps;
-    state[work] += done * g.volume_t;
+    T unturned[4], modulus, done(0.0);
+    advance_stress<Forces>(law, g.F, inc, dt, place, state, unturned, modulus);
+    for (int i = 0; i < 4; ++i)
+      done += T(0.5) * (state[CycleRow::stress + i] + inc.jacobian * unturned[i]) * inc.strain[i];
+    turn_stress(inc.cosine, inc.sine, unturned, state + CycleRow::stress);
+    state[CycleRow::work] += done * g.volume_t;
 
     // 3. forces on the configuration at the end
     T now[nodes][3];
     Geometry::push_forward(g, now);
-    Forces::add_force(now, point.stress, g.volume_t * g.jacobian, force);
+    Forces::add_force(now, state + CycleRow::stress, g.volume_t * g.jacobian, force);
     if constexpr (is_quad)
-      state[hourglass_work] += Forces::add_hourglass(modulus, section.hourglass_fraction, x_n, du, g, now,
-                                                     state + hourglass, force, nullptr);
+      state[CycleRow::hourglass_work] += Forces::add_hourglass(modulus, section.hourglass_fraction, x_n, du, g, now,
+                                                               state + CycleRow::hourglass, force, nullptr);
     return bad;
   }
 
@@ -90,7 +84,8 @@ struct OnePointSolid {
   // The eigenvalues of M^-1 V B^T D B are those of A = V D (B M^-1 B^T), of which n can differ from 0 (3 in plane
   // strain, 4 in axisymmetry); with their sum s and sum of squares t the largest is at most s/n + sqrt((n-1)/n (t -
   // s^2/n)) (Wolkowicz & Styan 1980). The hourglass control adds at most its own.
-  static T bound_frequency(const VonMises& law, const ExplicitSolidSection& section, const T x[][2], const T mass[]) {
+  static T bound_frequency(const IsotropicModuli& moduli, const ExplicitSolidSection& section, const T x[][2],
+                           const T mass[]) {
     Point g;
     measure(section, x, g);
     T inverse_mass[nodes], G[4][4] = {};
@@ -102,7 +97,7 @@ struct OnePointSolid {
         for (int i = 0; i < 4; ++i)
           for (int j = 0; j < 4; ++j) G[i][j] += inverse_mass[a] * row[i] * row[j];
     }
-    const double shear = law.shear_modulus(), lame = law.bulk_modulus() - 2.0 / 3.0 * shear;
+    const double shear = moduli.shear, lame = moduli.bulk - 2.0 / 3.0 * shear;
     T A[4][4], sum(0.0), squares(0.0);
     for (int j = 0; j < 4; ++j) {
       const T trace = T(lame) * (G[0][j] + G[1][j] + G[2][j]);

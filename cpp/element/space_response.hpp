@@ -76,6 +76,53 @@ void make_green_lagrange(const T F[9], const T R[3][3], T jacobian, T (&C)[6][6]
 
 }  // namespace space
 
+namespace space {
+
+template <class T>
+Mask<T> call_law(const VonMises& law, const LawInput<6, T>& in, const T* s0, T* s1, T (*C)[6]) {
+  return update(law, in, s0, s1, C);
+}
+
+// In the law's own axes, of which s0 keeps x and y.
+template <class T>
+Mask<T> call_law(const SolidLaw& law, const LawInput<6, T>& in, const T* s0, T* s1, T (*C)[6]) {
+  const int size = law.state_size();
+  T Q[3][3], to_law[3][3], before[most_point_values<6>];  // columns of Q: the axes
+  const T *x = s0 + size, *y = x + 3;
+  for (int i = 0; i < 3; ++i) {
+    Q[i][0] = x[i], Q[i][1] = y[i];
+    Q[i][2] = x[(i + 1) % 3] * y[(i + 2) % 3] - x[(i + 2) % 3] * y[(i + 1) % 3];
+  }
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) to_law[i][j] = Q[j][i];
+  LawInput<6, T> own = in;
+  T tensor[6];
+  for (int i = 0; i < 6; ++i) tensor[i] = i < 3 ? in.strain[i] : T(0.5) * in.strain[i];
+  stretch::turn_tensor(to_law, tensor, own.strain);
+  for (int i = 3; i < 6; ++i) own.strain[i] *= T(2.0);
+  stretch::turn_tensor(to_law, s0, before);
+  for (int i = 6; i < size; ++i) before[i] = s0[i];
+  const Mask<T> failed = update(law, own, before, s1, C);
+  T stress[6];
+  for (int i = 0; i < 6; ++i) stress[i] = s1[i];
+  stretch::turn_tensor(Q, stress, s1);
+  if (C) stretch::turn_modulus(Q, *reinterpret_cast<T(*)[6][6]>(C));
+  return failed;
+}
+
+// The law's axes turn with the material.
+template <class T>
+void turn_axes(const VonMises&, const T (*)[3], const T*, T*) {}
+template <class T>
+void turn_axes(const SolidLaw& law, const T (*R)[3], const T* s0, T* s1) {
+  const int at = law.state_size();
+  for (int axis = at; axis < at + 6; axis += 3)
+    for (int i = 0; i < 3; ++i)
+      s1[axis + i] = R ? R[i][0] * s0[axis] + R[i][1] * s0[axis + 1] + R[i][2] * s0[axis + 2] : s0[axis + i];
+}
+
+}  // namespace space
+
 // sym(F - 1)
 template <class T>
 void small_strain(const T F[9], T strain[6]) {
@@ -86,30 +133,34 @@ void small_strain(const T F[9], T strain[6]) {
   }
 }
 
-// Advance a point by F and, unless settings.tangent is none, give its spatial modulus. F must have a positive
-// determinant; state goes from t to t+dt, its stress turned with the material.
-template <class T>
-void respond(const PointSettings& settings, const VonMises& law, const T F[9], PointState<T, 6>& state,
-             SpaceResponse<T>& response) {
+// Advance a point by F over the time dt and, unless settings.tangent is none, give its spatial modulus. F must have a
+// positive determinant; s0 goes to s1, the stress turned with the material. Gives the lanes in which the law failed.
+template <class T, class Law>
+Mask<T> respond(const PointSettings& settings, const Law& law, const T F[9], double dt, const T* s0, T* s1,
+                SpaceResponse<T>& response) {
   const bool with_tangent = settings.tangent != TangentKind::none;
   T(&C)[6][6] = response.modulus;
+  LawInput<6, T> in;
+  in.dt = dt, in.temperature = given_temperature<T>(law);
   response.with_initial_stress = false;
   if (settings.small_displacements) {
-    T strain[6];
-    small_strain(F, strain);
-    update_von_mises(law, strain, state, with_tangent ? C : nullptr);
-    for (int i = 0; i < 6; ++i) response.stress[i] = state.stress[i];
-    return;
+    small_strain(F, in.strain);
+    const Mask<T> failed = space::call_law(law, in, s0, s1, with_tangent ? C : nullptr);
+    space::turn_axes(law, static_cast<const T(*)[3]>(nullptr), s0, s1);
+    for (int i = 0; i < 6; ++i) response.stress[i] = s1[i];
+    return failed;
   }
   const bool consistent = settings.tangent == TangentKind::consistent;
   Stretch<T> inc;
   split_increment(F, settings.measure, with_tangent && consistent, inc);
-  update_von_mises(law, inc.strain, state, with_tangent ? C : nullptr);
+  for (int i = 0; i < 6; ++i) in.strain[i] = inc.strain[i];
+  const Mask<T> failed = space::call_law(law, in, s0, s1, with_tangent ? C : nullptr);
   T unturned[6];
-  for (int i = 0; i < 6; ++i) unturned[i] = state.stress[i];
-  stretch::turn_tensor(inc.rotation, unturned, state.stress);
-  for (int i = 0; i < 6; ++i) response.stress[i] = state.stress[i];
-  if (!with_tangent) return;
+  for (int i = 0; i < 6; ++i) unturned[i] = s1[i];
+  stretch::turn_tensor(inc.rotation, unturned, s1);
+  space::turn_axes(law, inc.rotation, s0, s1);
+  for (int i = 0; i < 6; ++i) response.stress[i] = s1[i];
+  if (!with_tangent) return failed;
 
   if (consistent) {
     T to_axes[3][3], stress[6];
@@ -123,11 +174,12 @@ void respond(const PointSettings& settings, const VonMises& law, const T F[9], P
     if (settings.green_lagrange_matrix) space::make_green_lagrange(F, inc.rotation, inc.jacobian, C);
     stretch::turn_modulus(inc.rotation, C);
   }
-  if (consistent || settings.k_e) space::add_minus_stress_strain(state.stress, C);
+  if (consistent || settings.k_e) space::add_minus_stress_strain(response.stress, C);
   if (consistent || settings.k_v)
     for (int i = 0; i < 6; ++i)
-      for (int j = 0; j < 3; ++j) C[i][j] += state.stress[i];
+      for (int j = 0; j < 3; ++j) C[i][j] += response.stress[i];
   response.with_initial_stress = consistent || settings.k_u;
+  return failed;
 }
 
 }  // namespace presswork

@@ -35,49 +35,29 @@ struct UmatLanes {
   double* history[pack_width];  // n_state values, then UmatHistory
 };
 
-// The worst of what calls have told; status done while all is well.
-struct UmatFault {
-  UmatStatus status = UmatStatus::done;
+// The worst of what the calls of a law have told; status done while all is well.
+struct LawFault {
+  LawStatus status = LawStatus::done;
   int cell = -1;             // in the block
   double step_factor = 1.0;  // the least that was asked for
 
-  void note(UmatStatus other, int where, double factor) {
-    if (other == UmatStatus::smaller && factor < step_factor) step_factor = factor;
+  void note(LawStatus other, int where, double factor) {
+    if (other == LawStatus::smaller && factor < step_factor) step_factor = factor;
     if (static_cast<int>(other) > static_cast<int>(status)) status = other, cell = where;
   }
 };
 
 namespace umat {
 
-inline void turn_strain(double c, double s, const double in[4], double out[4]) {
-  const double tensor[4] = {in[0], in[1], in[2], 0.5 * in[3]};
-  turn_stress(c, s, tensor, out);
-  out[3] *= 2.0;
-}
-
 inline void fill_matrix(const double F[5], double out[9]) {
   const double full[9] = {F[0], F[2], 0.0, F[1], F[3], 0.0, 0.0, 0.0, F[4]};
   std::copy_n(full, 9, out);
 }
 
-// A D A^T, D by columns, A the matrix that turns a stress by cosine c, sine s
-inline void turn_tangent(double c, double s, const double D[16], double out[4][4]) {
-  double half[4][4];
-  for (int i = 0; i < 4; ++i) {
-    double row[4] = {D[i], D[i + 4], D[i + 8], D[i + 12]};
-    turn_stress(c, s, row, half[i]);
-  }
-  for (int j = 0; j < 4; ++j) {
-    double column[4] = {half[0][j], half[1][j], half[2][j], half[3][j]}, turned[4];
-    turn_stress(c, s, column, turned);
-    for (int i = 0; i < 4; ++i) out[i][j] = turned[i];
-  }
-}
-
 // Calls the routine for one lane. stress and eqps in and out; D in the axes turned by (c_D, s_D).
-inline UmatStatus advance(const Umat& law, const UmatPlace& place, const double F[5], const double increment[4],
-                          double c, double s, const double* history_n, double* history, double stress[4], double& eqps,
-                          UmatPoint& p) {
+inline LawStatus advance(const Umat& law, const UmatPlace& place, const double F[5], const double increment[4],
+                         double c, double s, const double* history_n, double* history, double stress[4], double& eqps,
+                         UmatPoint& p) {
   const double *tail_n = history_n + law.n_state, *F_n = tail_n + UmatHistory::F;
   double* tail = history + law.n_state;
   double whole[5] = {F[0] * F_n[0] + F[1] * F_n[2], F[0] * F_n[1] + F[1] * F_n[3], F[2] * F_n[0] + F[3] * F_n[2],
@@ -97,8 +77,8 @@ inline UmatStatus advance(const Umat& law, const UmatPlace& place, const double 
                             p.strain[3] + p.increment[3]};
   double step[4];
   std::copy_n(p.increment, 4, step);
-  const UmatStatus status = law.call(place, p, history);
-  if (status != UmatStatus::done) return status;
+  const LawStatus status = law.call(place, p, history);
+  if (status != LawStatus::done) return status;
   std::copy_n(whole, 5, tail + UmatHistory::F);
   std::copy_n(strain, 4, tail + UmatHistory::strain);
   std::copy_n(p.energy, 3, tail + UmatHistory::energy);
@@ -111,7 +91,7 @@ inline UmatStatus advance(const Umat& law, const UmatPlace& place, const double 
 }
 
 template <class T>
-void jaumann_modulus(const T D[4][4], const T s[4], T a[5][5]) {
+void jaumann_modulus(const T D[4][4], const T* s, T a[5][5]) {
   const T S[2][2] = {{s[0], s[3]}, {s[3], s[1]}};
   const T half(0.5);
   const int at[2][2] = {{0, 1}, {2, 3}}, row_of[4] = {0, 3, 3, 1}, strain_of[4] = {0, 3, 3, 1};
@@ -136,7 +116,7 @@ void jaumann_modulus(const T D[4][4], const T s[4], T a[5][5]) {
 
 // Advance the lanes of a point; what the calls tell is noted in fault.
 inline void respond(const PointSettings& settings, const Umat& law, const UmatLanes& lanes, int first_cell,
-                    const Pack F[5], PointState<Pack>& state, PointResponse<Pack>& response, UmatFault& fault) {
+                    const Pack F[5], const Pack* s0, Pack* s1, PointResponse<Pack>& response, LawFault& fault) {
   const bool with_tangent = settings.tangent != TangentKind::none;
   const bool by_increment = law.jacobian == UmatJacobian::stress_increment;
   constexpr double undeformed[5] = {1.0, 0.0, 0.0, 1.0, 1.0};
@@ -156,30 +136,32 @@ inline void respond(const PointSettings& settings, const Umat& law, const UmatLa
       double gradient[5] = {F[0][lane], F[1][lane], F[2][lane], F[3][lane], F[4][lane]};
       if (settings.small_displacements) std::copy_n(undeformed, 5, gradient);
       const double increment[4] = {inc.strain[0][lane], inc.strain[1][lane], inc.strain[2][lane], inc.strain[3][lane]};
-      for (int i = 0; i < 4; ++i) s[i] = state.stress[i][lane];
-      const UmatStatus status = umat::advance(law, lanes.place[lane], gradient, increment, c, n, lanes.history_n[lane],
-                                              lanes.history[lane], s, eqps, point);
-      if (status != UmatStatus::done) fault.note(status, first_cell + lane, point.step_factor);
-      umat::turn_tangent(by_increment ? c : 1.0, by_increment ? -n : 0.0, point.tangent, matrix);
+      for (int i = 0; i < 4; ++i) s[i] = s0[i][lane];
+      const LawStatus status = umat::advance(law, lanes.place[lane], gradient, increment, c, n, lanes.history_n[lane],
+                                             lanes.history[lane], s, eqps, point);
+      if (status != LawStatus::done) fault.note(status, first_cell + lane, point.step_factor);
+      double given[4][4];  // DDSDDE comes by columns
+      for (int i = 0; i < 16; ++i) given[i % 4][i / 4] = point.tangent[i];
+      turn_tangent(by_increment ? c : 1.0, by_increment ? -n : 0.0, given, matrix);
       turn_stress(c, -n, s, back);
     }
     const int from = std::min(lane, lanes.count - 1);
     const bool own = lane == from;
-    state.eqps.set(lane, own ? eqps : state.eqps[from]);
+    s1[4].set(lane, own ? eqps : s1[4][from]);
     for (int i = 0; i < 4; ++i) {
-      state.stress[i].set(lane, own ? s[i] : state.stress[i][from]);
+      s1[i].set(lane, own ? s[i] : s1[i][from]);
       unturned[i].set(lane, own ? back[i] : unturned[i][from]);
       for (int j = 0; j < 4; ++j) D[i][j].set(lane, own ? matrix[i][j] : D[i][j][from]);
     }
   }
-  for (int i = 0; i < 4; ++i) response.stress[i] = state.stress[i];
+  for (int i = 0; i < 4; ++i) response.stress[i] = s1[i];
   if (!with_tangent) return;
   if (settings.small_displacements) {
     point::small_modulus(D, response.modulus);
     return;
   }
   if (!by_increment) {
-    umat::jaumann_modulus(D, state.stress, response.modulus);
+    umat::jaumann_modulus(D, s1, response.modulus);
     return;
   }
   auto& a = response.modulus;

@@ -16,6 +16,7 @@ enum class Treatment { plain, warped, stabilized, mitc };
 
 struct ShellSection {
   std::variant<FastMises, GeneralSheet> law;
+  std::vector<std::shared_ptr<const void>> law_data;  // what the law points at
   LayerRule rule;
   double density;       // [t/mm3]
   Treatment treatment;  // of 4-node shells

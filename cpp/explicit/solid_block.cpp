@@ -25,9 +25,9 @@ template <int count>
 
 }  // namespace
 
-SolidBlock::SolidBlock(std::string_view element, std::vector<int> cells, const double* points,
-                       const AdiabaticMises& law, double density, const ExplicitSolidSection& section)
-    : cells(std::move(cells)), law_(law), density_(density), section_(section) {
+SolidBlock::SolidBlock(std::string_view element, std::vector<int> cells, const double* points, SolidLawChoice law,
+                       double density, const ExplicitSolidSection& section)
+    : cells(std::move(cells)), law_(std::move(law)), density_(density), section_(section) {
   if (element == "tri3")
     use<Tri3>(points);
   else if (element == "quad4_1pt")
@@ -42,14 +42,21 @@ void SolidBlock::use(const double* points) {
   if (cells.empty() || cells.size() % nodes_ != 0)
     throw std::invalid_argument("cells must have shape (n > 0, nodes of the element)");
   n_ = static_cast<int>(cells.size()) / nodes_;
-  advance_ = &SolidBlock::advance_packs<Cell>;
+  std::visit(
+      [this](const auto& law) {
+        using Law = decltype(view(law));
+        rows_ = CycleRow::count + extra_rows(view(law));
+        advance_ = &SolidBlock::advance_packs<Cell, Law>;
+      },
+      law_);
   bound_ = &SolidBlock::bound_packs<Cell>;
   packed_.resize(std::size_t(n_packs()) * nodes_ * lanes);
   for (int slot = 0; slot < n_packs() * lanes; ++slot)
     for (int a = 0; a < nodes_; ++a)
       packed_[(std::size_t(slot / lanes) * nodes_ + a) * lanes + slot % lanes] =
           cells[std::size_t(nodes_) * std::min(slot, n_ - 1) + a];
-  state_ = AlignedArray<double>(std::size_t(n_packs()) * State::rows * lanes);
+  state_ = AlignedArray<double>(std::size_t(n_packs()) * rows_ * lanes);
+  start_law();
   mass.resize(cells.size()), mass_factor.assign(n_, 1.0);
   set_masses<Cell>(points);
 }
@@ -76,17 +83,37 @@ void SolidBlock::set_masses(const double* points) {
     }
 }
 
-template <class Cell>
-int SolidBlock::advance_packs(const double* nodes, double dt, int first, int last, double* force) {
+// What a law keeps before the first cycle: its x is the plane's, a deformation gradient is that of no deformation.
+void SolidBlock::start_law() {
+  std::vector<std::pair<int, double>> first;
+  if (std::holds_alternative<Owned<PlaneLaw>>(law_)) first = {{rows_ - 2, 1.0}};
+  if (const auto* user = std::get_if<OwnedUmat>(&law_))
+    for (int i : {0, 3, 4}) first.push_back({CycleRow::count + user->umat.n_state + UmatHistory::F + i, 1.0});
+  for (int e = 0; e < n_; ++e)
+    for (const auto& [row, value] : first) set_value(e, row, value);
+}
+
+template <class Cell, class Law>
+int SolidBlock::advance_packs(const double* nodes, double dt, double time, int first, int last, double* force) {
   constexpr int count = Cell::nodes;
+  using Own = std::conditional_t<std::is_same_v<Law, CycleUmat>, OwnedUmat, Owned<Law>>;
+  const Own& own = *std::get_if<Own>(&law_);
   int failed = -1;
   for (int pack = first; pack < last; ++pack, force += force_record * lanes) {
     Pack x[count][2], du[count][2], nodal[force_record];
     gather<count>(nodes, &packed_[std::size_t(pack) * count * lanes], x, du);
     Pack* state = reinterpret_cast<Pack*>(state_.data() + index(pack * lanes, 0));
-    const Pack::Mask bad = OnePointSolid<Cell>::advance(law_, section_, dt, x, du, state, nodal);
+    CyclePlace place;
+    place.first = pack * lanes, place.used = std::min(lanes, n_ - pack * lanes), place.time = time;
+    Pack::Mask bad;
+    if constexpr (std::is_same_v<Law, CycleUmat>)
+      bad = OnePointSolid<Cell>::advance(view(own), section_, dt, x, du, place, state, nodal);
+    else
+      bad = OnePointSolid<Cell>::advance(own.view, section_, dt, x, du, place, state, nodal);
     for (int lane = 0; failed < 0 && lane < lanes && any(bad); ++lane)
-      if (bad[lane]) failed = std::min(pack * lanes + lane, n_ - 1);
+      if (bad[lane]) failed = reasons * std::min(pack * lanes + lane, n_ - 1);
+    if (failed < 0 && place.fault.status != LawStatus::done)
+      failed = reasons * place.fault.cell + static_cast<int>(place.fault.status);
     for (int i = 2 * count; i < force_record; ++i) nodal[i] = Pack(0.0);
     double* to[lanes];
     for (int lane = 0; lane < lanes; ++lane) to[lane] = force + force_record * lane;
@@ -98,6 +125,7 @@ int SolidBlock::advance_packs(const double* nodes, double dt, int first, int las
 template <class Cell>
 void SolidBlock::bound_packs(const double* nodes, double* squared) const {
   constexpr int count = Cell::nodes;
+  const IsotropicModuli moduli = std::visit([this](const auto& law) { return moduli_of(view(law)); }, law_);
 #pragma omp parallel for schedule(static) if (n_ > 4000)
   for (int pack = 0; pack < n_packs(); ++pack) {
     Pack x[count][2], du[count][2], nodal_mass[count];
@@ -107,7 +135,7 @@ void SolidBlock::bound_packs(const double* nodes, double* squared) const {
       const std::size_t e = pack * lanes + std::min(lane, used - 1);
       for (int a = 0; a < count; ++a) nodal_mass[a].set(lane, mass_factor[e] * mass[e * count + a]);
     }
-    const Pack bound = OnePointSolid<Cell>::bound_frequency(law_.mises, section_, x, nodal_mass);
+    const Pack bound = OnePointSolid<Cell>::bound_frequency(moduli, section_, x, nodal_mass);
     for (int lane = 0; lane < used; ++lane) squared[pack * lanes + lane] = bound[lane];
   }
 }

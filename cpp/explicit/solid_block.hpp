@@ -11,31 +11,39 @@
 
 namespace presswork::explicit_dynamics {
 
+// The laws of a block; a law from a shared library with the elastic constants of its first tangent.
+struct OwnedUmat {
+  Umat umat;
+  double young, poisson;
+};
+using SolidLawChoice = std::variant<Owned<AdiabaticMises>, Owned<PlaneLaw>, OwnedUmat>;
+
 class SolidBlock {
  public:
   static constexpr int lanes = pack_width;
   static constexpr int node_record = 4;   // of a node, as cells load it: x, y, then by how much the cycle moves it
   static constexpr int force_record = 8;  // of a cell: x and y of the force on four nodes, a triangle's last unused
-  using State = OnePointSolid<Quad4>;     // rows: the triangle's are the same
-
   // cells (n, nodes) of element "tri3" or "quad4_1pt"; points (n_points, 2) [mm]; density [t/mm3]. Throws
   // std::invalid_argument for another element.
-  SolidBlock(std::string_view element, std::vector<int> cells, const double* points, const AdiabaticMises& law,
-             double density, const ExplicitSolidSection& section);
+  SolidBlock(std::string_view element, std::vector<int> cells, const double* points, SolidLawChoice law, double density,
+             const ExplicitSolidSection& section);
 
   int n() const { return n_; }
   int n_packs() const { return (n_ + lanes - 1) / lanes; }
   int nodes_each() const { return nodes_; }
 
   // Advance packs [first, last) by the moves of a cycle of dt that has taken the nodes to where they are; nodes:
-  // records as above; force: records of their cells, from the first pack on. Returns the number of a cell turned inside
-  // out, or -1.
-  int advance(const double* nodes, double dt, int first, int last, double* force) {
-    return (this->*advance_)(nodes, dt, first, last, force);
+  // records as above; time: at its start [s]; force: records of their cells, from the first pack on. Returns -1, or
+  // `reasons` times the number of a cell plus why it failed: 0 turned inside out, else a LawStatus.
+  static constexpr int reasons = 8;
+  int advance(const double* nodes, double dt, double time, int first, int last, double* force) {
+    return (this->*advance_)(nodes, dt, time, first, last, force);
   }
   // Bound of each cell's squared frequency [1/s2], elastic, at the present positions.
   void bound_frequencies(const double* nodes, double* squared) const { (this->*bound_)(nodes, squared); }
 
+  // Rows of a cell's state: those of CycleRow, then what the law keeps besides.
+  int rows() const { return rows_; }
   double value(int cell, int row) const { return state_.data()[index(cell, row)]; }
   // Sets the copies in the last pack as well.
   void set_value(int cell, int row, double x) {
@@ -50,25 +58,31 @@ class SolidBlock {
  private:
   template <class Cell>
   void use(const double* points);
-  template <class Cell>
-  int advance_packs(const double* nodes, double dt, int first, int last, double* force);
+  void start_law();
+  template <class Cell, class Law>
+  int advance_packs(const double* nodes, double dt, double time, int first, int last, double* force);
   template <class Cell>
   void bound_packs(const double* nodes, double* squared) const;
   template <class Cell>
   void set_masses(const double* points);
   std::size_t index(int cell, int row) const {
-    return (std::size_t(cell / lanes) * State::rows + row) * lanes + cell % lanes;
+    return (std::size_t(cell / lanes) * rows_ + row) * lanes + cell % lanes;
   }
 
-  AdiabaticMises law_;
+  // what kernels see of the law
+  auto view(const Owned<AdiabaticMises>& law) const { return law.view; }
+  auto view(const Owned<PlaneLaw>& law) const { return law.view; }
+  auto view(const OwnedUmat& law) const { return CycleUmat{&law.umat, law.young, law.poisson}; }
+
+  SolidLawChoice law_;
   double density_;
   ExplicitSolidSection section_;
-  int nodes_ = 0, n_ = 0;
+  int nodes_ = 0, n_ = 0, rows_ = 0;
   // Packs: [pack][node][lane], [pack][row][lane]. The last is filled up with copies of the last cell that take part in
   // no assembly.
   std::vector<int> packed_;
   AlignedArray<double> state_;
-  int (SolidBlock::*advance_)(const double*, double, int, int, double*) = nullptr;
+  int (SolidBlock::*advance_)(const double*, double, double, int, int, double*) = nullptr;
   void (SolidBlock::*bound_)(const double*, double*) const = nullptr;
 };
 

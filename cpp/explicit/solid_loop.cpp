@@ -36,11 +36,11 @@ SolidLoop::SolidLoop(int n_nodes, const double* points, const std::uint8_t* cont
     std::copy_n(points + 2 * std::size_t(i), 2, nodes.data() + SolidBlock::node_record * std::size_t(i));
 }
 
-void SolidLoop::add(std::string_view element, std::vector<int> cells, const AdiabaticMises& law, double density) {
+void SolidLoop::add(std::string_view element, std::vector<int> cells, SolidLawChoice law, double density) {
   std::vector<double> points(2 * std::size_t(n_nodes));
   for (int i = 0; i < n_nodes; ++i)
     std::copy_n(nodes.data() + SolidBlock::node_record * std::size_t(i), 2, points.data() + 2 * std::size_t(i));
-  blocks.emplace_back(element, std::move(cells), points.data(), law, density, section);
+  blocks.emplace_back(element, std::move(cells), points.data(), std::move(law), density, section);
   weigh();
   make_tiles();
 }
@@ -181,13 +181,13 @@ SolidLoop::Work SolidLoop::move_nodes(int first, int last, const Step& step, dou
   return sum;
 }
 
-int SolidLoop::advance_tile(const Tile& tile, double dt, double* scratch) {
-  const int failed = blocks[tile.block].advance(nodes.data(), dt, tile.first, tile.last, scratch);
+int SolidLoop::advance_tile(const Tile& tile, double dt, double time, double* scratch) {
+  const int failed = blocks[tile.block].advance(nodes.data(), dt, time, tile.first, tile.last, scratch);
   tiles_.sum_tile(tile, scratch, internal_force.data());
-  return failed < 0 ? -1 : tile.numbered_from + failed;
+  return failed < 0 ? -1 : SolidBlock::reasons * tile.numbered_from + failed;
 }
 
-int SolidLoop::advance(int n, double dt, double dt_before, double damping, const double* force_scale,
+int SolidLoop::advance(int n, double time, double dt, double dt_before, double damping, const double* force_scale,
                        const double* velocity_scale) {
   const int n_chunks = (n_nodes + chunk - 1) / chunk, n_tiles = static_cast<int>(tiles_.tiles().size());
   const int n_rims = tiles_.n_rim_nodes(), rim_chunks = (n_rims + chunk - 1) / chunk;
@@ -224,7 +224,7 @@ int SolidLoop::advance(int n, double dt, double dt_before, double damping, const
       }
       int failed_here = INT_MAX;
       for (int t; (t = shares.take(thread)) >= 0;)
-        if (const int cell = advance_tile(tiles_.tiles()[t], dt, scratch.data()); cell >= 0)
+        if (const int cell = advance_tile(tiles_.tiles()[t], dt, time + cycle * dt, scratch.data()); cell >= 0)
           failed_here = std::min(failed_here, cell);
       if (failed_here != INT_MAX) {
 #pragma omp critical
@@ -253,8 +253,8 @@ SolidEnergies SolidLoop::energies(double dt, double dt_before, double damping, d
   e.external = sum.external, e.damping = sum.damping, e.contact = sum.contact, e.friction = sum.friction;
   for (const auto& block : blocks)
     for (int i = 0; i < block.n(); ++i) {
-      e.internal += block.value(i, SolidBlock::State::work);
-      e.hourglass += block.value(i, SolidBlock::State::hourglass_work);
+      e.internal += block.value(i, CycleRow::work);
+      e.hourglass += block.value(i, CycleRow::hourglass_work);
     }
   return e;
 }

@@ -39,17 +39,17 @@ class SolidLoop {
   SolidLoop(const SolidLoop&) = delete;
   SolidLoop& operator=(const SolidLoop&) = delete;
 
-  void add(std::string_view element, std::vector<int> cells, const AdiabaticMises& law, double density);
+  void add(std::string_view element, std::vector<int> cells, SolidLawChoice law, double density);
   void add_wall(std::vector<double> segments, double mu);
   // Sum up the nodes' masses from the cells', after mass or mass_factor of a block has changed.
   void weigh();
   // Prescribe the velocity (n, 2) of the freedoms marked in fixed (n, 2).
   void prescribe(const std::uint8_t* fixed, const double* velocity);
 
-  // Advance n cycles of dt; the step before was dt_before. The scales (n) multiply force and prescribed velocities (of
-  // walls too) in each cycle; damping [1/s]. Returns the number of a cell turned inside out, counted through the
-  // blocks, or -1.
-  int advance(int n, double dt, double dt_before, double damping, const double* force_scale,
+  // Advance n cycles of dt from `time` [s]; the step before was dt_before. The scales (n) multiply force and prescribed
+  // velocities (of walls too) in each cycle; damping [1/s]. Returns -1, or SolidBlock::reasons times the number of a
+  // cell, counted through the blocks, plus why it failed.
+  int advance(int n, double time, double dt, double dt_before, double damping, const double* force_scale,
               const double* velocity_scale);
   // Energies now; dt is the next step, dt_before the last; scales are those of the next cycle.
   SolidEnergies energies(double dt, double dt_before, double damping, double force_scale, double velocity_scale) const;
@@ -84,7 +84,7 @@ class SolidLoop {
   Work move_nodes(int first, int last, const Step& step, double* wall_force);
   void move_four(int first, const Step& step, Record& external, Record& damped);
   void move_one(int node, const Step& step, Work& sum, double* wall_force);
-  int advance_tile(const Tile& tile, double dt, double* scratch);
+  int advance_tile(const Tile& tile, double dt, double time, double* scratch);
 
   std::vector<std::uint8_t> contact_, fixed_;  // (n); (n, 2): velocity is prescribed
   std::vector<std::uint8_t> special_;          // of each four nodes: one touches walls or is held

@@ -168,4 +168,25 @@ void turn_stress(T c, T s, const T in[4], T out[4]) {
   out[3] = cs * (in[0] - in[1]) + (cc - ss) * in[3];
 }
 
+// The same of a strain, whose shear is engineering.
+template <class T>
+void turn_strain(T c, T s, const T in[4], T out[4]) {
+  const T tensor[4] = {in[0], in[1], in[2], T(0.5) * in[3]};
+  turn_stress(c, s, tensor, out);
+  out[3] *= T(2.0);
+}
+
+// A D A^T of a tangent d stress/d strain, A the matrix that turns a stress by cosine c and sine s.
+template <class T>
+void turn_tangent(T c, T s, const T D[4][4], T out[4][4]) {
+  T half[4][4];
+  for (int i = 0; i < 4; ++i) turn_stress(c, s, D[i], half[i]);  // by columns: the strain's side
+  for (int j = 0; j < 4; ++j) {
+    const T column[4] = {half[0][j], half[1][j], half[2][j], half[3][j]};
+    T turned[4];
+    turn_stress(c, s, column, turned);
+    for (int i = 0; i < 4; ++i) out[i][j] = turned[i];
+  }
+}
+
 }  // namespace presswork

@@ -7,63 +7,157 @@
 //   voce              ss - (ss - s0) exp(-b p)
 //   linear_voce       s0 + H p + (ss - s0) (1 - exp(-b p))
 //   hockett_sherby    ss - (ss - s0) exp(-b p^n)
-//   table             straight lines between points; the last slope goes on beyond the last point
 //   swift_voce        (1 - w) K (e0 + p)^n + w [ss - (ss - s0) exp(-b p)]
+//   table             straight lines between points; the last slope goes on beyond the last point
 //   monotone_table    cubics between points with given slopes; straight on beyond the last point
+//
+// A law is a struct with its name, its parameters by name (`fields`, in the order in which they are given), and
+// `evaluate`; it is added by naming it in Hardening::Law. The rows of a table are not the struct's own: LawData keeps
+// them (law_data.hpp).
 #pragma once
 
-#include <vector>
-
+#include "tensor/choice.hpp"
 #include "tensor/dual.hpp"
 #include "tensor/pack.hpp"
 
 namespace presswork {
 
-enum class HardeningLaw : int {
-  linear = 0,
-  swift = 1,
-  ludwik = 2,
-  voce = 3,
-  hockett_sherby = 4,
-  table = 5,
-  swift_voce = 6,
-  monotone_table = 7,
-  linear_voce = 8
+namespace hardening {
+
+struct Linear {
+  static constexpr const char* name = "linear";
+  double yield_stress, modulus;  // [MPa]
+
+  template <class F>
+  void fields(F&& f) {
+    f("yield_stress", yield_stress), f("modulus", modulus);
+  }
+  template <class T>
+  void evaluate(T p, T& flow, T& slope) const {
+    flow = T(yield_stress) + T(modulus) * p;
+    slope = T(modulus);
+  }
 };
 
-struct Hardening {
-  HardeningLaw law = HardeningLaw::linear;
-  std::vector<double> parameters;  // as listed; linear_voce: s0, ss, b, H; swift_voce: w, K, e0, n, s0, ss, b;
-                                   // table: p0, s0, p1, s1, ...;
-                                   // monotone_table: p0, s0, slope0, p1, s1, slope1, ...
+struct Swift {
+  static constexpr const char* name = "swift";
+  double K, e0, n;  // [MPa], -, -
 
-  // Hermite's cubic on the interval that holds p
-  void look_up_cubic(double p, double& flow, double& slope, double& curvature) const {
-    const std::size_t n = parameters.size() / 3;
-    std::size_t i = 1;
-    while (i + 1 < n && p > parameters[3 * i]) ++i;
-    const double *a = &parameters[3 * (i - 1)], *b = a + 3;
-    if (p >= b[0]) {
-      flow = b[1] + b[2] * (p - b[0]);
-      slope = b[2];
-      curvature = 0.0;
-      return;
-    }
-    const double width = b[0] - a[0], t = (p - a[0]) / width, rise = (b[1] - a[1]) / width;
-    const double c2 = 3 * rise - 2 * a[2] - b[2], c3 = a[2] + b[2] - 2 * rise;
-    flow = a[1] + width * t * (a[2] + t * (c2 + t * c3));
-    slope = a[2] + t * (2 * c2 + 3 * t * c3);
-    curvature = (2 * c2 + 6 * t * c3) / width;
+  template <class F>
+  void fields(F&& f) {
+    f("K", K), f("e0", e0), f("n", n);
+  }
+  template <class T>
+  void evaluate(T p, T& flow, T& slope) const {
+    T base = T(e0) + p;
+    flow = T(K) * power(base, n);
+    slope = T(n) * flow / base;
+  }
+};
+
+struct Ludwik {
+  static constexpr const char* name = "ludwik";
+  double yield_stress, K, n;  // [MPa], [MPa], -
+
+  template <class F>
+  void fields(F&& f) {
+    f("yield_stress", yield_stress), f("K", K), f("n", n);
+  }
+  // the slope at p = 0 is infinite: below 1e-12 the curve rises straight from the yield stress
+  template <class T>
+  void evaluate(T p, T& flow, T& slope) const {
+    T base = larger(p, T(1e-12)), rise = T(K) * power(base, n);
+    auto straight = p < T(1e-12);
+    flow = T(yield_stress) + select(straight, rise * (p * T(1e12)), rise);
+    slope = select(straight, T(1.0), T(n)) * rise / base;
+  }
+};
+
+struct Voce {
+  static constexpr const char* name = "voce";
+  double yield_stress, saturation_stress, rate;  // [MPa], [MPa], -
+
+  template <class F>
+  void fields(F&& f) {
+    f("yield_stress", yield_stress), f("saturation_stress", saturation_stress), f("rate", rate);
+  }
+  template <class T>
+  void evaluate(T p, T& flow, T& slope) const {
+    T gap = T(saturation_stress - yield_stress) * exponential(T(-rate) * p);
+    flow = T(saturation_stress) - gap;
+    slope = T(rate) * gap;
+  }
+};
+
+struct LinearVoce {
+  static constexpr const char* name = "linear_voce";
+  double yield_stress, saturation_stress, rate, modulus;  // [MPa], [MPa], -, [MPa]
+
+  template <class F>
+  void fields(F&& f) {
+    f("yield_stress", yield_stress), f("saturation_stress", saturation_stress), f("rate", rate), f("modulus", modulus);
+  }
+  template <class T>
+  void evaluate(T p, T& flow, T& slope) const {
+    T gap = T(saturation_stress - yield_stress) * exponential(T(-rate) * p);
+    flow = T(saturation_stress) - gap + T(modulus) * p;
+    slope = T(rate) * gap + T(modulus);
+  }
+};
+
+struct HockettSherby {
+  static constexpr const char* name = "hockett_sherby";
+  double yield_stress, saturation_stress, rate, exponent;  // [MPa], [MPa], -, -
+
+  template <class F>
+  void fields(F&& f) {
+    f("yield_stress", yield_stress), f("saturation_stress", saturation_stress), f("rate", rate);
+    f("exponent", exponent);
+  }
+  // straight below 1e-12, as Ludwik's
+  template <class T>
+  void evaluate(T p, T& flow, T& slope) const {
+    T base = larger(p, T(1e-12)), argument = T(rate) * power(base, exponent);
+    T gap = T(saturation_stress - yield_stress) * exponential(-argument);
+    T rise = T(saturation_stress - yield_stress) - gap;
+    auto straight = p < T(1e-12);
+    flow = T(yield_stress) + select(straight, rise * (p * T(1e12)), rise);
+    slope = select(straight, rise, T(exponent) * gap * argument) / base;
+  }
+};
+
+struct SwiftVoce {
+  static constexpr const char* name = "swift_voce";
+  double voce_share, K, e0, n, yield_stress, saturation_stress, rate;  // -, [MPa], -, -, [MPa], [MPa], -
+
+  template <class F>
+  void fields(F&& f) {
+    f("voce_share", voce_share), f("K", K), f("e0", e0), f("n", n), f("yield_stress", yield_stress);
+    f("saturation_stress", saturation_stress), f("rate", rate);
+  }
+  template <class T>
+  void evaluate(T p, T& flow, T& slope) const {
+    T base = T(e0) + p;
+    T rise = T((1.0 - voce_share) * K) * power(base, n);
+    T gap = T(voce_share * (saturation_stress - yield_stress)) * exponential(T(-rate) * p);
+    flow = rise + T(voce_share * saturation_stress) - gap;
+    slope = T(n) * rise / base + T(rate) * gap;
+  }
+};
+
+// Looks a law that knows doubles up lane by lane, its curvature being the derivative of the slope.
+template <class Rows>
+struct LookedUp {
+  const double* rows;  // (n_rows, Rows::columns), of LawData
+  int n_rows;
+
+  template <class T>
+  void evaluate(T p, T& flow, T& slope) const {
+    T curvature;
+    look_up(p, flow, slope, curvature);
   }
   void look_up(double p, double& flow, double& slope, double& curvature) const {
-    if (law == HardeningLaw::monotone_table) return look_up_cubic(p, flow, slope, curvature);
-    const std::size_t n = parameters.size() / 2;
-    std::size_t i = 1;
-    while (i + 1 < n && p > parameters[2 * i]) ++i;
-    const double *a = &parameters[2 * (i - 1)], *b = a + 2;
-    slope = (b[1] - a[1]) / (b[0] - a[0]);
-    flow = a[1] + slope * (p - a[0]);
-    curvature = 0.0;
+    static_cast<const Rows*>(this)->at(p, flow, slope, curvature);
   }
   void look_up(Pack p, Pack& flow, Pack& slope, Pack& curvature) const {
     for (int lane = 0; lane < pack_width; ++lane) {
@@ -82,65 +176,62 @@ struct Hardening {
     slope = p.chain(s, c);
     curvature = Dual<S, N>(c);
   }
+};
+
+// rows: p, flow stress
+struct Table : LookedUp<Table> {
+  static constexpr const char* name = "table";
+  static constexpr int columns = 2;
+
+  void at(double p, double& flow, double& slope, double& curvature) const {
+    int i = 1;
+    while (i + 1 < n_rows && p > rows[2 * i]) ++i;
+    const double *a = rows + 2 * (i - 1), *b = n_rows > 1 ? a + 2 : a;
+    slope = n_rows > 1 ? (b[1] - a[1]) / (b[0] - a[0]) : 0.0;
+    flow = a[1] + slope * (p - a[0]);
+    curvature = 0.0;
+  }
+};
+
+// rows: p, flow stress, slope; Hermite's cubic on the interval that holds p
+struct MonotoneTable : LookedUp<MonotoneTable> {
+  static constexpr const char* name = "monotone_table";
+  static constexpr int columns = 3;
+
+  void at(double p, double& flow, double& slope, double& curvature) const {
+    int i = 1;
+    while (i + 1 < n_rows && p > rows[3 * i]) ++i;
+    const double *a = rows + 3 * (i - 1), *b = a + 3;
+    if (p >= b[0]) {
+      flow = b[1] + b[2] * (p - b[0]);
+      slope = b[2];
+      curvature = 0.0;
+      return;
+    }
+    const double width = b[0] - a[0], t = (p - a[0]) / width, rise = (b[1] - a[1]) / width;
+    const double c2 = 3 * rise - 2 * a[2] - b[2], c3 = a[2] + b[2] - 2 * rise;
+    flow = a[1] + width * t * (a[2] + t * (c2 + t * c3));
+    slope = a[2] + t * (2 * c2 + 3 * t * c3);
+    curvature = (2 * c2 + 6 * t * c3) / width;
+  }
+};
+
+}  // namespace hardening
+
+struct Hardening {
+  using Law =
+      std::variant<hardening::Linear, hardening::Swift, hardening::Ludwik, hardening::Voce, hardening::LinearVoce,
+                   hardening::HockettSherby, hardening::Table, hardening::SwiftVoce, hardening::MonotoneTable>;
+  Law law = hardening::Linear{};
 
   template <class T>
   void evaluate(T p, T& flow, T& slope) const {
-    const double* c = parameters.data();
-    switch (law) {
-      case HardeningLaw::linear:
-        flow = T(c[0]) + T(c[1]) * p;
-        slope = T(c[1]);
-        break;
-      case HardeningLaw::swift: {
-        T base = T(c[1]) + p;
-        flow = T(c[0]) * power(base, c[2]);
-        slope = T(c[2]) * flow / base;
-        break;
-      }
-      case HardeningLaw::ludwik: {
-        // the slope at p = 0 is infinite: below 1e-12 the curve rises straight from s0
-        T base = larger(p, T(1e-12)), rise = T(c[1]) * power(base, c[2]);
-        auto straight = p < T(1e-12);
-        flow = T(c[0]) + select(straight, rise * (p * T(1e12)), rise);
-        slope = select(straight, T(1.0), T(c[2])) * rise / base;
-        break;
-      }
-      case HardeningLaw::voce: {
-        T gap = T(c[1] - c[0]) * exponential(T(-c[2]) * p);
-        flow = T(c[1]) - gap;
-        slope = T(c[2]) * gap;
-        break;
-      }
-      case HardeningLaw::linear_voce: {
-        T gap = T(c[1] - c[0]) * exponential(T(-c[2]) * p);
-        flow = T(c[1]) - gap + T(c[3]) * p;
-        slope = T(c[2]) * gap + T(c[3]);
-        break;
-      }
-      case HardeningLaw::hockett_sherby: {
-        T base = larger(p, T(1e-12)), exponent = T(c[2]) * power(base, c[3]);  // straight below 1e-12, as above
-        T gap = T(c[1] - c[0]) * exponential(-exponent), rise = T(c[1] - c[0]) - gap;
-        auto straight = p < T(1e-12);
-        flow = T(c[0]) + select(straight, rise * (p * T(1e12)), rise);
-        slope = select(straight, rise, T(c[3]) * gap * exponent) / base;
-        break;
-      }
-      case HardeningLaw::swift_voce: {
-        T base = T(c[2]) + p;
-        T rise = T((1.0 - c[0]) * c[1]) * power(base, c[3]);
-        T gap = T(c[0] * (c[5] - c[4])) * exponential(T(-c[6]) * p);
-        flow = rise + T(c[0] * c[5]) - gap;
-        slope = T(c[3]) * rise / base + T(c[6]) * gap;
-        break;
-      }
-      case HardeningLaw::table:
-      case HardeningLaw::monotone_table: {
-        T curvature;
-        look_up(p, flow, slope, curvature);
-        break;
-      }
-    }
+    choose(law, [&](const auto& chosen) { chosen.evaluate(p, flow, slope); });
   }
+  bool is_linear() const { return std::holds_alternative<hardening::Linear>(law); }
 };
+
+// Which of Hardening::Law; its values are named in the bindings, from the structs.
+enum class HardeningLaw : int {};
 
 }  // namespace presswork

@@ -16,8 +16,6 @@
 // History: Chaboche a_1, a_2, ... (N each); Yoshida-Uemori theta, beta (N each), R, q (N), r.
 #pragma once
 
-#include <vector>
-
 #include "material/yield_functions.hpp"
 
 namespace presswork {
@@ -28,13 +26,14 @@ struct BackStress {
   T value[N];
   T by_xi[N][N];
   T by_dp[N];
+  T by_flow[N];  // at a fixed dp: where the flow stress knows of xi, as one that is heated does
 };
 
-// The direction in which a back stress grows: all of xi in plane stress, its deviator in three dimensions.
+// The direction in which a back stress grows: all of xi in plane stress, else its deviator.
 template <int N, class T>
 void back_direction(const T xi[N], T direction[N]) {
   for (int i = 0; i < N; ++i) direction[i] = xi[i];
-  if constexpr (N == 6) {
+  if constexpr (N > 3) {
     T mean = (xi[0] + xi[1] + xi[2]) * T(1.0 / 3);
     for (int i = 0; i < 3; ++i) direction[i] -= mean;
   }
@@ -43,7 +42,7 @@ void back_direction(const T xi[N], T direction[N]) {
 template <int N, class T>
 void add_direction_slope(T factor, T by_xi[N][N]) {
   for (int i = 0; i < N; ++i) by_xi[i][i] += factor;
-  if constexpr (N == 6)
+  if constexpr (N > 3)
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) by_xi[i][j] -= factor * T(1.0 / 3);
 }
@@ -58,16 +57,18 @@ struct NoKinematic {
 
 struct Chaboche {
   static constexpr bool active = true;
-  std::vector<double> C, gamma;  // [MPa], [-]
+  static constexpr int most = 10;  // for which a layer of a shell has room
+  int count = 0;
+  double C[most] = {}, gamma[most] = {};  // [MPa], [-]
 
   template <int N>
   int history_size() const {
-    return N * static_cast<int>(C.size());
+    return N * count;
   }
   template <int N, class T>
   void total(const T* history, T back[N]) const {
     for (int i = 0; i < N; ++i) back[i] = T(0.0);
-    for (std::size_t k = 0; k < C.size(); ++k)
+    for (int k = 0; k < count; ++k)
       for (int i = 0; i < N; ++i) back[i] += history[N * k + i];
   }
   template <int N, class Yield, class T>
@@ -79,7 +80,7 @@ struct Chaboche {
       out.value[i] = out.by_dp[i] = T(0.0);
       for (auto& x : out.by_xi[i]) x = T(0.0);
     }
-    for (std::size_t k = 0; k < C.size(); ++k) {
+    for (int k = 0; k < count; ++k) {
       T fade = T(1.0) / (T(1.0) + T(gamma[k]) * dp);
       T w = T(C[k]) * fade * over;
       growth += w * dp;
@@ -92,6 +93,7 @@ struct Chaboche {
     for (int i = 0; i < N; ++i) {
       out.value[i] += growth * direction[i];
       out.by_dp[i] += growth_slope * direction[i];
+      out.by_flow[i] = -growth * over * direction[i];
     }
     add_direction_slope<N>(growth, out.by_xi);
   }
@@ -99,7 +101,7 @@ struct Chaboche {
   void advance(const Yield&, T* history, const T xi[N], T dp, T flow, Mask<T> moved) const {
     T direction[N];
     back_direction<N>(xi, direction);
-    for (std::size_t k = 0; k < C.size(); ++k)
+    for (int k = 0; k < count; ++k)
       for (int i = 0; i < N; ++i) {
         T& a = history[N * k + i];
         a = select(moved, (a + T(C[k]) * dp * direction[i] / flow) / (T(1.0) + T(gamma[k]) * dp), a);
@@ -155,6 +157,7 @@ struct YoshidaUemori {
       out.value[i] = fade * Theta[i] + beta;
       out.by_dp[i] = fade * grow * direction[i] + (fade_by_dp + fade_by_f * grow * along) * Theta[i] +
                      T(m) * slow * (T(b / Y) * direction[i] - beta);
+      out.by_flow[i] = T(0.0);
       for (int j = 0; j < N; ++j) out.by_xi[i][j] = fade_by_f * grow * dp * Theta[i] * terms.gradient[j];
     }
     add_direction_slope<N>(fade * grow * dp + lift, out.by_xi);
@@ -185,5 +188,7 @@ struct YoshidaUemori {
     for (int i = 0; i < N; ++i) q[i] += keep * after[i];
   }
 };
+
+using KinematicLaw = std::variant<NoKinematic, Chaboche, YoshidaUemori>;
 
 }  // namespace presswork

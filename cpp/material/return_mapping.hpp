@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Backward Euler for any yield function, isotropic hardening with strain rate, and kinematic hardening; plane stress
-// (N = 3) and three dimensions (N = 6) by one source. With xi = stress - back stress, solve for xi and dp >= 0
+// Backward Euler for any yield function, isotropic hardening with strain rate and temperature, and kinematic hardening;
+// plane stress (N = 3), plane strain and axisymmetry (4) and space (6) by one source. With xi = stress - back stress,
+// solve for xi and dp >= 0
 //
 //   S (xi + back(xi, dp) - trial) + dp n(xi) = 0       n = d f/d xi, S the elastic compliance          N equations
-//   f(xi) - flow(p + dp, dp/dt) = 0                                                                    1 equation
+//   f(xi) - flow(p + dp, dp/dt, temperature) = 0       temperature + k f(xi) dp where heated           1 equation
 //
 // by Newton with backtracking on psi = |r|^2 (both residuals as stresses), from the trial stress scaled to the yield
 // surface and the dp of a hardening curve straightened to its chord. Five to seven evaluations do for trial stresses of
@@ -12,11 +13,11 @@
 // exponents).
 #pragma once
 
-#include <memory>
-
 #include "material/kinematic.hpp"
+#include "material/law.hpp"
 #include "material/rate.hpp"
 #include "material/tabulated_hardening.hpp"
+#include "material/thermal.hpp"
 
 namespace presswork {
 
@@ -61,24 +62,48 @@ struct Elasticity {
 struct Flow {
   Hardening hardening;
   Rate rate;
-  std::shared_ptr<const TabulatedHardening>
-      table;  // in place of the formula, for packs of doubles; the explicit loop's
+  Thermal thermal;
+  // in place of the formula, for packs of doubles; the explicit loop's
+  bool tabulated = false;
+  TabulatedHardening table = {};
 
-  // flow stress and its slope by dp, at p_n + dp over the time dt; softening is the temperature's factor
   template <class T>
-  void evaluate(T p_n, T dp, double dt, T softening, T& flow, T& slope) const {
-    bool looked_up = false;
-    if constexpr (std::is_same_v<T, Pack>)
-      if (table) table->evaluate(p_n + dp, flow, slope), looked_up = true;
-    if (!looked_up) hardening.evaluate(p_n + dp, flow, slope);
-    if (rate.law != RateLaw::none) {
-      T factor, factor_slope;
-      rate.evaluate(dp * T(1.0 / dt), factor, factor_slope);
-      slope = slope * factor + flow * factor_slope * T(1.0 / dt);
-      flow = flow * factor;
+  struct Point {
+    T stress, by_dp, by_value;  // flow stress, and its slopes by dp and by the value of the yield function, which heats
+  };
+
+  // Flow stress at p_n + dp over the time dt, from the temperature of the start; value: of the yield function.
+  template <class T>
+  void evaluate(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
+    out.by_value = T(0.0);
+    harden(p_n + dp, out.stress, out.by_dp);
+    if (rate.active()) {
+      T factor, slope;
+      rate.evaluate(dp * T(1.0 / dt), factor, slope);
+      out.by_dp = out.by_dp * factor + out.stress * slope * T(1.0 / dt);
+      out.stress = out.stress * factor;
     }
-    flow = flow * softening;
-    slope = slope * softening;
+    if (!thermal.softening.active()) return;
+    const auto soft = thermal.softening.at(temperature + T(thermal.heating) * value * dp);
+    const T steepness = out.stress * soft.slope * T(thermal.heating);
+    out.by_dp = out.by_dp * soft.factor + steepness * value;
+    out.by_value = steepness * dp;
+    out.stress = out.stress * soft.factor;
+  }
+  // By the formula, or from the table.
+  template <class T>
+  void harden(T p, T& flow, T& slope) const {
+    if constexpr (std::is_same_v<T, Pack>)
+      if (tabulated) return table.evaluate(p, flow, slope);
+    hardening.evaluate(p, flow, slope);
+  }
+  // At rest and without a rise.
+  template <class T>
+  void at_rest(T p, T temperature, T& flow, T& slope) const {
+    harden(p, flow, slope);
+    if (!thermal.softening.active()) return;
+    const T factor = thermal.softening.at(temperature).factor;
+    flow = flow * factor, slope = slope * factor;
   }
 };
 
@@ -86,6 +111,7 @@ namespace return_mapping {
 
 inline constexpr int max_iterations = 60;
 inline constexpr double tolerance = 1e-10;  // of the flow stress
+inline constexpr double molten = 1e-8;      // of Young's modulus: a flow stress that is none
 
 // LU without pivoting: the matrix is S plus a positive semi-definite one (and a small part from the back stress).
 template <int N, class T>
@@ -120,28 +146,31 @@ struct Solver {
   const Flow& flow_law;
   Elasticity<N, T> elastic;
   const T* history;  // of the kinematic law, at the start
-  T p_n, softening;
+  T p_n, temperature;
   double dt;
   T trial[N] = {};
 
   // unknowns and what belongs to them
   T xi[N] = {}, dp = T(0.0);
   YieldTerms<N, T> terms = {};
-  T flow = T(0.0), slope = T(0.0);
+  Flow::Point<T> flow = {};
   BackStress<N, T> back = {};
   T residual[N] = {}, excess = T(0.0), merit = T(0.0);
 
   void evaluate_residual() {
     yield.evaluate(xi, terms);
-    flow_law.evaluate(p_n, dp, dt, softening, flow, slope);
+    flow_law.evaluate(p_n, dp, terms.value, dt, temperature, flow);
     T stress[N];
     for (int i = 0; i < N; ++i) stress[i] = xi[i] - trial[i];
     if constexpr (Kinematic::active) {
-      kinematic.template evaluate<N>(yield, history, xi, dp, flow, slope, back);
+      kinematic.template evaluate<N>(yield, history, xi, dp, flow.stress, flow.by_dp, back);
+      if (flow_law.thermal.heats())
+        for (int i = 0; i < N; ++i)
+          for (int j = 0; j < N; ++j) back.by_xi[i][j] += back.by_flow[i] * flow.by_value * terms.gradient[j];
       for (int i = 0; i < N; ++i) stress[i] += back.value[i];
     }
     elastic.compliance(stress, residual);
-    excess = terms.value - flow;
+    excess = terms.value - flow.stress;
     merit = T(0.0);
     for (int i = 0; i < N; ++i) {
       residual[i] += dp * terms.gradient[i];
@@ -175,6 +204,11 @@ struct Solver {
     for (int i = 0; i < N; ++i) sum += terms.gradient[i] * x[i];
     return sum;
   }
+  // change of value - flow stress along x
+  T excess_along(const T x[N]) const {
+    const T sum = along_gradient(x);
+    return flow_law.thermal.heats() ? sum * (T(1.0) - flow.by_value) : sum;
+  }
 
   // Newton with backtracking from (xi, dp); gives the lanes of `open` that did not get there.
   Mask<T> iterate(Mask<T> open) {
@@ -182,7 +216,8 @@ struct Solver {
     for (int i = 0; i < N; ++i) from_xi[i] = xi[i], step_xi[i] = T(0.0);
     for (int iteration = 0;; ++iteration) {
       evaluate_residual();
-      open = both(open, invert(merit < T(tolerance * tolerance) * flow * flow));
+      const T size = larger(flow.stress, T(molten) * elastic.young);
+      open = both(open, invert(merit < T(tolerance * tolerance) * size * size));
       if (!any(open) || iteration == max_iterations) return open;
       // 1. lanes that came down enough get a new direction, the others a shorter step along the old one
       auto down = merit < (T(1.0) - T(2e-4) * length) * from_merit;
@@ -191,7 +226,7 @@ struct Solver {
       linearise(A, y);
       for (int i = 0; i < N; ++i) x[i] = -residual[i];
       A.solve(x);
-      T new_dp = (along_gradient(x) + excess) / (along_gradient(y) + slope);
+      T new_dp = (excess_along(x) + excess) / (excess_along(y) + flow.by_dp);
       if (any(both(open, invert(down)))) {
         T shorter = from_merit * length * length / (merit + (T(2.0) * length - T(1.0)) * from_merit);
         shorter = larger(T(0.1) * length, smaller(shorter, T(0.5) * length));
@@ -217,12 +252,12 @@ struct Solver {
     Factors<N, T> A;
     T y[N];
     linearise(A, y);
-    T bottom = T(1.0) / (along_gradient(y) + slope);
+    T bottom = T(1.0) / (excess_along(y) + flow.by_dp);
     for (int j = 0; j < N; ++j) {
       T x[N], unit[N], stress[N];
       for (int i = 0; i < N; ++i) x[i] = unit[i] = T(i == j ? 1.0 : 0.0);
       A.solve(x);
-      T ddp = along_gradient(x) * bottom;
+      T ddp = excess_along(x) * bottom;
       for (int i = 0; i < N; ++i) x[i] -= y[i] * ddp;
       elastic.stiffness(unit, stress);
       for (int i = 0; i < N; ++i) {
@@ -243,11 +278,12 @@ struct Solver {
     T ratio = flow_n / larger(f_trial, T(1e-300));
     for (int i = 0; i < N; ++i) xi[i] = select(plastic, shifted[i] * ratio, T(i == 0 ? 1.0 : 0.0) * flow_n);
     yield.evaluate(xi, terms);
-    T push[N], flow_high, slope_high;
+    T push[N];
+    Flow::Point<T> highest;
     elastic.stiffness(terms.gradient, push);
     T stiffness = along_gradient(push), over = f_trial - flow_n, high = over / stiffness;
-    flow_law.evaluate(p_n, high, dt, softening, flow_high, slope_high);
-    dp = select(plastic, high * over / (over + flow_high - flow_n), T(0.0));
+    flow_law.evaluate(p_n, high, flow_n, dt, temperature, highest);
+    dp = select(plastic, high * over / (over + highest.stress - flow_n), T(0.0));
     auto near = both(plastic, f_trial < T(1.3) * flow_n);
     for (int i = 0; i < N; ++i) xi[i] = select(near, shifted[i] - dp * push[i], xi[i]);
   }
@@ -255,54 +291,61 @@ struct Solver {
 
 }  // namespace return_mapping
 
-// Advance one point by a strain increment (shear engineering) over the time dt [s] (used by rate laws alone; 0: they
-// answer elastically). softening
-// multiplies the flow stress (temperature; 1 without). eqps is the equivalent plastic strain, work-conjugate to the
-// yield function; history belongs to the kinematic law. tangent (N x N) may be null. Gives the lanes that failed; they
-// keep stress, eqps and history of the start.
+// As the contract has it (law.hpp), for one yield function and one kinematic law. The state: stress (N), equivalent
+// plastic strain, work-conjugate to the yield function; where the law heats the rise of temperature; what the kinematic
+// law keeps.
 template <class Yield, class Kinematic, class T>
 Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Flow& flow_law, T young, double poisson,
-                        const T strain[Yield::size], double dt, T softening, T stress[Yield::size], T& eqps, T* history,
-                        T (*tangent)[Yield::size]) {
+                        const LawInput<Yield::size, T>& in, const T* s0, T* s1, T (*tangent)[Yield::size]) {
   constexpr int N = Yield::size;
-  return_mapping::Solver<Yield, Kinematic, T> s{yield,   kinematic, flow_law,  {young, poisson},
-                                                history, eqps,      softening, dt};
+  const bool heats = flow_law.thermal.heats();
+  const int behind = N + 1 + (heats ? 1 : 0);  // where the kinematic law's values begin
+  const T *history = s0 + behind, eqps = s0[N];
+  return_mapping::Solver<Yield, Kinematic, T> s{
+      yield, kinematic, flow_law, {young, poisson}, history, eqps, heats ? in.temperature + s0[N + 1] : in.temperature,
+      in.dt};
   // 1. elastic predictor
-  T shifted[N], flow_n(0.0), slope_n, size(0.0);
-  s.elastic.stiffness(strain, s.trial);
+  T shifted[N], size(0.0);
+  s.elastic.stiffness(in.strain, s.trial);
   if constexpr (Kinematic::active)
     kinematic.template total<N>(history, shifted);
   else
     for (auto& x : shifted) x = T(0.0);
   for (int i = 0; i < N; ++i) {
-    s.trial[i] += stress[i];
+    s.trial[i] += s0[i];
     shifted[i] = s.trial[i] - shifted[i];
     size += shifted[i] * shifted[i];
   }
   // 2. admissible? In no time at all a law with a strain rate does not flow
-  const bool frozen = flow_law.rate.law != RateLaw::none && dt == 0.0;
+  const bool frozen = flow_law.rate.active() && in.dt == 0.0;
   T f_trial = yield.value(shifted);
-  if (!frozen) flow_law.evaluate(eqps, T(0.0), dt, softening, flow_n, slope_n);
+  Flow::Point<T> flow_n = {};
+  if (!frozen) flow_law.evaluate(eqps, T(0.0), T(0.0), in.dt, s.temperature, flow_n);
   auto finite = size < T(1e200);
-  auto plastic = both(f_trial > flow_n * T(1.0 + 1e-14), finite);
+  auto plastic = both(f_trial > flow_n.stress * T(1.0 + 1e-14), finite);
+  if constexpr (Kinematic::active)
+    for (int i = 0; i < kinematic.template history_size<N>(); ++i) s1[behind + i] = history[i];
   if (frozen || !any(plastic)) {
-    for (int i = 0; i < N; ++i) stress[i] = select(finite, s.trial[i], stress[i]);
+    for (int i = 0; i < N; ++i) s1[i] = select(finite, s.trial[i], s0[i]);
+    s1[N] = eqps;
+    if (heats) s1[N + 1] = s0[N + 1];
     if (tangent) s.elastic.matrix(tangent);
     return invert(finite);
   }
   // 3. return
-  s.start(shifted, f_trial, flow_n, plastic);
+  s.start(shifted, f_trial, flow_n.stress, plastic);
   auto open = s.iterate(plastic);
   auto moved = both(plastic, invert(open)), kept = either(open, invert(finite));
   // 4. accept
   for (int i = 0; i < N; ++i) {
     T end = s.xi[i];
     if constexpr (Kinematic::active) end += s.back.value[i];
-    stress[i] = select(kept, stress[i], select(moved, end, s.trial[i]));
+    s1[i] = select(kept, s0[i], select(moved, end, s.trial[i]));
   }
-  eqps = select(moved, eqps + s.dp, eqps);
+  s1[N] = select(moved, eqps + s.dp, eqps);
+  if (heats) s1[N + 1] = s0[N + 1] + select(moved, T(flow_law.thermal.heating) * s.terms.value * s.dp, T(0.0));
   if (tangent) s.consistent_tangent(moved, tangent);
-  if constexpr (Kinematic::active) kinematic.template advance<N>(yield, history, s.xi, s.dp, s.flow, moved);
+  if constexpr (Kinematic::active) kinematic.template advance<N>(yield, s1 + behind, s.xi, s.dp, s.flow.stress, moved);
   return kept;
 }
 

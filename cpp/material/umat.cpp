@@ -65,7 +65,9 @@ Umat::Umat(const std::string& library, const std::vector<double>& properties, in
   properties_.insert(properties_.end(), guard, none);
 }
 
-UmatStatus Umat::call(const UmatPlace& place, UmatPoint& p, double* state) const {
+LawStatus Umat::call(const UmatPlace& place, UmatPoint& p, double* state) const {
+  std::unique_lock<std::mutex> turn(*one_at_a_time_, std::defer_lock);
+  if (!thread_safe) turn.lock();
   thread_local std::vector<double> statev;
   statev.assign(state, state + n_state);
   statev.insert(statev.end(), guard, none);
@@ -83,14 +85,14 @@ UmatStatus Umat::call(const UmatPlace& place, UmatPoint& p, double* state) const
               &ntens, &n_state, properties_.data(), &n_properties_, place.coordinates, p.rotation, &p.step_factor,
               &place.length, p.F_n, p.F, &place.cell, &place.point, &one, &one, step, &place.increment, sizeof name);
   } catch (const Stopped&) {
-    return UmatStatus::stopped;
+    return LawStatus::stopped;
   }
-  if (!is_untouched(statev.data() + n_state, guard)) return UmatStatus::overrun;
-  if (p.step_factor < 1.0) return UmatStatus::smaller;
+  if (!is_untouched(statev.data() + n_state, guard)) return LawStatus::overrun;
+  if (p.step_factor < 1.0) return LawStatus::smaller;
   if (!all_finite(p.stress, 4) || !all_finite(p.tangent, 16) || !all_finite(statev.data(), n_state))
-    return UmatStatus::not_finite;
+    return LawStatus::not_finite;
   std::copy_n(statev.data(), n_state, state);
-  return UmatStatus::done;
+  return LawStatus::done;
 }
 
 }  // namespace presswork

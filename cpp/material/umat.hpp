@@ -9,6 +9,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,14 @@ enum class UmatJacobian : int {
   jaumann_kirchhoff = 1,  // Jaumann rate of Kirchhoff stress over J by rate of deformation, of laws of the whole F
 };
 
-enum class UmatStatus : int {
+// How a call ended.
+enum class LawStatus : int {
   done = 0,
   smaller = 1,     // PNEWDT below one
   not_finite = 2,  // a stress, state variable or tangent is not a number
   overrun = 3,     // wrote beyond its state variables
   stopped = 4,     // called XIT
+  no_stress = 5,   // of a law of our own: found no stress on the yield surface
 };
 
 // Where and when a call is made.
@@ -64,8 +67,9 @@ class Umat {
   Umat(const std::string& library, const std::vector<double>& properties, int n_state, UmatJacobian jacobian,
        bool thread_safe, int plastic_strain);
 
-  // `state` has n_state values. On anything but done, the point is not to be used.
-  UmatStatus call(const UmatPlace& place, UmatPoint& point, double* state) const;
+  // `state` has n_state values. On anything but done, the point is not to be used. One call at a time unless several
+  // threads may.
+  LawStatus call(const UmatPlace& place, UmatPoint& point, double* state) const;
 
   int n_state;
   UmatJacobian jacobian;
@@ -74,6 +78,7 @@ class Umat {
 
  private:
   std::shared_ptr<void> library_;
+  std::shared_ptr<std::mutex> one_at_a_time_ = std::make_shared<std::mutex>();
   UmatFunction function_ = nullptr;
   std::vector<double> properties_;  // and numbers behind them that are none, so that reading too far shows
   int n_properties_;

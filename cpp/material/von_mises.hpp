@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Isotropic elasticity with von Mises plasticity and isotropic hardening: six stress integrators.
 //
-// Given the stress at the start of the increment and the strain increment in a frame that does not turn, return the
-// stress and the equivalent plastic strain at its end, and d(stress)/d(strain increment), in N = 4 components (xx, yy,
-// zz, xy) or N = 6 (xx, yy, zz, xy, yz, zx); shear strain is engineering. S is the deviatoric stress, R_y = sqrt(2/3)
-// flow stress its length on the yield surface.
+// The contract is that of law.hpp, in 4 or 6 components; the state is stress and equivalent plastic strain. S is the
+// deviatoric stress, R_y = sqrt(2/3) flow stress its length on the yield surface.
 //
 //   backward_euler         S_f = S_t (1 - 3G dp/q_t), q_t - 3G dp = flow(p + dp)       Simo & Taylor 1985; the default
 //   radial_return          S_t scaled to flow(p + dp), dp by the slope at the start     Wilkins 1964
@@ -19,9 +17,8 @@
 // "continuum" is the rate equation's matrix (Yamada 1968) at the final stress, for all of them.
 #pragma once
 
-#include <type_traits>
-
 #include "material/hardening.hpp"
+#include "material/law.hpp"
 
 namespace presswork {
 
@@ -44,14 +41,14 @@ struct VonMises {
   int substeps = 10;
   Modulus modulus = Modulus::consistent;
 
+  static constexpr int state_size(int n) { return n + 1; }
+  // Flow stress and its slope at equivalent plastic strain p, at rest.
+  template <class T>
+  void flow_at_rest(T p, T, T& flow, T& slope) const {
+    hardening.evaluate(p, flow, slope);
+  }
   double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
   double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
-};
-
-template <class T, int N = 4>
-struct PointState {
-  T stress[N];
-  T eqps;  // equivalent plastic strain
 };
 
 namespace von_mises {
@@ -62,20 +59,19 @@ T mean_of(const T* s) {
 }
 // double contraction of two symmetric tensors given as tensor components
 template <int N, class T>
-T contract(const T (&a)[N], const T (&b)[N]) {
+T contract(const T a[N], const T b[N]) {
   T sum = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  for (int i = 3; i < N; ++i) sum += T(2.0) * a[i] * b[i];
+  for (int i = 3; i < N; ++i) sum = sum + T(2.0) * a[i] * b[i];
   return sum;
 }
 template <int N, class T>
-T effective_of(const T (&s)[N]) {
-  return square_root(T(1.5) * contract(s, s));
+T effective_of(const T s[N]) {
+  return square_root(T(1.5) * contract<N>(s, s));
 }
 template <int N, class T>
-void deviator_of(const T (&a)[N], T (&s)[N]) {
+void deviator_of(const T a[N], T s[N]) {
   T m = mean_of(a);
-  for (int i = 0; i < 3; ++i) s[i] = a[i] - m;
-  for (int i = 3; i < N; ++i) s[i] = a[i];
+  for (int i = 0; i < N; ++i) s[i] = i < 3 ? a[i] - m : a[i];
 }
 
 // dp of q_trial - 3G dp = flow(p + dp), by Newton inside a bracket; zero where mask is off.
@@ -85,7 +81,7 @@ T solve_plastic_increment(const VonMises& law, T eqps, T q_trial, T over, M plas
   T flow;
   law.hardening.evaluate(eqps, flow, slope);
   T dp = select(plastic, over / (T(g3) + slope), T(0.0));
-  if (law.hardening.law == HardeningLaw::linear) return dp;
+  if (law.hardening.is_linear()) return dp;
   T low(0.0), high = select(plastic, over * T(1.0 / g3), T(0.0));
   for (int iteration = 0; iteration < 60; ++iteration) {
     law.hardening.evaluate(eqps + dp, flow, slope);
@@ -104,8 +100,8 @@ T solve_plastic_increment(const VonMises& law, T eqps, T q_trial, T over, M plas
 }
 
 template <int N, class T>
-void elastic_plastic_matrix(const VonMises& law, const T (&n)[N], T theta, T theta_bar, T (*matrix)[N]) {
-  // K 1 x 1 + 2G theta I_dev - 2G theta_bar n x n, n of unit length
+void elastic_plastic_matrix(const VonMises& law, const T n[N], T theta, T theta_bar, T (*matrix)[N]) {
+  // K 1 x 1 + 2G theta I_dev - 2G theta_bar N x N, N of unit length
   const double G = law.shear_modulus(), K = law.bulk_modulus();
   T g2 = T(2.0 * G) * theta;
   for (int i = 0; i < N; ++i)
@@ -119,30 +115,30 @@ void elastic_plastic_matrix(const VonMises& law, const T (&n)[N], T theta, T the
 
 // The default: backward Euler and, if tangent is given, its consistent matrix (or the continuum one).
 template <int N, class T>
-void update_backward_euler(const VonMises& law, const T (&strain)[N], PointState<T, N>& point, T (*tangent)[N]) {
+void update_backward_euler(const VonMises& law, const T strain[N], const T* s0, T* s1, T (*tangent)[N]) {
   const double G = law.shear_modulus(), K = law.bulk_modulus();
+  const T eqps = s0[N];
   // 1. elastic predictor
   T volume = strain[0] + strain[1] + strain[2];
-  T mean = mean_of(point.stress) + T(K) * volume;
+  T mean = mean_of(s0) + T(K) * volume;
   T s[N];
-  deviator_of(point.stress, s);
+  deviator_of<N>(s0, s);
   for (int i = 0; i < 3; ++i) s[i] += T(2.0 * G) * (strain[i] - volume * T(1.0 / 3));
   for (int i = 3; i < N; ++i) s[i] += T(G) * strain[i];
-  T q = effective_of(s);
+  T q = effective_of<N>(s);
   // 2. admissible?
   T flow, slope;
-  law.hardening.evaluate(point.eqps, flow, slope);
+  law.hardening.evaluate(eqps, flow, slope);
   auto plastic = q > flow;
   // 3. return
   T scale(1.0), dp(0.0);
   T safe_q = larger(q, T(1e-300));
   if (any(plastic)) {
-    dp = solve_plastic_increment(law, point.eqps, q, q - flow, plastic, slope);
+    dp = solve_plastic_increment(law, eqps, q, q - flow, plastic, slope);
     scale = T(1.0) - T(3.0 * G) * dp / safe_q;
   }
-  for (int i = 0; i < 3; ++i) point.stress[i] = scale * s[i] + mean;
-  for (int i = 3; i < N; ++i) point.stress[i] = scale * s[i];
-  point.eqps += dp;
+  for (int i = 0; i < N; ++i) s1[i] = i < 3 ? scale * s[i] + mean : scale * s[i];
+  s1[N] = eqps + dp;
   // 4. tangent
   if (!tangent) return;
   T n[N];
@@ -151,17 +147,17 @@ void update_backward_euler(const VonMises& law, const T (&strain)[N], PointState
   T theta = law.modulus == Modulus::consistent ? scale : T(1.0);
   T theta_bar = T(1.0) / (T(1.0) + slope * T(1.0 / (3.0 * G))) - (T(1.0) - theta);
   theta_bar = select(plastic, theta_bar, T(0.0));
-  elastic_plastic_matrix(law, n, theta, theta_bar, tangent);
+  elastic_plastic_matrix<N>(law, n, theta, theta_bar, tangent);
 }
 
 // The rate equation over the strain deviator de (tensor components), its direction taken at S_dir; adds to s and eqps.
 template <int N, class T>
-void step_rate_equation(const VonMises& law, const T (&direction)[N], const T (&de)[N], T (&s)[N], T& eqps) {
+void step_rate_equation(const VonMises& law, const T direction[N], const T de[N], T s[N], T& eqps) {
   const double G = law.shear_modulus();
   T flow, slope;
   law.hardening.evaluate(eqps, flow, slope);
-  T length = square_root(contract(direction, direction));
-  T along = larger(contract(direction, de) / length, T(0.0));
+  T length = square_root(contract<N>(direction, direction));
+  T along = larger(contract<N>(direction, de) / length, T(0.0));
   T dp = T(0.81649658092772603273) * along * T(3.0 * G) / (T(3.0 * G) + slope);  // sqrt(2/3)
   T pull = T(2.0 * G * 1.2247448713915890491) * dp / length;
   for (int i = 0; i < N; ++i) s[i] += T(2.0 * G) * de[i] - pull * direction[i];
@@ -169,32 +165,32 @@ void step_rate_equation(const VonMises& law, const T (&direction)[N], const T (&
 }
 
 template <int N, class T>
-void scale_to_surface(const VonMises& law, T eqps, T (&s)[N]) {
+void scale_to_surface(const VonMises& law, T eqps, T s[N]) {
   T flow, slope;
   law.hardening.evaluate(eqps, flow, slope);
-  T ratio = flow / effective_of(s);
+  T ratio = flow / effective_of<N>(s);
   for (int i = 0; i < N; ++i) s[i] *= ratio;
 }
 
 // The five integrators that are there to be compared.
 template <int N, class T>
-void update_by_rate(const VonMises& law, const T (&strain)[N], PointState<T, N>& point) {
+void update_by_rate(const VonMises& law, const T strain[N], const T* s0, T* s1) {
   const double G = law.shear_modulus(), K = law.bulk_modulus();
   T volume = strain[0] + strain[1] + strain[2];
-  T mean = mean_of(point.stress) + T(K) * volume;
+  T mean = mean_of(s0) + T(K) * volume;
   T s[N], de[N], trial[N], contact[N];
-  deviator_of(point.stress, s);
+  deviator_of<N>(s0, s);
   for (int i = 0; i < 3; ++i) de[i] = strain[i] - volume * T(1.0 / 3);
   for (int i = 3; i < N; ++i) de[i] = T(0.5) * strain[i];
   for (int i = 0; i < N; ++i) trial[i] = s[i] + T(2.0 * G) * de[i];
   T flow, slope;
-  law.hardening.evaluate(point.eqps, flow, slope);
-  T q = effective_of(trial);
+  law.hardening.evaluate(s0[N], flow, slope);
+  T q = effective_of<N>(trial);
   auto plastic = value_of(q) > value_of(flow);
 
   // 1. the part of the increment that is elastic: |s + f 2G de| = R_y; all of it where the trial stress is admissible
-  T a = T(4.0 * G * G) * contract(de, de), b = T(2.0 * G) * contract(s, de);
-  T c = contract(s, s) - T(2.0 / 3) * flow * flow;
+  T a = T(4.0 * G * G) * contract<N>(de, de), b = T(2.0 * G) * contract<N>(s, de);
+  T c = contract<N>(s, s) - T(2.0 / 3) * flow * flow;
   T root = square_root(larger(b * b - a * c, T(0.0)));
   T fraction = (root - b) / larger(a, T(1e-300));
   fraction = smaller(larger(fraction, T(0.0)), T(1.0));
@@ -206,20 +202,20 @@ void update_by_rate(const VonMises& law, const T (&strain)[N], PointState<T, N>&
   }
 
   // 2. the plastic part
-  T result[N], eqps = point.eqps;
+  T result[N], eqps = s0[N];
   for (int i = 0; i < N; ++i) result[i] = contact[i];
   switch (law.integrator) {
     case Integrator::radial_return: {
       eqps += (q - flow) / (T(3.0 * G) + slope);
       for (int i = 0; i < N; ++i) result[i] = trial[i];
-      scale_to_surface(law, eqps, result);
+      scale_to_surface<N>(law, eqps, result);
       break;
     }
     case Integrator::secant: {
       T middle[N];
       for (int i = 0; i < N; ++i) middle[i] = T(0.5) * (trial[i] + contact[i]);
-      step_rate_equation(law, middle, rest, result, eqps);
-      scale_to_surface(law, eqps, result);
+      step_rate_equation<N>(law, middle, rest, result, eqps);
+      scale_to_surface<N>(law, eqps, result);
       break;
     }
     case Integrator::substepping: {
@@ -228,65 +224,64 @@ void update_by_rate(const VonMises& law, const T (&strain)[N], PointState<T, N>&
       for (int k = 0; k < law.substeps; ++k) {
         T direction[N];
         for (int i = 0; i < N; ++i) direction[i] = result[i];
-        step_rate_equation(law, direction, part, result, eqps);
-        scale_to_surface(law, eqps, result);
+        step_rate_equation<N>(law, direction, part, result, eqps);
+        scale_to_surface<N>(law, eqps, result);
       }
       break;
     }
     default:
-      step_rate_equation(law, contact, rest, result, eqps);
-      if (law.integrator == Integrator::tangent_radial_return) scale_to_surface(law, eqps, result);
+      step_rate_equation<N>(law, contact, rest, result, eqps);
+      if (law.integrator == Integrator::tangent_radial_return) scale_to_surface<N>(law, eqps, result);
   }
 
   // 3. elastic points keep the trial stress
   for (int i = 0; i < N; ++i) {
     T final_deviator = select(plastic, result[i], trial[i]);
-    point.stress[i] = i < 3 ? final_deviator + mean : final_deviator;
+    s1[i] = i < 3 ? final_deviator + mean : final_deviator;
   }
-  point.eqps = select(plastic, eqps, point.eqps);
+  s1[N] = select(plastic, eqps, s0[N]);
 }
 
 }  // namespace von_mises
 
-// Advance one material point. tangent (N, N) may be null.
 template <int N, class T>
-void update_von_mises(const VonMises& law, const T (&strain)[N], PointState<T, N>& point,
-                      std::type_identity_t<T (*)[N]> tangent) {
+Mask<T> update(const VonMises& law, const LawInput<N, T>& in, const T* s0, T* s1, T (*tangent)[N]) {
+  const auto none = T(1.0) < T(0.0);
   if (law.integrator == Integrator::backward_euler) {
-    von_mises::update_backward_euler(law, strain, point, tangent);
-    return;
+    von_mises::update_backward_euler<N>(law, in.strain, s0, s1, tangent);
+    return none;
   }
   if (!tangent) {
-    von_mises::update_by_rate(law, strain, point);
-    return;
+    von_mises::update_by_rate<N>(law, in.strain, s0, s1);
+    return none;
   }
   if (law.modulus == Modulus::continuum) {
-    const T eqps_n = point.eqps;
-    von_mises::update_by_rate(law, strain, point);
+    const T eqps_n = s0[N];
+    von_mises::update_by_rate<N>(law, in.strain, s0, s1);
     T s[N], flow, slope;
-    von_mises::deviator_of(point.stress, s);
-    law.hardening.evaluate(point.eqps, flow, slope);
-    T length = larger(square_root(von_mises::contract(s, s)), T(1e-300));
+    von_mises::deviator_of<N>(s1, s);
+    law.hardening.evaluate(s1[N], flow, slope);
+    T length = larger(square_root(von_mises::contract<N>(s, s)), T(1e-300));
     for (auto& x : s) x = x / length;
     T theta_bar = T(1.0) / (T(1.0) + slope * T(1.0 / (3.0 * law.shear_modulus())));
-    theta_bar = select(point.eqps > eqps_n, theta_bar, T(0.0));
-    von_mises::elastic_plastic_matrix(law, s, T(1.0), theta_bar, tangent);
-    return;
+    theta_bar = select(s1[N] > eqps_n, theta_bar, T(0.0));
+    von_mises::elastic_plastic_matrix<N>(law, s, T(1.0), theta_bar, tangent);
+    return none;
   }
   using D = Dual<T, N>;
-  PointState<D, N> dual;
-  D dual_strain[N];
+  D strain[N], before[N + 1], after[N + 1];
   for (int i = 0; i < N; ++i) {
-    dual_strain[i] = D::variable(strain[i], i);
-    dual.stress[i] = D(point.stress[i]);
+    strain[i] = D::variable(in.strain[i], i);
+    before[i] = D(s0[i]);
   }
-  dual.eqps = D(point.eqps);
-  von_mises::update_by_rate(law, dual_strain, dual);
+  before[N] = D(s0[N]);
+  von_mises::update_by_rate<N>(law, strain, before, after);
   for (int i = 0; i < N; ++i) {
-    point.stress[i] = dual.stress[i].value;
-    for (int j = 0; j < N; ++j) tangent[i][j] = dual.stress[i].slope[j];
+    s1[i] = after[i].value;
+    for (int j = 0; j < N; ++j) tangent[i][j] = after[i].slope[j];
   }
-  point.eqps = dual.eqps.value;
+  s1[N] = after[N].value;
+  return none;
 }
 
 }  // namespace presswork

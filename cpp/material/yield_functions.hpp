@@ -3,32 +3,26 @@
 // that stress : gradient = equivalent stress and the plastic multiplier is the work-conjugate equivalent plastic
 // strain.
 //
-// Stress order xx, yy, xy (plane stress) or xx, yy, zz, xy, yz, zx; x is the rolling direction. The gradient belongs to
-// engineering shear strains: gradient[xy] is the rate of gamma_xy per unit of equivalent plastic strain.
+// Stress order xx, yy, xy (plane stress), xx, yy, zz, xy or xx, yy, zz, xy, yz, zx; x is the rolling direction. The
+// gradient belongs to engineering shear strains: gradient[xy] is the rate of gamma_xy per unit of equivalent plastic
+// strain.
 //
 //   QuadraticYield<N>   sqrt(s P s)                                von Mises; Hill 1948
 //   EvenPowerYield<k>   (phi / 2)^(1/2k), plane stress              Barlat & Lian 1989; Yld2000-2d (Barlat et al. 2003)
 //     phi = b1 [4 (D1^2 + E1^2)]^k + b2 [(M + r)^2k + (M - r)^2k],  r^2 = D2^2 + E2^2,
 //     D1, M, D2 linear in (xx, yy), E1, E2 multiples of xy
-//   Yld2000-2d is that with 2 sqrt(D1^2 + E1^2) = X'1 - X'2, M = 3 (X''1 + X''2)/2, r = (X''1 - X''2)/2, b1 = b2 = 1;
-//   Barlat 1989 has D1 = D2 = (xx - h yy)/2, E1 = E2 = p xy, M = (xx + h yy)/2, b1 = c, b2 = a. For an even exponent
-//   the bracket is a polynomial in M^2 and r^2: no root, no branch, smooth at the corners where principal values meet.
+//   Yld2004<N, m>       Barlat et al. 2005, yld2004.hpp
+//   Yld2000-2d is the even power with 2 sqrt(D1^2 + E1^2) = X'1 - X'2, M = 3 (X''1 + X''2)/2, r = (X''1 - X''2)/2, b1 =
+//   b2 = 1; Barlat 1989 has D1 = D2 = (xx - h yy)/2, E1 = E2 = p xy, M = (xx + h yy)/2, b1 = c, b2 = a. For an even
+//   exponent the bracket is a polynomial in M^2 and r^2: no root, no branch, smooth at the corners where principal
+//   values meet.
 #pragma once
 
-#include <bit>
-#include <variant>
-
-#include "tensor/dual.hpp"
-#include "tensor/pack.hpp"
+#include "material/yield_terms.hpp"
+#include "material/yld2004.hpp"
+#include "tensor/choice.hpp"
 
 namespace presswork {
-
-template <int N, class T>
-struct YieldTerms {
-  T value;
-  T gradient[N];
-  T hessian[N][N];
-};
 
 template <int N>
 struct QuadraticYield {
@@ -67,34 +61,17 @@ struct HillParameters {
   double F = 0.5, G = 0.5, H = 0.5, L = 1.5, M = 1.5, N = 1.5;
 
   QuadraticYield<3> plane_stress() const { return {{{G + H, -H, 0}, {-H, F + H, 0}, {0, 0, 2 * N}}}; }
-  QuadraticYield<6> solid() const {
-    return {{{G + H, -H, -G, 0, 0, 0},
-             {-H, F + H, -F, 0, 0, 0},
-             {-G, -F, F + G, 0, 0, 0},
-             {0, 0, 0, 2 * N, 0, 0},
-             {0, 0, 0, 0, 2 * L, 0},
-             {0, 0, 0, 0, 0, 2 * M}}};
+  // 4 or 6 components
+  template <int size>
+  QuadraticYield<size> solid() const {
+    const double P[6][6] = {{G + H, -H, -G, 0, 0, 0}, {-H, F + H, -F, 0, 0, 0}, {-G, -F, F + G, 0, 0, 0},
+                            {0, 0, 0, 2 * N, 0, 0},   {0, 0, 0, 0, 2 * L, 0},   {0, 0, 0, 0, 0, 2 * M}};
+    QuadraticYield<size> made;
+    for (int i = 0; i < size; ++i)
+      for (int j = 0; j < size; ++j) made.P[i][j] = P[i][j];
+    return made;
   }
 };
-
-// x^(1/3) of a positive number; the pack's by a guess from the exponent bits and three steps of Halley.
-inline double cube_root(double x) { return std::cbrt(x); }
-inline Pack cube_root(Pack x) {
-  const double shift = 715094163.0 * 4294967296.0;  // (1023 (1 - 1/3) - 0.033) 2^52
-  Pack::Vector bits = __builtin_convertvector(std::bit_cast<Pack::Mask>(x.v), Pack::Vector);
-  Pack::Mask guess = __builtin_convertvector(bits * (1.0 / 3) + shift, Pack::Mask);
-  Pack y(std::bit_cast<Pack::Vector>(guess));
-  for (int i = 0; i < 3; ++i) {
-    Pack cube = y * y * y;
-    y = y * (cube + x + x) / (cube + cube + x);
-  }
-  return y;
-}
-template <class S, int N>
-Dual<S, N> cube_root(const Dual<S, N>& a) {
-  S root = cube_root(a.value);
-  return a.chain(root, root / (S(3.0) * a.value));
-}
 
 template <int k>
 struct EvenPowerYield {
@@ -213,6 +190,14 @@ EvenPowerYield<k> make_yld2000(const double alpha[8]) {
           1.0};
 }
 
-using PlaneStressYield = std::variant<QuadraticYield<3>, EvenPowerYield<3>, EvenPowerYield<4>>;
+// The yield functions that there are in N components. Barlat and Lian's and Yld2000-2d are of plane stress alone.
+template <int N>
+struct YieldChoice {
+  using type = std::variant<QuadraticYield<N>, Yld2004<N, 6>, Yld2004<N, 8>>;
+};
+template <>
+struct YieldChoice<3> {
+  using type = std::variant<QuadraticYield<3>, EvenPowerYield<3>, EvenPowerYield<4>, Yld2004<3, 6>, Yld2004<3, 8>>;
+};
 
 }  // namespace presswork

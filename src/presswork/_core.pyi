@@ -8,7 +8,7 @@ import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 4
+pack_width: int = 8
 
 architecture: str = 'native'
 
@@ -45,15 +45,15 @@ class HardeningLaw(enum.Enum):
 
     voce = 3
 
-    linear_voce = 8
+    linear_voce = 4
 
-    hockett_sherby = 4
+    hockett_sherby = 5
 
-    table = 5
+    table = 6
 
-    swift_voce = 6
+    swift_voce = 7
 
-    monotone_table = 7
+    monotone_table = 8
 
 class Integrator(enum.Enum):
     """Stress integrator of the von Mises law."""
@@ -87,7 +87,7 @@ class VonMises:
 
     def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Advance points by strain increments (n, N), N = 4 (xx, yy, zz, xy) or 6 (and yz, zx); returns stress (n, N), eqps (n) and tangent (n, N, N).
+        Advance points by strain increments (n, 4), or (n, 6) in space: xx, yy, zz, xy, yz, zx; returns stress, eqps (n) and tangent (n, 4, 4) or (n, 6, 6).
         """
 
 class RateLaw(enum.Enum):
@@ -102,7 +102,7 @@ class RateLaw(enum.Enum):
     logarithmic = 3
 
 class YieldFunction:
-    """Equivalent stress in plane stress, homogeneous of degree one."""
+    """Equivalent stress, homogeneous of degree one."""
 
     @staticmethod
     def hill1948(parameters: Sequence[float]) -> YieldFunction:
@@ -112,15 +112,25 @@ class YieldFunction:
 
     @staticmethod
     def barlat1989(a: float, c: float, h: float, p: float, exponent: int) -> YieldFunction:
-        """Barlat & Lian 1989; the exponent is 6 or 8."""
+        """Barlat & Lian 1989, of plane stress; the exponent is 6 or 8."""
 
     @staticmethod
     def yld2000(alpha: Sequence[float], exponent: int) -> YieldFunction:
-        """Yld2000-2d from alpha 1 to 8; the exponent is 6 or 8."""
+        """Yld2000-2d from alpha 1 to 8, of plane stress; the exponent is 6 or 8."""
+
+    @staticmethod
+    def yld2004(prime: Sequence[float], double_prime: Sequence[float], exponent: int) -> YieldFunction:
+        """
+        Yld2004-18p from c12, c13, c21, c23, c31, c32, c44 (yz), c55 (zx), c66 (xy) of both transformations; the exponent is 6 or 8.
+        """
+
+    @property
+    def of_plane_stress_alone(self) -> bool:
+        """Whether there is no such function of a stress in space."""
 
     def evaluate(self, stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Equivalent stress (n), its gradient (n, 3) and Hessian (n, 3, 3) at stresses (n, 3): xx, yy, xy.
+        Equivalent stress (n), its gradient (n, N) and Hessian (n, N, N) at stresses (n, N): xx, yy, xy; xx, yy, zz, xy; or xx, yy, zz, xy, yz, zx.
         """
 
 class Chaboche:
@@ -133,10 +143,16 @@ class YoshidaUemori:
 
     def __init__(self, *, Y: float, B: float, C: float, m: float, b: float, Rsat: float, h: float) -> None: ...
 
+class Thermal:
+    """Softening by temperature and adiabatic heating; degrees C."""
+
+    def __init__(self, *, start: float, reference: float, melting: float, exponent: float, heating: float) -> None:
+        """heating: rise of temperature per plastic work and volume [degree/MPa]."""
+
 class SheetLaw:
     """Elastic-plastic sheet in plane stress; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
 
     @property
     def young(self) -> float:
@@ -148,11 +164,17 @@ class SheetLaw:
 
     @property
     def history_size(self) -> int:
-        """Values a point keeps: eqps, then back stresses."""
-
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].
+        Values a point keeps: eqps, the rise of temperature if the law heats, then back stresses.
+        """
+
+    @property
+    def heats(self) -> bool:
+        """Whether plastic work raises the temperature."""
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Flow stress and its slope [MPa] at equivalent plastic strains (n), a plastic strain rate [1/s] and temperatures (n) [degrees C], without them that of the start.
         """
 
     def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
@@ -160,22 +182,63 @@ class SheetLaw:
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
-    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0) -> NDArray[numpy.float64]:
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
         """
         d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, softening: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
         """
-        Advance points by strain increments (n, 3) over dt [s]; returns stress (n, 3), history (n, history_size), thickness strain increment (n), tangent (n, 3, 3; (0, 3, 3) if not asked for) and failed (n).
+        Advance points by strain increments (n, 3) over dt [s] at temperatures (n), without them that of the start; returns stress (n, 3), history (n, history_size), thickness strain increment (n), tangent (n, 3, 3; (0, 3, 3) if not asked for) and failed (n).
+        """
+
+class PlaneLaw:
+    """Elastic-plastic solid in plane strain or axisymmetry; stresses in MPa."""
+
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+
+    @property
+    def young(self) -> float:
+        """Young's modulus at the start [MPa]."""
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio."""
+
+    @property
+    def history_size(self) -> int:
+        """
+        Values a point keeps: eqps, the rise of temperature if the law heats, then back stresses.
+        """
+
+    @property
+    def heats(self) -> bool:
+        """Whether plastic work raises the temperature."""
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Flow stress and its slope [MPa] at equivalent plastic strains (n), a plastic strain rate [1/s] and temperatures (n) [degrees C], without them that of the start.
+        """
+
+    def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
+        """
+
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+        """
+        d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
+        """
+
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+        """
+        Advance points by strain increments (n, 4): xx, yy, zz, xy; as SheetLaw.update, without thickness.
         """
 
 class SolidLaw:
-    """
-    Elastic-plastic solid, Hill 1948 from F, G, H, L, M, N; stresses in MPa.
-    """
+    """Elastic-plastic solid in space; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: Sequence[float], hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
 
     @property
     def young(self) -> float:
@@ -187,11 +250,17 @@ class SolidLaw:
 
     @property
     def history_size(self) -> int:
-        """Values a point keeps: eqps, then back stresses."""
-
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Flow stress and its slope [MPa] at equivalent plastic strains (n) and a plastic strain rate [1/s].
+        Values a point keeps: eqps, the rise of temperature if the law heats, then back stresses.
+        """
+
+    @property
+    def heats(self) -> bool:
+        """Whether plastic work raises the temperature."""
+
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Flow stress and its slope [MPa] at equivalent plastic strains (n), a plastic strain rate [1/s] and temperatures (n) [degrees C], without them that of the start.
         """
 
     def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
@@ -199,12 +268,12 @@ class SolidLaw:
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
-    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0) -> NDArray[numpy.float64]:
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
         """
         d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, softening: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
         """
         Advance points by strain increments (n, 6): xx, yy, zz, xy, yz, zx; as SheetLaw.update, without thickness.
         """
@@ -216,8 +285,8 @@ class UmatJacobian(enum.Enum):
 
     jaumann_kirchhoff = 1
 
-class UmatStatus(enum.Enum):
-    """How the call of a UMAT ended."""
+class LawStatus(enum.Enum):
+    """How the call of a law ended."""
 
     done = 0
 
@@ -229,13 +298,15 @@ class UmatStatus(enum.Enum):
 
     stopped = 4
 
-class UmatFault:
-    """The worst of what the calls of a block have told."""
+    no_stress = 5
+
+class LawFault:
+    """The worst of what the calls of a law have told."""
 
     def __init__(self) -> None: ...
 
     @property
-    def status(self) -> UmatStatus: ...
+    def status(self) -> LawStatus: ...
 
     @property
     def cell(self) -> int:
@@ -266,7 +337,7 @@ class Umat:
     @property
     def n_state(self) -> int: ...
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], state: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float = 1.0) -> tuple[UmatStatus, NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], state: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float = 1.0) -> tuple[LawStatus, NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Call it once at a small strain increment xx, yy, zz, xy from no deformation; returns status, stress (4), state (n_state) and tangent (4, 4).
         """
@@ -334,9 +405,14 @@ def element_sizes(element: str) -> tuple[int, int]:
 def elements() -> list[Element]:
     """The table of elements, a row each."""
 
-def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, user_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, user: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, first_cell: int = 0, when: UmatPlace | None = None, fault: UmatFault | None = None) -> int:
+def kept_values(law: PlaneLaw | SolidLaw) -> int:
     """
-    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. Returns the index of a cell turned inside out, or -1. A Umat needs user_n and user, when and fault besides.
+    Values that a point of a solid keeps for a law besides stress and eqps; at the end the directions of its axes: x in the plane (2), x and y in space (6).
+    """
+
+def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | PlaneLaw | SolidLaw | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, history_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, dt: float = 0.0, first_cell: int = 0, when: UmatPlace | None = None, fault: LawFault | None = None) -> int:
+    """
+    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. history (n_cells, points, n_history) is what the law keeps besides stress and eqps. Returns the index of a cell turned inside out, or -1; what the law told is in fault.
     """
 
 class ShellFault(enum.Enum):
@@ -1097,9 +1173,9 @@ class SolidLoop:
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], contact: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float = 1.0, hourglass_fraction: float = 0.05) -> None: ...
 
-    def add(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises, density: float) -> None:
+    def add(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises | PlaneLaw | Umat, density: float, *, young: float = 0.0, poisson: float = 0.0) -> None:
         """
-        Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come.
+        Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a shared library.
         """
 
     def add_wall(self, segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, mu: float = 0.0) -> None:
@@ -1120,9 +1196,9 @@ class SolidLoop:
     def restore_wall(self, wall: int, offset: Sequence[float], impulse: Sequence[float], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Take over where a wall was and what it pushed."""
 
-    def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> int:
+    def advance(self, time: float, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus]:
         """
-        Advance as many cycles of dt [s] as the scales have values; returns a cell turned inside out, or -1.
+        Advance as many cycles of dt [s] from `time` as the scales have values; returns the cell that failed, or -1, and what its law told: done, if it is turned inside out.
         """
 
     def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> SolidEnergies:
@@ -1197,6 +1273,13 @@ class SolidLoop:
 
     @mass_factor.setter
     def mass_factor(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def kept(self) -> NDArray[numpy.float64]:
+        """What the laws keep besides, cell after cell of all blocks (n)."""
+
+    @kept.setter
+    def kept(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def stress(self) -> NDArray[numpy.float64]:

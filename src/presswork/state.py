@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
-from presswork.model import FloatArray, IntArray, Model, Umat
+from presswork.model import FloatArray, IntArray, Model
 
 ContactArray = NDArray[np.int8]
 
@@ -123,9 +123,10 @@ class State:
     lamina frame, (n_cells, q k, 3), layers within points."""
     eqps: list[FloatArray]
     """Equivalent plastic strain per block (n_cells, n_points)."""
-    user: list[FloatArray]
-    """Of laws from shared libraries, per block (n_cells, n_points, n_state + umat_history_size): the state variables,
-    then deformation gradient, strain, energies and work, which a library does not keep. No columns of other laws."""
+    history: list[FloatArray]
+    """What a solid's law keeps besides, per block (n_cells, n_points, n_history): of von Mises with isotropic hardening
+    nothing; of other laws the rise of temperature where they heat, back stresses, and the directions of the law's axes;
+    of one from a shared library its state variables, then deformation gradient, strain, energies and work."""
     hourglass: list[FloatArray]
     """Hourglass forces per block (n_cells, 2) [N]; zero but for quad4_1pt."""
     volume: list[FloatArray]
@@ -144,7 +145,7 @@ class State:
 
     @classmethod
     def at_rest(cls, model: Model, n_candidates: int, n_slots: int = 0) -> State:
-        """Return the State before the first increment; the arrays of shells are left empty."""
+        """Return the State before the first increment; the arrays of shells and of laws are left empty."""
         n = len(model.mesh.points)
         n_coupled = n if model.contacts else 0
         n_moving = n if model.solver.inertia else 0
@@ -187,7 +188,7 @@ class State:
             search_displacement=np.zeros((n_coupled, 2)),
             stress=[np.zeros((*s, components)) for s in sizes],
             eqps=[np.zeros(s) for s in sizes],
-            user=[_user_at_rest(model.materials[b.material].umat, s) for b, s in zip(solids, sizes, strict=True)],
+            history=[np.zeros((*s, 0)) for s in sizes],
             hourglass=[np.zeros((s[0], 2)) for s in sizes],
             volume=[np.zeros(s) for s in sizes],
             shells=ShellArrays.none(),
@@ -215,15 +216,6 @@ class State:
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh and these tools")
         for name, target in own.items():
             target[...] = arrays[name]
-
-
-def _user_at_rest(umat: Umat | None, size: tuple[int, int]) -> FloatArray:
-    """Return the history of a block of the law of a shared library: no deformation, no strain."""
-    if umat is None:
-        return np.zeros((*size, 0))
-    history = np.zeros((*size, umat.n_state + _core.umat_history_size))
-    history[..., umat.n_state : umat.n_state + 5] = (1.0, 0.0, 0.0, 1.0, 1.0)
-    return history
 
 
 _Arrays = TypeVar("_Arrays", State, ShellArrays)

@@ -12,7 +12,7 @@ from whole_runs import assert_same_bits, run_in_two_parts, run_stamping
 from presswork import _core
 from presswork.case import StampingCase, build_model
 from presswork.explicit.shells import ExplicitShells
-from presswork.law.sheet_law import make_sheet_law
+from presswork.law.elastic_plastic import make_sheet_law
 from presswork.post.section import measure_draw_in
 
 TOOL = {"shape": "rectangular", "mu": 0.1}

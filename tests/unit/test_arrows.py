@@ -49,7 +49,7 @@ PYTHON_ROOMS = {
         "text_file",
     },
     "examples": {"case"},
-    "fields": {"formability", "mesh", "model", "state"},
+    "fields": {"formability", "law", "mesh", "model", "state"},
     "results": {"fields", "formability", "geometry", "model"},
     "body": {"fields", "law", "mesh", "model", "outcome", "state", "timing"},
     "interaction": {"body", "fields", "geometry", "mesh", "model", "outcome", "state"},

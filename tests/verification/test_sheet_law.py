@@ -179,19 +179,22 @@ def test_rate_laws_meet_their_formula_at_constant_rate(law, parameters, factor, 
     assert stress[-1] == pytest.approx(150 * factor(rate), rel=1e-8)
 
 
-def test_temperature_softening_multiplies_the_flow_stress():
-    law = make_law()
+def test_temperature_softens_the_flow_stress_by_johnson_and_cooks_factor():
+    thermal = _core.Thermal(start=20.0, reference=20.0, melting=1020.0, exponent=1.0, heating=0.0)
+    law = make_law(thermal=thermal)
     strain, zero, start = np.array([[0.02, -0.01, 0.0]]), np.zeros((1, 3)), np.zeros((1, 1))
-    stress, history, *_ = law.update(strain, zero, start, softening=np.array([0.7]))
+    stress, history, *_ = law.update(strain, zero, start, temperature=np.array([110.0]))
     value = VON_MISES.evaluate(stress)[0]
-    assert value[0] == pytest.approx(0.7 * law.flow_stress(history[:, 0])[0][0], rel=1e-9)
+    assert value[0] == pytest.approx((1 - 0.09) * law.flow_stress(history[:, 0])[0][0], rel=1e-9)
 
 
 @pytest.mark.parametrize("chaboche", [None, _core.Chaboche([3000.0], [60.0])])
 @pytest.mark.parametrize("hill", [[0.5, 0.5, 0.5, 1.5, 1.5, 1.5], [0.28, 0.36, 0.64, 1.5, 1.5, 1.29]])
 def test_three_dimensional_law_gives_the_sheets_answer_where_the_thickness_stress_is_zero(hill, chaboche):
     sheet = make_law(_core.YieldFunction.hill1948(hill), chaboche=chaboche)
-    solid = _core.SolidLaw(YOUNG, POISSON, hill, _core.HardeningLaw.voce, VOCE, chaboche=chaboche)
+    solid = _core.SolidLaw(
+        YOUNG, POISSON, _core.YieldFunction.hill1948(hill), _core.HardeningLaw.voce, VOCE, chaboche=chaboche
+    )
     path = 0.02 * np.random.default_rng(8).standard_normal((4, 30, 3))
     stress, history = np.zeros((30, 3)), np.zeros((30, sheet.history_size))
     stress3, history3 = np.zeros((30, 6)), np.zeros((30, solid.history_size))
@@ -208,7 +211,7 @@ def test_three_dimensional_law_gives_the_sheets_answer_where_the_thickness_stres
 
 def test_three_dimensional_law_is_the_von_mises_law_of_solids():
     rng = np.random.default_rng(9)
-    solid = _core.SolidLaw(YOUNG, POISSON, [0.5, 0.5, 0.5, 1.5, 1.5, 1.5], _core.HardeningLaw.voce, VOCE)
+    solid = _core.SolidLaw(YOUNG, POISSON, VON_MISES, _core.HardeningLaw.voce, VOCE)
     plain = _core.VonMises(YOUNG, POISSON, _core.HardeningLaw.voce, VOCE)
     strain = np.zeros((40, 6))
     strain[:, :4] = 0.02 * rng.standard_normal((40, 4))

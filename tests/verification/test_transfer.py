@@ -13,7 +13,7 @@ from shell_problems import CLAMPED, RY, RZ, X, Y, Z, fixing, shell_model
 
 from presswork.explicit.shells import ExplicitShells, ShellOptions
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.law.sheet_law import make_sheet_law
+from presswork.law.elastic_plastic import make_sheet_law
 from presswork.mesh.shells import mesh_shell_rectangle
 from presswork.model import Hardening, Kinematic, Material, Mesh, Model, Section, Stage, YieldFunction
 from presswork.process.transfer import TransferError, carry_to_explicit, carry_to_implicit

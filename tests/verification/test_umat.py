@@ -163,17 +163,17 @@ def error_of_stiffness(library, properties, n_state, jacobian, element, *, axisy
     stress = 100 * rng.standard_normal((1, q, 4))
 
     def evaluate(increment, stiffness):
-        force, fault = np.zeros((1, 2 * nodes, _core.pack_width)), _core.UmatFault()
+        force, fault = np.zeros((1, 2 * nodes, _core.pack_width)), _core.LawFault()
         failed = _core.evaluate_block(
             element, np.arange(nodes, dtype=np.int32)[None], points, increment, law,
             _core.PointSettings(measure=_core.StrainMeasure[measure]), axisymmetric=axisymmetric, depth=1.3,
             hourglass_fraction=0.05, stress_n=stress, eqps_n=np.zeros((1, q)), hourglass_n=np.zeros((1, 2)),
             stress=np.zeros((1, q, 4)), eqps=np.zeros((1, q)), hourglass=np.zeros((1, 2)), volume=np.zeros((1, q)),
-            force=force, stiffness=stiffness, user_n=user, user=np.zeros_like(user), when=_core.UmatPlace(),
+            force=force, stiffness=stiffness, history_n=user, history=np.zeros_like(user), when=_core.UmatPlace(),
             fault=fault,
         )  # fmt: skip
         assert failed == -1
-        assert fault.status == _core.UmatStatus.done
+        assert fault.status == _core.LawStatus.done
         return force[0, :, 0]
 
     increment = 0.05 * rng.standard_normal((nodes, 2))
@@ -224,11 +224,11 @@ def test_stress_and_tensor_state_variables_turn_with_the_material(umat_laws):
         run(drive_boundary(mesh, gradients, material, analysis="plane_strain", solver=fixed_increments(1)))[0].state
         for gradients in (path, turned)
     ]
-    for own, other in ([s.stress[0][0, 0] for s in states], [s.user[0][0, 0, :4] for s in states]):
+    for own, other in ([s.stress[0][0, 0] for s in states], [s.history[0][0, 0, :4] for s in states]):
         assert np.abs(own).max() > 50.0
         xx, yy, zz, xy = own
         np.testing.assert_allclose(other, [yy, xx, zz, -xy], rtol=0, atol=1e-9 * np.abs(own).max())
-    np.testing.assert_allclose(states[1].user[0][..., 4], states[0].user[0][..., 4], rtol=1e-10)
+    np.testing.assert_allclose(states[1].history[0][..., 4], states[0].history[0][..., 4], rtol=1e-10)
 
 
 # --- what a routine may ask for, and what it is told ------------------------------------------------------------------
@@ -269,7 +269,7 @@ def test_numbers_that_are_none_cut_the_increment_until_it_gives_up(umat_laws):
 def test_the_routine_is_told_where_and_when_it_is(umat_laws):
     material = umat(umat_laws, (5.0, YOUNG, POISSON), 12)
     procedure, _ = run(pull(material, 1e-3, fixed_increments(4), duration=2.0))
-    told = procedure.state.user[0][0, 1, :12]
+    told = procedure.state.history[0][0, 1, :12]
     stress = procedure.state.stress[0][0, 1, 1]
     mesh = procedure.model.mesh
     place = 10.0 * (0.5 + 0.5 / np.sqrt(3)), 15.0 * (0.5 - 0.5 / np.sqrt(3))

@@ -17,7 +17,7 @@ from presswork.fields.shell_fields import (
     sheet_effective_stress,
     shell_cell_fields,
 )
-from presswork.law.sheet_law import make_sheet_law
+from presswork.law.elastic_plastic import make_sheet_law, temperature
 from presswork.mesh.directors import Directors, find_directors
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import CellBlock, FloatArray, IntArray, MaskArray, Model
@@ -226,15 +226,18 @@ class ShellMechanics:
         n = len(self._model.mesh.points)
         total, count = np.zeros(n), np.zeros(n)
         for i, connectivity in enumerate(self._connectivity):
-            flow = self.flow_stress(i, state.eqps[i]).mean(axis=1)
+            flow = self.flow_stress(i, state).mean(axis=1)
             np.add.at(total, connectivity, flow[:, None])
             np.add.at(count, connectivity, 1.0)
         return total / np.maximum(count, 1.0)
 
-    def flow_stress(self, block: int, eqps: FloatArray) -> FloatArray:
-        """Return the flow stress [MPa] at equivalent plastic strains of any shape."""
-        flow, _ = self._laws[block].flow_stress(np.ascontiguousarray(eqps).ravel())
-        result: FloatArray = flow.reshape(eqps.shape)
+    def flow_stress(self, block: int, state: State) -> FloatArray:
+        """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points)."""
+        history = state.shells.history[block].reshape(-1, state.shells.history[block].shape[-1])
+        material = self._model.materials[self._model.mesh.blocks[block].material]
+        eqps, heat = np.ascontiguousarray(history[:, 0]), temperature(material, history)
+        flow, _ = self._laws[block].flow_stress(eqps, temperature=heat)
+        result: FloatArray = flow.reshape(state.eqps[block].shape)
         return result
 
     def cell_fields(self, state: State) -> dict[str, FloatArray]:

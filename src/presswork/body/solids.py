@@ -13,7 +13,17 @@ from presswork.body.shells import ShellMechanics
 from presswork.fields.contact_stress import ContactForces
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress, find_contact
-from presswork.law.umat import open_umat
+from presswork.law.elastic_plastic import (
+    SolidLaw,
+    is_plain,
+    make_hardening,
+    make_plane_law,
+    make_solid_law,
+    plastic_work_density,
+    present_young,
+    temperature,
+)
+from presswork.law.umat import TOLD, open_umat
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
 from presswork.outcome import BadGuess, Step
 from presswork.state import State
@@ -36,30 +46,24 @@ class TurnedInsideOut(BadGuess):
         return f"cell {self.cell} of block {self.block} turned inside out"
 
 
-_CUT = {_core.UmatStatus.not_finite: 0.5, _core.UmatStatus.overrun: 0.0, _core.UmatStatus.stopped: 0.0}
+_CUT = {_core.LawStatus.not_finite: 0.5, _core.LawStatus.overrun: 0.0, _core.LawStatus.stopped: 0.0}
 """By what an increment is cut; 0 gives up."""
-_STATUS = {
-    _core.UmatStatus.smaller: "asks for a smaller increment (PNEWDT)",
-    _core.UmatStatus.not_finite: "gives a stress or tangent that is no number",
-    _core.UmatStatus.overrun: "writes beyond its state variables",
-    _core.UmatStatus.stopped: "stops the analysis (XIT)",
-}
 
 
 @dataclass(frozen=True)
 class LawFailed(BadGuess):
-    """A law from a shared library that refused the trial displacement; the increment must be cut."""
+    """A law that refused the trial displacement; the increment must be cut."""
 
     block: int
     cell: int
-    status: _core.UmatStatus
+    status: _core.LawStatus
     step_factor: float
     """By which to cut."""
 
     @property
     def is_final(self) -> bool:  # type: ignore[override]
         """Whether the law has said what to do, so that a shorter correction is not to be tried."""
-        return self.status != _core.UmatStatus.not_finite
+        return self.status not in (_core.LawStatus.not_finite, _core.LawStatus.no_stress)
 
     @property
     def factor(self) -> float:
@@ -67,24 +71,41 @@ class LawFailed(BadGuess):
         return self.step_factor
 
     def __str__(self) -> str:
-        return f"the UMAT {_STATUS[self.status]} in cell {self.cell} of block {self.block}"
+        return f"{TOLD[self.status]} in cell {self.cell} of block {self.block}"
 
 
-def make_law(material: Material, solver: SolverSettings) -> _core.VonMises | _core.Umat:
-    """Return the compiled material law, or open the library that has it."""
+def make_law(material: Material, solver: SolverSettings, components: int) -> _core.VonMises | SolidLaw | _core.Umat:
+    """Return the compiled material law of a stress of 4 or 6 components, or open the library that has it."""
     if material.umat is not None:
         return open_umat(material.umat)
+    if not is_plain(material):
+        return make_solid_law(material) if components == 6 else make_plane_law(material)
     assert material.hardening is not None
     consistent = solver.tangent == "consistent" or solver.terms.modulus == "consistent"
     return _core.VonMises(
         material.young,
         material.poisson,
-        _core.HardeningLaw[material.hardening.law],
-        [float(p) for p in material.hardening.parameters],
+        *make_hardening(material.hardening),
         integrator=_core.Integrator[solver.integrator],
         substeps=solver.substeps,
         modulus=_core.Modulus.consistent if consistent else _core.Modulus.continuum,
     )
+
+
+def _history_at_rest(law: _core.VonMises | SolidLaw | _core.Umat, size: tuple[int, int]) -> FloatArray:
+    """Return what a block's law keeps before the first increment (n_cells, n_points, n_history)."""
+    if isinstance(law, _core.VonMises):
+        return np.zeros((*size, 0))
+    if isinstance(law, _core.Umat):
+        history = np.zeros((*size, law.n_state + _core.umat_history_size))
+        history[..., law.n_state : law.n_state + 5] = (1.0, 0.0, 0.0, 1.0, 1.0)
+        return history
+    history = np.zeros((*size, _core.kept_values(law)))
+    if isinstance(law, _core.SolidLaw):
+        history[..., -6] = history[..., -2] = 1.0  # the law's x and y are those of space
+    else:
+        history[..., -2] = 1.0  # the law's x is the plane's
+    return history
 
 
 def make_point_settings(solver: SolverSettings) -> _core.PointSettings:
@@ -112,7 +133,7 @@ class Mechanics:
         self.freedoms = model.freedoms
         self._timing = timing
         self._settings = make_point_settings(model.solver)
-        laws = [make_law(m, model.solver) for m in model.materials]
+        laws = [make_law(m, model.solver, 6 if model.dimension == 3 else 4) for m in model.materials]
         self._laws = [laws[b.material] for b in model.mesh.blocks]
         self._first_cell = np.cumsum([0, *(len(b.connectivity) for b in model.mesh.blocks)])
         self._when = _core.UmatPlace()
@@ -142,7 +163,11 @@ class Mechanics:
 
     def at_rest(self, n_candidates: int, n_slots: int) -> State:
         """Return the State before the first increment."""
-        return State.at_rest(self._model, n_candidates, n_slots)
+        state = State.at_rest(self._model, n_candidates, n_slots)
+        state.history = [
+            _history_at_rest(law, (e.shape[0], e.shape[1])) for law, e in zip(self._laws, state.eqps, strict=True)
+        ]
+        return state
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""
@@ -173,7 +198,7 @@ class Mechanics:
     ) -> FloatArray | TurnedInsideOut | LawFailed:
         """Return the internal nodal force (n_points, 2) [N] after `increment` (n_points, 2) [mm] from state_n.
 
-        dt: of no use here: the laws of solids that ask for time have it from begin_increment.
+        dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically.
 
         Fills the trial state's stress, history and volumes and, if asked, the element stiffnesses. Does not touch
         state_n.
@@ -184,7 +209,7 @@ class Mechanics:
         if not model.solver.is_small:
             points = points + state_n.displacement
         for i, block in enumerate(model.mesh.blocks):
-            fault = _core.UmatFault()
+            fault = _core.LawFault()
             failed = _core.evaluate_block(
                 block.element,
                 self._connectivity[i],
@@ -205,16 +230,17 @@ class Mechanics:
                 force=self._force[i],
                 stiffness=self._stiffness[i] if with_stiffness else None,
                 symmetric=model.solver.symmetric,
-                user_n=state_n.user[i],
-                user=trial.user[i],
+                history_n=state_n.history[i],
+                history=trial.history[i],
                 first_cell=int(self._first_cell[i]),
                 when=self._when,
+                dt=dt,
                 fault=fault,
             )
             if failed >= 0:
                 self._timing.add("assembly", started)
                 return TurnedInsideOut(i, failed)
-            if fault.status != _core.UmatStatus.done:
+            if fault.status != _core.LawStatus.done:
                 self._timing.add("assembly", started)
                 return LawFailed(i, fault.cell, fault.status, _CUT.get(fault.status, fault.step_factor))
         force: FloatArray = self.assembler.assemble_vector(self._force)
@@ -241,15 +267,22 @@ class Mechanics:
         """Return the flow stress at the points; of a UMAT, which does not tell it, the effective stress."""
         if isinstance(self._laws[block], _core.Umat):
             return effective_stress(state.stress[block])
-        return self.flow_stress(block, state.eqps[block])
+        return self.flow_stress(block, state)
 
-    def flow_stress(self, block: int, eqps: FloatArray) -> FloatArray:
-        """Return the flow stress [MPa] at equivalent plastic strains of any shape."""
-        law = self._laws[block]
-        assert isinstance(law, _core.VonMises)
-        flow, _ = law.flow_stress(np.ascontiguousarray(eqps).ravel())
+    def flow_stress(self, block: int, state: State) -> FloatArray:
+        """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points)."""
+        law, eqps = self._laws[block], state.eqps[block]
+        assert not isinstance(law, _core.Umat)
+        flat = np.ascontiguousarray(eqps).ravel()
+        if isinstance(law, _core.VonMises):
+            flow, _ = law.flow_stress(flat)
+        else:
+            flow, _ = law.flow_stress(flat, temperature=temperature(self._material(block), _law_history(state, block)))
         result: FloatArray = flow.reshape(eqps.shape)
         return result
+
+    def _material(self, block: int) -> Material:
+        return self._model.materials[self._model.mesh.blocks[block].material]
 
     def show(
         self,
@@ -263,13 +296,25 @@ class Mechanics:
             model,
             state.displacement,
             state,
-            points=SolidPoints(state.stress, state.eqps, state.volume, state.user),
+            points=SolidPoints(state.stress, state.eqps, state.volume, state.history, self._temperature(state)),
         )
         if contact is not None and model.analysis != "solid":
             found.find_contact = lambda: find_contact(
                 model, state, contact, self.nodal_flow_stress(state), between_bodies
             )
         return found
+
+    def _temperature(self, state: State) -> FloatArray | None:
+        """Return the cell means of the temperature (n_cells,) [degrees C] where a material knows of it."""
+        materials = [self._material(i) for i in range(len(self._laws))]
+        if all(material.heating is None for material in materials):
+            return None
+        parts = []
+        for i, material in enumerate(materials):
+            weight = state.volume[i] / state.volume[i].sum(axis=1, keepdims=True)
+            degrees = temperature(material, _law_history(state, i)).reshape(weight.shape)
+            parts.append((weight * degrees).sum(axis=1))
+        return np.concatenate(parts)
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""
@@ -292,27 +337,62 @@ class Mechanics:
     def elastic_energy(self, state: State) -> float:
         """Return the energy stored elastically [N mm]."""
         total = 0.0
-        for block, stress, volume in zip(self._model.mesh.blocks, state.stress, state.volume, strict=True):
+        blocks = zip(self._model.mesh.blocks, state.stress, state.eqps, state.volume, strict=True)
+        for block, stress, eqps, volume in blocks:
             material = self._model.materials[block.material]
             if material.umat is not None:
                 continue  # told with the plastic work
+            young = present_young(material, eqps)
             trace = stress[..., :3].sum(axis=-1)
             square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * (stress[..., 3:] ** 2).sum(axis=-1)
-            density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * material.young)
+            density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * young)
             total += float((density * volume).sum())
         return total
 
     def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
-        """Return the plastic work of one increment [N mm], by the trapezoidal rule on the flow stress.
+        """Return the plastic work of one increment over dt [s] [N mm], by the trapezoidal rule.
 
         Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
         """
         total = 0.0
-        for i in range(len(trial.eqps)):
-            if trial.user[i].shape[2]:
-                work = trial.user[i][..., _core.umat_history_work - _core.umat_history_size]
-                total += float((work * trial.volume[i]).sum())
-                continue
-            mean_flow = 0.5 * (self.flow_stress(i, state_n.eqps[i]) + self.flow_stress(i, trial.eqps[i]))
-            total += float((mean_flow * (trial.eqps[i] - state_n.eqps[i]) * trial.volume[i]).sum())
+        for i, law in enumerate(self._laws):
+            if isinstance(law, _core.Umat):
+                work = trial.history[i][..., _core.umat_history_work - _core.umat_history_size]
+            elif isinstance(law, _core.VonMises):
+                mean_flow = 0.5 * (self.flow_stress(i, state_n) + self.flow_stress(i, trial))
+                work = mean_flow * (trial.eqps[i] - state_n.eqps[i])
+            else:
+                before, after = (_law_history(state, i) for state in (state_n, trial))
+                stress = _stress_in_axes(trial, i)
+                work = plastic_work_density(self._material(i), law, before, after, stress, dt)
+                work = work.reshape(trial.eqps[i].shape)
+            total += float((work * trial.volume[i]).sum())
         return total
+
+
+def _law_history(state: State, block: int) -> FloatArray:
+    """Return what the law keeps behind the stress (n, n_history), the points of the cells in one row."""
+    history = state.history[block]
+    return np.column_stack([state.eqps[block].ravel(), history.reshape(-1, history.shape[2])])
+
+
+def _stress_in_axes(state: State, block: int) -> FloatArray:
+    """Return the stress in the law's axes (n, 4): xx, yy, zz, xy, or in space (n, 6): and yz, zx."""
+    components = state.stress[block].shape[-1]
+    stress = state.stress[block].reshape(-1, components)
+    history = state.history[block].reshape(len(stress), -1)
+    if components == 6:
+        x, y = history[:, -6:-3], history[:, -3:]
+        axes = np.stack([x, y, np.cross(x, y)], axis=1)
+        tensor = stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+        turned = np.einsum("nai,nij,nbj->nab", axes, tensor, axes)
+        return np.asarray(turned[:, [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
+    xx, yy, zz, xy = stress.T
+    c, s = history[:, -2:].T
+    turned_plane = (
+        c * c * xx + s * s * yy + 2 * s * c * xy,
+        s * s * xx + c * c * yy - 2 * s * c * xy,
+        zz,
+        s * c * (yy - xx) + (c * c - s * s) * xy,
+    )
+    return np.stack(turned_plane, axis=1)

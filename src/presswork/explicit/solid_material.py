@@ -9,15 +9,17 @@ import numpy as np
 
 from presswork import _core
 from presswork.explicit.input_checks import HEAVIEST, ExplicitError
-from presswork.model import Hardening, Heating, Rate
+from presswork.law.elastic_plastic import find_heating, make_hardening, make_plane_law
+from presswork.law.umat import open_umat
+from presswork.model import Hardening, Heating, Kinematic, Material, Rate, Umat, YieldFunction
 
 
 @dataclass(frozen=True, kw_only=True)
 class SolidMaterial:
-    """Von Mises plasticity of a solid in explicit dynamics: stress in MPa, density in t/mm3.
+    """The law of a solid in explicit dynamics: stress in MPa, density in t/mm3.
 
-    Without hardening it is elastic. rate: factor on the flow stress. With ludwik's hardening, the rate johnson_cook and
-    heating it is Johnson and Cook's law.
+    Without hardening it is elastic, or that of a UMAT, of whose first tangent young and poisson then are. rate: factor
+    on the flow stress. With ludwik's hardening, the rate johnson_cook and heating it is Johnson and Cook's law.
     """
 
     young: float
@@ -26,6 +28,16 @@ class SolidMaterial:
     hardening: Hardening | None = None
     rate: Rate | None = None
     heating: Heating | None = None
+    yield_function: YieldFunction | None = None
+    kinematic: Kinematic | None = None
+    young_decrease: tuple[float, float] | None = None
+    umat: Umat | None = None
+
+    @classmethod
+    def from_model(cls, material: Material) -> SolidMaterial:
+        """Return that of a Model's material."""
+        names = cls.__dataclass_fields__
+        return cls(**{name: getattr(material, name) for name in names})
 
     def __post_init__(self) -> None:
         if not self.young > 0:
@@ -53,29 +65,38 @@ class SolidMaterial:
         return self.heating.start if self.heating else Heating.start
 
     def make_mises(self) -> _core.VonMises:
-        """Return the compiled law at rest, and at the first temperature."""
-        if self.hardening is None:
-            return _core.VonMises(self.young, self.poisson, _core.HardeningLaw.linear, [1e3 * self.young, 0.0])
-        parameters = [float(p) for p in self.hardening.parameters]
-        return _core.VonMises(self.young, self.poisson, _core.HardeningLaw[self.hardening.law], parameters)
+        """Return von Mises's law with this hardening, at rest and where nothing softens."""
+        return _core.VonMises(self.young, self.poisson, *make_hardening(self._hardening()))
 
-    def make_law(self) -> _core.AdiabaticMises:
-        """Return the compiled law."""
-        mises = self.make_mises()
-        rate = _core.RateLaw[self.rate.law] if self.rate else _core.RateLaw.none
-        rate_parameters = self.rate.parameters if self.rate else (0.0, 1.0)
-        if self.heating is None:
-            return _core.AdiabaticMises(mises, rate=rate, rate_parameters=rate_parameters)
-        h = self.heating
-        return _core.AdiabaticMises(
-            mises,
-            rate=rate,
-            rate_parameters=rate_parameters,
-            start=h.start,
-            reference=h.reference,
-            melting=h.melting,
-            exponent=h.exponent,
-            heating=h.plastic_fraction / (self.density * h.heat_capacity),
+    def make_law(self) -> _core.AdiabaticMises | _core.PlaneLaw | _core.Umat:
+        """Return the compiled law: in closed form where there is one, or open the library that has it."""
+        if self.umat is not None:
+            return open_umat(self.umat)
+        if self.yield_function or self.kinematic or self.young_decrease:
+            return make_plane_law(self._to_model())
+        rate = _core.RateLaw[self.rate.law if self.rate else "none"]
+        parameters = self.rate.parameters if self.rate else (0.0, 1.0)
+        h, given = self.heating, {}
+        if h is not None:
+            given = {"start": h.start, "reference": h.reference, "melting": h.melting, "exponent": h.exponent}
+            given["heating"] = find_heating(self._to_model())
+        return _core.AdiabaticMises(self.make_mises(), rate=rate, rate_parameters=parameters, **given)
+
+    def _hardening(self) -> Hardening:
+        return self.hardening or Hardening("linear", np.array([1e3 * self.young, 0.0]))
+
+    def _to_model(self) -> Material:
+        return Material(
+            "solid",
+            self.young,
+            self.poisson,
+            self._hardening(),
+            yield_function=self.yield_function,
+            kinematic=self.kinematic,
+            rate=self.rate,
+            young_decrease=self.young_decrease,
+            density=self.density,
+            heating=self.heating,
         )
 
 
@@ -88,7 +109,7 @@ def check_heating(heating: Heating) -> None:
         raise ExplicitError(f"start = {h.start}: it must lie from reference up to melting")
     if not h.exponent > 0:
         raise ExplicitError(f"exponent = {h.exponent}: it must be above zero")
-    if not h.heat_capacity >= 1e6:
+    if h.heat_capacity is not None and not h.heat_capacity >= 1e6:
         raise ExplicitError(
             f"heat_capacity = {h.heat_capacity:g} mm2/(s2 K) is below that of any metal: steel has 4.6e8, "
             "a million times the figure in J/(kg K)"

@@ -24,6 +24,7 @@ from presswork.explicit.input_checks import ExplicitError, check_nodal, check_so
 from presswork.explicit.motion import Motion
 from presswork.explicit.shells import SAFETY
 from presswork.explicit.solid_material import SolidMaterial
+from presswork.law.umat import TOLD
 from presswork.model import Mesh
 
 Array = npt.NDArray[np.float64]
@@ -106,7 +107,8 @@ class ExplicitSolids:
         for block in mesh.blocks:
             material = materials[block.material]
             cells = np.ascontiguousarray(block.connectivity, dtype=np.int32)
-            self._loop.add(block.element, cells, material.make_law(), material.density)
+            elastic = {"young": material.young, "poisson": material.poisson}
+            self._loop.add(block.element, cells, material.make_law(), material.density, **elastic)
         self._start = np.concatenate([np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks])
         self._fastest = max(materials[b.material].wave_speed for b in mesh.blocks)
         self._fixed = np.zeros((n, 2), dtype=np.uint8)
@@ -290,7 +292,7 @@ class ExplicitSolids:
         """Advance n cycles of `dt`, which may be changed between calls.
 
         force_scale, velocity_scale: factors on force and on prescribed velocities (walls too), one or one a cycle.
-        damping: mass damping [1/s]. Raises ExplicitError when a cell is turned inside out.
+        damping: mass damping [1/s]. Raises ExplicitError when a cell is turned inside out or its law fails.
         """
         force, velocity = (np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale))
         if n < 1:
@@ -299,11 +301,13 @@ class ExplicitSolids:
             self._scales = (damping, float(force[0]), float(velocity[0]))
             start = sum_energies(self._energies(*self._scales))
             self._reference = (start, abs(start))
-        failed = self._loop.advance(self.dt, self._dt_before, force, velocity, damping=damping)
+        failed, status = self._loop.advance(self.time, self.dt, self._dt_before, force, velocity, damping=damping)
         if failed >= 0:
+            when = f"between cycles {self.cycle} and {self.cycle + n} (t = {self.time:g} s)"
+            if status != _core.LawStatus.done:
+                raise ExplicitError(f"{TOLD[status]} in cell {failed} {when}: shorten the step {self.dt:g} s")
             raise ExplicitError(
-                f"cell {failed} is turned inside out between cycles {self.cycle} and {self.cycle + n} "
-                f"(t = {self.time:g} s): shorten the step {self.dt:g} s (the cells allow "
+                f"cell {failed} is turned inside out {when}: shorten the step {self.dt:g} s (the cells allow "
                 f"{SAFETY * self.stable_step():g} s now), refine the mesh, or set explicit.hourglass_stiffness higher"
             )
         self._scales = (damping, float(force[-1]), float(velocity[-1]))
@@ -376,6 +380,7 @@ class ExplicitSolids:
             "eqps": loop.eqps,
             "rise": loop.rise,
             "hourglass": loop.hourglass,
+            "kept": loop.kept,
             "cell_work": loop.cell_work,
             "mass_factor": loop.mass_factor,
             "walls": np.array(walls),

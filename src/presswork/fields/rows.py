@@ -99,7 +99,7 @@ def _hydrostatic_stress(now: Instant) -> FloatArray | None:
 
 
 def _temperature(now: Instant) -> FloatArray | None:
-    return None if now.points is None else now.points.temperature
+    return now.sheet.get("temperature") if now.points is None else now.points.temperature
 
 
 def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.fields.field import PLACES
+from presswork.law.elastic_plastic import back_stress, temperature
 from presswork.model import FloatArray, IntArray, Material
 from presswork.state import State
 
@@ -46,21 +47,24 @@ class ShellGeometry:
 
 def shell_cell_fields(state: State, geometry: list[ShellGeometry]) -> dict[str, FloatArray]:
     """Return the cell means over the points in the plane, cells in the order of the blocks."""
-    parts = [_block_fields(state, i, g) | _back_stress_fields(state, i, g) for i, g in enumerate(geometry)]
-    names = max(parts, key=len)  # not every block has back stresses
-    return {name: np.concatenate([p.get(name, np.zeros((len(p["thickness"]), 3))) for p in parts]) for name in names}
+    parts = [
+        _block_fields(state, i, g)
+        | _back_stress_fields(state, i, g)
+        | temperature_field(g.material, state.shells.history[i])
+        for i, g in enumerate(geometry)
+    ]
+    names = max(parts, key=len)  # not every block has back stresses and a temperature
+    return {
+        name: np.concatenate([p.get(name, np.zeros((len(p["thickness"]), *values.shape[1:]))) for p in parts])
+        for name, values in names.items()
+    }
 
 
-def back_stress(material: Material, history: FloatArray) -> FloatArray:
-    """Return the back stress xx, yy, xy (..., 3) in a material's history (..., n_history) [MPa].
-
-    It holds the equivalent plastic strain, then every a_i of Chaboche, or theta and beta of Yoshida and Uemori.
-    """
-    if material.kinematic is None:
-        return np.zeros((*history.shape[:-1], 3))
-    count = len(material.kinematic.parameters) // 2 if material.kinematic.law == "chaboche" else 2
-    parts = history[..., 1 : 1 + 3 * count].reshape(*history.shape[:-1], count, 3)
-    return np.asarray(parts.sum(axis=-2))
+def temperature_field(material: Material | None, history: FloatArray) -> dict[str, FloatArray]:
+    """Return the temperature of the hottest layer [degrees C], if any; history: of a law (n_cells, q, k, n)."""
+    if material is None or material.heating is None:
+        return {}
+    return {"temperature": temperature(material, history).max(axis=2).mean(axis=1)}
 
 
 def sheet_effective_stress(stress: FloatArray) -> FloatArray:
@@ -133,7 +137,7 @@ def _back_stress_fields(state: State, block: int, g: ShellGeometry) -> dict[str,
     """Return the back stresses of a block, in the lamina frame, if its material has any."""
     if g.material is None or g.material.kinematic is None:
         return {}
-    back = back_stress(g.material, state.shells.history[block])
+    back = back_stress(g.material, state.shells.history[block], 3)
     return {f"back_stress_{p}": back[:, :, _points_at(p, len(g.layers))].mean(axis=(1, 2)) for p in PLACES}
 
 

@@ -66,6 +66,14 @@ def open_umat(law: model.Umat) -> _core.Umat:
     )
 
 
+TOLD = {
+    _core.LawStatus.smaller: "the UMAT asks for a smaller increment (PNEWDT)",
+    _core.LawStatus.not_finite: "the UMAT gives a stress or tangent that is no number",
+    _core.LawStatus.overrun: "the UMAT writes beyond its state variables",
+    _core.LawStatus.stopped: "the UMAT stops the analysis (XIT)",
+    _core.LawStatus.no_stress: "the law found no stress on the yield surface",
+}
+"""What a law that failed has told."""
 _SMALL = 1e-6
 """Strain of the trial, far below yield of any metal."""
 _LONGEST = 60.0
@@ -79,7 +87,7 @@ class Trial:
     fault: str = ""
     """Why it cannot be opened, or how it ended its process; empty if it came back."""
     status: str = "done"
-    """Name of the UmatStatus of its last call."""
+    """Name of the LawStatus of its last call."""
     tangent: tuple[tuple[float, ...], ...] = ()
     """DDSDDE at a strain of one millionth, shape (4, 4) [MPa]."""
 
@@ -126,7 +134,7 @@ def _answer_trial(law: model.Umat) -> Trial:
         return Trial(str(error))
     rest: FloatArray = np.zeros(4)
     status, _, state, tangent = compiled.update(rest, rest, np.zeros(law.n_state), 1.0)
-    if status == _core.UmatStatus.done:  # once more with a strain: a first call may only set up state variables
+    if status == _core.LawStatus.done:  # once more with a strain: a first call may only set up state variables
         strain = np.array([_SMALL, 0.0, 0.0, 0.0])
         status, _, _, tangent = compiled.update(strain, rest, state, 1.0)
     return Trial("", status.name, tuple(map(tuple, tangent.tolist())))

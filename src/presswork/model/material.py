@@ -30,18 +30,19 @@ class Hardening:
 
 @dataclass(frozen=True)
 class YieldFunction:
-    """Anisotropic yield function of a sheet; see docs/theory/sheet_material.md for the formulas."""
+    """Anisotropic yield function; see docs/theory/sheet_material.md for the formulas."""
 
-    law: Literal["hill1948", "barlat1989", "yld2000"]
+    law: Literal["hill1948", "barlat1989", "yld2000", "yld2004"]
     parameters: tuple[float, ...]
-    """hill1948: F, G, H, L, M, N; barlat1989: a, c, h, p; yld2000: alpha 1 to 8."""
+    """hill1948: F, G, H, L, M, N; barlat1989: a, c, h, p; yld2000: alpha 1 to 8; yld2004: c12, c13, c21, c23, c31, c32,
+    c44, c55, c66 of the first transformation, then of the second."""
     exponent: int = 2
-    """6 or 8 of barlat1989 and yld2000."""
+    """6 or 8 of all but hill1948."""
 
 
 @dataclass(frozen=True)
 class Kinematic:
-    """Back stresses of a sheet; see docs/theory/sheet_material.md for the laws."""
+    """Back stresses; see docs/theory/sheet_material.md for the laws."""
 
     law: Literal["chaboche", "yoshida_uemori"]
     parameters: tuple[float, ...]
@@ -50,7 +51,7 @@ class Kinematic:
 
 @dataclass(frozen=True)
 class Rate:
-    """Factor on the flow stress of a sheet by plastic strain rate."""
+    """Factor on the flow stress by plastic strain rate."""
 
     law: Literal["cowper_symonds", "johnson_cook", "logarithmic"]
     parameters: tuple[float, float]
@@ -59,15 +60,15 @@ class Rate:
 
 @dataclass(frozen=True, kw_only=True)
 class Heating:
-    """Adiabatic heating by plastic work, and softening by 1 - T*^exponent, T* from 0 at `reference` to 1 at `melting`.
+    """Softening by 1 - T*^exponent, T* from 0 at `reference` to 1 at `melting`, and adiabatic heating by plastic work.
 
-    Temperatures in degrees C; heat_capacity [mm2/(s2 K)] (steel has 4.6e8, that is 460 J/(kg K)); plastic_fraction: of
-    the plastic work that becomes heat (Taylor & Quinney 1934).
+    Temperatures in degrees C; heat_capacity [mm2/(s2 K)] (steel has 4.6e8, that is 460 J/(kg K)), None: the temperature
+    stays as it starts; plastic_fraction: of the plastic work that becomes heat (Taylor & Quinney 1934).
     """
 
     melting: float
     exponent: float
-    heat_capacity: float
+    heat_capacity: float | None = None
     plastic_fraction: float = 0.9
     reference: float = 20.0
     start: float = 20.0
@@ -93,7 +94,7 @@ class Umat:
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic elasticity with von Mises plasticity; in a shell with a sheet's laws beside; or a UMAT."""
+    """Isotropic elasticity with plasticity of any kind, or a UMAT."""
 
     name: str
     young: float
@@ -102,7 +103,7 @@ class Material:
     hardening: Hardening | None
     """None of a UMAT."""
     yield_function: YieldFunction | None = None
-    """Of a shell, x along the rolling direction; None is von Mises."""
+    """x along the rolling direction; None is von Mises."""
     kinematic: Kinematic | None = None
     rate: Rate | None = None
     young_decrease: tuple[float, float] | None = None
@@ -110,8 +111,8 @@ class Material:
     umat: Umat | None = None
     """Of a solid: the law, instead of hardening."""
     density: float = 0.0
-    """[t/mm3]; only dynamics asks for it."""
+    """[t/mm3]; dynamics and heating ask for it."""
     heating: Heating | None = None
-    """Of a solid in explicit dynamics."""
+    """None: the material does not know of temperature."""
     formability: Formability = field(default_factory=Formability)
     """Of a sheet: what its strains are judged by."""

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.law.sheet_law import make_sheet_law
+from presswork.law.elastic_plastic import make_sheet_law
 from presswork.mesh.flange import find_held_area
 from presswork.model import FloatArray
 from presswork.model_stamping import StampingModel, StampingTool

@@ -19,9 +19,10 @@ from presswork.explicit.motion import SmoothStroke
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import FREEDOMS, ExplicitSolids, Wall
 from presswork.fields.instant import Instant, SolidPoints
+from presswork.fields.solid_fields import effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments
-from presswork.model import FloatArray, Material, Model, Stage, Tool, ToolMotion
+from presswork.model import FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.process.limits import Watched, measure_hydrostatic_stress
 from presswork.process.penetration import Penetration
 from presswork.process.reactions import Reactions
@@ -49,7 +50,7 @@ class ExplicitImpact(RowRecording):
         assert model.explicit is not None
         super().__init__(model, threads, 4)
         self.settings = model.explicit
-        materials = [_solid_material(material) for material in model.materials]
+        materials = [SolidMaterial.from_model(material) for material in model.materials]
         self._mises = [material.make_mises() for material in materials]
         self.solids = ExplicitSolids(
             model.mesh,
@@ -171,11 +172,20 @@ class ExplicitImpact(RowRecording):
         return Watched((hydrostatic, *([deepest] if deepest else [])))
 
     def _flow_stress(self) -> FloatArray:
-        """Return the flow stress of the cells at rest, and at their first temperature (n_cells,) [MPa]."""
+        """Return the flow stress of the cells at rest where nothing softens (n_cells,) [MPa]; effective of a UMAT."""
         eqps = self.solids.equivalent_plastic_strain
         ends = np.cumsum([len(block.connectivity) for block in self.mesh.blocks])[:-1]
-        parts = zip(self.mesh.blocks, np.split(eqps, ends), strict=True)
-        return np.concatenate([self._mises[b.material].flow_stress(np.ascontiguousarray(e))[0] for b, e in parts])
+        parts = zip(
+            self.mesh.blocks, np.split(eqps, ends), np.split(effective_stress(self.solids.stress), ends), strict=True
+        )
+        return np.concatenate(
+            [
+                q
+                if self.model.materials[b.material].umat
+                else self._mises[b.material].flow_stress(np.ascontiguousarray(e))[0]
+                for b, e, q in parts
+            ]
+        )
 
     def _find_gaps(self, places: FloatArray) -> FloatArray:
         """Return the distance of places (n, 2) from each wall (n_walls, n) [mm]."""
@@ -264,14 +274,3 @@ def _motion_of(stage: Stage, begin: float) -> SmoothStroke | None:
     if stage.ramp == 0.0:
         return None
     return SmoothStroke(stage.duration, stage.duration, rise=stage.ramp / stage.duration, start=begin)
-
-
-def _solid_material(material: Material) -> SolidMaterial:
-    return SolidMaterial(
-        young=material.young,
-        poisson=material.poisson,
-        density=material.density,
-        hardening=material.hardening,
-        rate=material.rate,
-        heating=material.heating,
-    )

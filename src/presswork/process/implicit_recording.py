@@ -111,8 +111,7 @@ class ImplicitRecording(IncrementRecording):
         for number, block in enumerate(model.mesh.blocks):
             if model.materials[block.material].umat is None:
                 centres = points[block.connectivity].mean(axis=1)
-                stress, eqps = state.stress[number], state.eqps[number]
-                flow = mechanics.flow_stress(number, eqps)
+                stress, flow = state.stress[number], mechanics.flow_stress(number, state)
                 mean = stress[..., :3].mean(axis=-1)
                 of_cell = np.repeat(centres, mean.shape[1], axis=0)
                 found.append(measure_hydrostatic_stress(mean.ravel(), flow.ravel(), of_cell))

@@ -22,8 +22,9 @@ from presswork.explicit.shells import FREEDOMS, PHASES, SAFETY, ExplicitShells
 from presswork.fields.explicit_fields import OnePointFields
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
+from presswork.fields.shell_fields import temperature_field
 from presswork.fields.table import compute_fields
-from presswork.law.sheet_law import make_sheet_law
+from presswork.law.elastic_plastic import make_sheet_law
 from presswork.model import BoolArray, FloatArray, Mesh
 from presswork.model_stamping import Refinement, StampingModel, StampingStage
 from presswork.process.held_flange import warn_of_holders
@@ -257,11 +258,11 @@ class ExplicitStamping(RowRecording):
         )
 
     def _cell_fields(self) -> dict[str, FloatArray]:
-        shells = self.shells
-        eqps = shells.history_at_points[..., 0]
-        return self._fields.cell_fields(
-            shells.position, shells.thickness, shells.flow_stress_at_points, shells.pressure_at_points, eqps
+        shells, history = self.shells, self.shells.history_at_points
+        fields = self._fields.cell_fields(
+            shells.position, shells.thickness, shells.flow_stress_at_points, shells.pressure_at_points, history[..., 0]
         )
+        return fields | temperature_field(self.model.sheet[1], history)
 
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
         """Return the verdict on the sheet by its cell fields."""

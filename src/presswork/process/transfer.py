@@ -22,7 +22,7 @@ from presswork.body.shells import ShellFailed, ShellMechanics, lay_directors
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells, Precision
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.law.sheet_law import make_sheet_law
+from presswork.law.elastic_plastic import make_sheet_law
 from presswork.mesh.directors import cell_normals
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.mesh.topology import is_triangle, with_four_nodes

@@ -88,7 +88,10 @@ def test_the_model_is_described() -> None:
         ({"output": {"rows": 3}}, "output.rows: solids in space are implicit"),
         ({"workpiece__mesh__cells": [9000, 9000, 900]}, "workpiece.mesh.cells: about"),
         ({"solver": {"inertia": 1.0}}, "materials.steel.density: missing key"),
-        ({"materials__steel__rate": {"law": "cowper_symonds", "D": 40, "q": 5}}, "materials.steel.rate: is for"),
+        (
+            {"materials__steel__yield_function": {"law": "barlat1989", "r00": 1, "r45": 1, "r90": 1, "exponent": 6}},
+            "materials.steel.yield_function.law: barlat1989 is a yield function of plane stress alone",
+        ),
     ],
 )
 def test_bad_input_is_named(changes, expected) -> None:

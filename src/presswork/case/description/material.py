@@ -29,9 +29,9 @@ def describe_material(material: model.Material) -> str:
         parts += [f"{material.rate.law} rate: {names[0]} = {a:g}, {names[1]} = {b:g}"]
     if material.heating:
         h = material.heating
-        parts += [
-            f"heated by {h.plastic_fraction:g} of its plastic work from {h.start:g} degrees C, melts at {h.melting:g}"
-        ]
+        parts += [f"softens with temperature from {h.reference:g} to {h.melting:g} degrees C, starts at {h.start:g}"]
+        if h.heat_capacity is not None:
+            parts += [f"heated by {h.plastic_fraction:g} of its plastic work"]
     return ", ".join(parts)
 
 

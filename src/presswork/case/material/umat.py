@@ -13,7 +13,7 @@ from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.part import Part
 from presswork.case.settings import Whole
-from presswork.case.units import Number
+from presswork.case.units import Density, Number
 from presswork.law.umat import try_umat
 
 _FAULTS = {
@@ -45,6 +45,7 @@ class UmatMaterial(Part):
         description="what DDSDDE is: stress_increment, d(stress increment)/d(strain increment), or jaumann_kirchhoff, "
         "of laws of the whole deformation gradient",
     )
+    density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3", for dynamics')
     thread_safe: bool = Field(
         default=False, description="whether several threads may call the routine at once; most Fortran routines may not"
     )
@@ -70,7 +71,7 @@ def build_umat(
         str(path), material.props, n_state, material.jacobian, material.thread_safe, material.plastic_strain or 0
     )
     if not run_user_code:
-        return model.Material(name, math.nan, math.nan, hardening=None, umat=law)
+        return model.Material(name, math.nan, math.nan, hardening=None, umat=law, density=material.density or 0.0)
     trial = try_umat(law)
     if trial.fault:
         remedy = "compile it with `presswork material compile`"
@@ -84,4 +85,5 @@ def build_umat(
         fault = "its first call, at a strain of one millionth, gives no tangent (DDSDDE) of a solid"
         return Problem(f"{key}.umat", fault, f"check the {n_props} props and their units (MPa, mm, s)", material.umat)
     young = 9.0 * bulk * shear / (3.0 * bulk + shear)
-    return model.Material(name, young, young / (2.0 * shear) - 1.0, hardening=None, umat=law)
+    poisson = young / (2.0 * shear) - 1.0
+    return model.Material(name, young, poisson, hardening=None, umat=law, density=material.density or 0.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Yield functions of sheets: their keys, their parameters, and the check that the surface is convex and closed.
+"""Yield functions: their keys, their parameters, and the check that the surface is convex and closed.
 
 Formulas: docs/theory/sheet_material.md. r-values and stresses belong to tension at 0, 45 and 90 degrees from the
 rolling direction; the equivalent stress is the yield stress along the rolling direction.
@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from presswork import _core, model
 from presswork.case.part import Part
 from presswork.case.units import Number, fault
-from presswork.law.sheet_law import make_yield_function
+from presswork.law.elastic_plastic import make_yield_function
 from presswork.model import FloatArray
 
 RValue = Annotated[Number, Field(gt=0, lt=100, description="width strain over thickness strain in tension")]
@@ -148,7 +148,32 @@ class Yld2000(Part):
         return make_yield_function(self.to_model())
 
 
-YieldFunction = Annotated[VonMisesYield | Hill1948 | Barlat1989 | Yld2000, Field(discriminator="law")]
+class Yld2004(Part):
+    """Yld2004-18p of Barlat et al. (2005), from the coefficients of its two transformations."""
+
+    law: Literal["yld2004"] = "yld2004"
+    prime: tuple[Number, ...] = Field(
+        min_length=9, max_length=9, description="c12, c13, c21, c23, c31, c32, c44, c55, c66 of the first; 44 is yz"
+    )
+    double_prime: tuple[Number, ...] = Field(min_length=9, max_length=9, description="the same of the second")
+    exponent: Exponent
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        check_surface(self.build(), "prime")
+        check_surface(self.build(), "prime", components=6)
+        return self
+
+    def to_model(self) -> model.YieldFunction:
+        """Return the Model's yield function."""
+        return model.YieldFunction("yld2004", (*self.prime, *self.double_prime), self.exponent)
+
+    def build(self) -> _core.YieldFunction:
+        """Return the compiled function."""
+        return make_yield_function(self.to_model())
+
+
+YieldFunction = Annotated[VonMisesYield | Hill1948 | Barlat1989 | Yld2000 | Yld2004, Field(discriminator="law")]
 
 
 def tension(angle: FloatArray) -> FloatArray:
@@ -164,20 +189,31 @@ def r_value(function: _core.YieldFunction, angle: FloatArray) -> FloatArray:
     return np.asarray(-width / (gradient[:, 0] + gradient[:, 1]))
 
 
-def check_surface(function: _core.YieldFunction, key: str, n: int = 4000) -> None:
+def check_surface(function: _core.YieldFunction, key: str, n: int = 4000, *, components: Literal[3, 6] = 3) -> None:
     """Refuse a yield surface that is not closed or not convex.
 
-    Over n directions of stress, spread evenly: the equivalent stress of a unit stress must be above 0.02, and no
-    eigenvalue of the Hessian below zero. Raises the schema's error at `key`.
+    Over n directions of stress: the equivalent stress of a unit stress must be above 0.02, and no eigenvalue of the
+    Hessian below zero. In six components it is stresses without a mean. Raises the schema's error at `key`.
     """
-    i = np.arange(n) + 0.5
-    z, turn = 1 - 2 * i / n, np.pi * (1 + math.sqrt(5)) * i
-    radius = np.sqrt(1 - z * z)
-    stress = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
-    value, _, hessian = function.evaluate(stress)
+    value, _, hessian = function.evaluate(_plane_stresses(n) if components == 3 else _deviators(n))
     remedy = "check the data: a typing error, or a set of parameters for another formulation"
     if not np.isfinite(value).all() or value.min() < 0.02:
         raise fault("the yield surface is not closed: some stress never yields", remedy, key=key)
     bend = np.linalg.eigvalsh(hessian)[:, 0] * value
     if bend.min() < -1e-6 * np.abs(hessian).max():
         raise fault("the yield surface is not convex", remedy, key=key)
+
+
+def _plane_stresses(n: int) -> FloatArray:
+    """Return directions of plane stress (n, 3), spread evenly."""
+    i = np.arange(n) + 0.5
+    z, turn = 1 - 2 * i / n, np.pi * (1 + math.sqrt(5)) * i
+    radius = np.sqrt(1 - z * z)
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
+
+
+def _deviators(n: int) -> FloatArray:
+    """Return directions of deviatoric stress (n, 6), the same ones at every call."""
+    stress = np.random.default_rng(0).standard_normal((n, 6))
+    stress[:, :3] -= stress[:, :3].mean(axis=1, keepdims=True)
+    return np.asarray(stress / np.linalg.norm(stress, axis=1, keepdims=True))

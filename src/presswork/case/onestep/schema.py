@@ -71,6 +71,15 @@ class Process(Part):
     beads: tuple[Bead, ...] = Field(default=(), description="drawbeads")
 
 
+NOT_IN_ONE_STEP = {
+    "kinematic": "back stresses",
+    "rate": "strain rate",
+    "heating": "temperature",
+    "young_decrease": "change of Young's modulus",
+}
+"""Keys of a material that one step cannot use; those that a material of the library brings are not heeded."""
+
+
 class OneStepCase(CaseFile):
     """A complete case of the one-step solver. Raises CaseError, with every problem found, when it is not valid."""
 
@@ -95,6 +104,13 @@ class OneStepCase(CaseFile):
                 "give the material hill1948 with its r-values, or von_mises",
                 key="blank",
             )
+        for key, words in NOT_IN_ONE_STEP.items():
+            if material is not None and material.library is None and getattr(material, key) is not None:
+                raise fault(
+                    f"one step knows no {words}: it goes from the blank to the part at once",
+                    f"leave {key} out of the material",
+                    key=f"materials.{self.blank.material}.{key}",
+                )
 
     @classmethod
     def from_data(cls, data: dict[str, Any]) -> Self:

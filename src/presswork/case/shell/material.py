@@ -13,9 +13,9 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from presswork.case.errors import CaseError
+from presswork.case.material.heating import HEAVIEST, LIGHTEST, require_density
 from presswork.case.material.library import find_sheet, list_keys
 from presswork.case.material.sheet import SheetLaws
-from presswork.case.solid.explicit import HEAVIEST, LIGHTEST, require_density
 from presswork.case.units import Density, fault
 
 logger = logging.getLogger(__name__)
@@ -38,6 +38,8 @@ class ShellMaterial(SheetLaws):
     @model_validator(mode="before")
     @classmethod
     def _take_from_library(cls, data: Any, info: ValidationInfo) -> Any:
+        if isinstance(data, dict) and "umat" in data:
+            raise fault("a sheet takes no UMAT", "give young, poisson and hardening, or form a solid", key="umat")
         if not (isinstance(data, dict) and isinstance(data.get("library"), str)):
             return data
         source = info.context.get("source") if isinstance(info.context, dict) else None

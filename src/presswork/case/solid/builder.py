@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
-from presswork.case.material.hardening import build_hardening
 from presswork.case.material.umat import UmatMaterial, build_umat
 from presswork.case.settings import RAMP, build_output, build_solver
 from presswork.case.solid import schema
@@ -117,15 +117,7 @@ def _build_materials(case: schema.Case, run_user_code: bool) -> tuple[tuple[mode
 
 def build_material(name: str, material: schema.Material) -> model.Material:
     """Return the Model's material of a table that is no UMAT."""
-    return model.Material(
-        name,
-        material.young,
-        material.poisson,
-        build_hardening(material.hardening),
-        rate=material.rate.to_model() if material.rate else None,
-        density=material.density or 0.0,
-        heating=material.heating.to_model() if material.heating else None,
-    )
+    return replace(material.to_model(name), density=material.density or 0.0)
 
 
 def _build_explicit(case: schema.Case) -> model.ExplicitSolid:

@@ -1,65 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a solid's case says for the explicit procedure alone: heating of a material, steps through time."""
+"""What a solid's case says for the explicit procedure alone: its steps through time."""
 
 from __future__ import annotations
 
-from typing import Self
-
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from presswork import model
 from presswork.case.part import Part
-from presswork.case.units import HeatCapacity, Number, Rate, Time, fault
-
-HEAVIEST, LIGHTEST = 1e-6, 1e-10
-"""Densities [t/mm3] of no metal: 50 times osmium's, and a sixteenth of magnesium's."""
+from presswork.case.units import Number, Rate, Time
 
 _EXPLICIT = model.ExplicitSolid()
-
-
-def require_density(density: float | None) -> None:
-    """Refuse the density [t/mm3] of no metal."""
-    if density is not None and not LIGHTEST < density < HEAVIEST:
-        raise fault(
-            f"{density:g} t/mm^3 is the density of no metal",
-            'plain numbers are t/mm^3; with a unit: "7850 kg/m^3", which is 7.85e-9',
-            key="density",
-        )
-
-
-class Heating(Part):
-    """Adiabatic heating by plastic work; flow stress times 1 - T*^exponent, T* = (T - reference)/(melting - reference).
-
-    Temperatures are degrees Celsius.
-    """
-
-    melting: Number = Field(description="temperature at which no flow stress is left [degrees C]")
-    exponent: Number = Field(gt=0, description="exponent of softening")
-    heat_capacity: HeatCapacity = Field(
-        ge=1e6, description='specific heat capacity [mm^2/(s^2 K)], e.g. "460 J/(kg*K)", which is 4.6e8'
-    )
-    plastic_fraction: Number = Field(default=0.9, ge=0, le=1, description="part of the plastic work that becomes heat")
-    reference: Number = Field(
-        default=20.0, description="temperature of the hardening law, below which nothing softens [degrees C]"
-    )
-    start: Number | None = Field(
-        default=None, description="temperature at the start [degrees C]; without it: the reference"
-    )
-
-    @model_validator(mode="after")
-    def _check_order(self) -> Self:
-        if not self.melting > self.reference:
-            raise fault(f"not above reference = {self.reference:g}", "steel melts at 1500 degrees C", key="melting")
-        if self.start is not None and not self.reference <= self.start < self.melting:
-            raise fault(
-                f"not from reference = {self.reference:g} up to melting = {self.melting:g}", "leave it out", key="start"
-            )
-        return self
-
-    def to_model(self) -> model.Heating:
-        """Return the Model's heating."""
-        start = self.reference if self.start is None else self.start
-        return model.Heating(**{**self.model_dump(), "start": start})
 
 
 class ExplicitSolver(Part):

@@ -25,9 +25,6 @@ def check_procedure(case: schema.Case) -> list[Problem]:
 def _check_implicit(case: schema.Case) -> list[Problem]:
     fault, remedy = "is for the explicit procedure", 'remove it, or set procedure = "explicit"'
     keys = [f"{key}.velocity" for key, body in list_bodies(case).values() if body.velocity is not None]
-    for name, material in case.materials.items():
-        if not isinstance(material, UmatMaterial):
-            keys += [f"materials.{name}.{key}" for key in ("rate", "heating") if getattr(material, key) is not None]
     keys += [f"explicit.{key}" for key in sorted(case.explicit.model_fields_set)]
     keys += [f"stages.{number}.ramp" for number, stage in enumerate(case.stages) if stage.ramp is not None]
     keys += ["output.rows"] if "rows" in case.output.model_fields_set else []
@@ -85,8 +82,6 @@ def _check_explicit(case: schema.Case) -> list[Problem]:
 def _check_material(case: schema.Case) -> list[Problem]:
     name = case.workpiece.material
     material = case.materials.get(name)
-    if isinstance(material, UmatMaterial):
-        return [Problem(f"materials.{name}.umat", "the explicit procedure takes no UMAT", "give young and hardening")]
     if material is not None and material.density is None:
         remedy = 'add it: the explicit procedure needs it; steel has "7850 kg/m^3"'
         return [Problem(f"materials.{name}.density", "missing key", remedy)]

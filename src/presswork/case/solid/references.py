@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
-from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import check_small_displacements
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import check_bodies, list_bodies
 from presswork.case.solid.explicit_checks import check_procedure
+from presswork.case.solid.law_checks import check_laws
 from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_rectangle, explain_shortage
@@ -44,7 +44,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         )
     for name, entry in case.tools.items():
         problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
-    problems += _check_umats(case) + _check_densities(case) + check_small_displacements(case.solver)
+    problems += check_laws(case) + _check_densities(case) + check_small_displacements(case.solver)
     if case.solver.control == "arc_length":
         fault = "arc length is for shells under loads alone"
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
@@ -79,26 +79,9 @@ def _check_densities(case: schema.Case) -> list[Problem]:
     problems = []
     for name in sorted({body.material for _, body in list_bodies(case).values()} & set(case.materials)):
         material = case.materials[name]
-        if isinstance(material, UmatMaterial):
-            fault = "a UMAT has no density, which inertia needs"
-            problems.append(Problem(f"materials.{name}.umat", fault, "leave solver.inertia out, or take hardening"))
-        elif material.density is None:
+        if material.density is None:
             remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
             problems.append(Problem(f"materials.{name}.density", "missing key", remedy))
-    return problems
-
-
-def _check_umats(case: schema.Case) -> list[Problem]:
-    """Return the problems of laws from shared libraries with elements and tangents that need a flow stress."""
-    users = {name for name, material in case.materials.items() if isinstance(material, UmatMaterial)}
-    problems = []
-    for _, (key, body) in list_bodies(case).items():
-        if body.material in users and body.element == "quad4_1pt":
-            fault = "its hourglass control needs a flow stress, which a UMAT does not tell"
-            problems.append(Problem(f"{key}.element", fault, "take quad4_fbar", body.element))
-    if users and case.solver.tangent == "thesis":
-        fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"
-        problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
     return problems
 
 

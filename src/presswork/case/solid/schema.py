@@ -18,18 +18,17 @@ from pydantic import (
 )
 from pydantic.config import JsonDict
 
-from presswork import _core, model
+from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.limits import Limits
-from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
-from presswork.case.material.hardening import Hardening, build_hardening
-from presswork.case.material.laws import RateLaw
+from presswork.case.material.heating import require_density
+from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.names import Name, Title
 from presswork.case.part import Part, ShortForm
 from presswork.case.settings import Output, Solver
 from presswork.case.solid.contact import Contact, require_friction
-from presswork.case.solid.explicit import ExplicitSolver, Heating, require_density
+from presswork.case.solid.explicit import ExplicitSolver
 from presswork.case.solid.workpiece import Workpiece
 from presswork.case.units import (
     Angle,
@@ -63,28 +62,16 @@ def unit_vector(direction: tuple[float, float]) -> tuple[float, float]:
     return direction[0] / length + 0.0, direction[1] / length + 0.0
 
 
-class Material(Part):
-    """Isotropic elasticity with von Mises plasticity."""
+class Material(PlasticLaws):
+    """An elastic-plastic solid; x of its yield function is the plane's x, and turns with the material."""
 
-    young: Stress = Field(gt=0, description="Young's modulus [MPa]")
-    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
-    hardening: Hardening = Field(description="flow stress against equivalent plastic strain")
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
-    rate: RateLaw | None = Field(default=None, description="explicit: factor on the flow stress by strain rate")
-    heating: Heating | None = Field(
-        default=None, description="explicit: heating by plastic work, and the softening that it brings"
-    )
-
-    magnitudes: Magnitudes = Field(default="metal", description=DESCRIPTION)
 
     @model_validator(mode="after")
-    def _check_magnitudes(self) -> Self:
+    def _check_density(self) -> Self:
         require_density(self.density)
-        if self.magnitudes == "metal":
-            law = build_hardening(self.hardening)
-            parameters = [float(parameter) for parameter in law.parameters]
-            mises = _core.VonMises(self.young, self.poisson, _core.HardeningLaw[law.law], parameters)
-            require_metal(self.young, lambda strain: mises.flow_stress(strain)[0])
+        if self.heating is not None and self.heating.heat_capacity is not None and self.density is None:
+            raise fault("missing key", 'add it: plastic work heats by it; steel has "7850 kg/m^3"', key="density")
         return self
 
 

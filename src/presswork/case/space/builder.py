@@ -11,6 +11,7 @@ from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_material
+from presswork.case.solid.law_checks import check_integrator
 from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_box, explain_shortage
@@ -96,10 +97,9 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
             fault, remedy = "solids in space take no UMAT yet", "give young, poisson and hardening"
             problems.append(Problem(f"materials.{name}.umat", fault, remedy))
             continue
-        for key in ("rate", "heating"):
-            if getattr(material, key) is not None:
-                fault, remedy = "is for the explicit procedure of solids in the plane", "remove it"
-                problems.append(Problem(f"materials.{name}.{key}", fault, remedy))
+        problems += material.check_in_solids(f"materials.{name}")
+        if name == case.workpiece.material:
+            problems += check_integrator(name, material, case.solver)
         if case.solver.inertia and material.density is None and name == case.workpiece.material:
             remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
             problems.append(Problem(f"materials.{name}.density", "missing key", remedy))

@@ -12,7 +12,7 @@ from presswork.case.errors import Problem
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
 from presswork.geometry.swept_tool import SweptTool
-from presswork.law.sheet_law import make_sheet_law
+from presswork.law.elastic_plastic import make_sheet_law
 from presswork.mesh.flange import find_held_area
 from presswork.mesh.tool_clearance import Closing, find_closing
 from presswork.mesh.tool_file import TriangulatedTool

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Elastic-plastic laws with any yield function, isotropic and kinematic hardening, strain rate and temperature:
+// SheetLaw in plane stress (what a shell or membrane calls), PlaneLaw in plane strain and axisymmetry, SolidLaw in
+// space. The contract is that of law.hpp; a shell adds elastic transverse shear of its own.
+//
+// State: stress (N), equivalent plastic strain, where the law heats the rise of temperature, then what kinematic.hpp
+// keeps. In plane stress update_sheet gives the thickness strain besides: elastic and plastic, volume kept by the
+// plastic part.
+#pragma once
+
+#include "material/law_data.hpp"
+#include "material/return_mapping.hpp"
+#include "material/yield_functions.hpp"
+
+namespace presswork {
+
+template <int N>
+struct ElasticPlastic {
+  double young = 0.0;  // [MPa]
+  double poisson = 0.0;
+  typename YieldChoice<N>::type yield = {};
+  Flow flow = {};
+  KinematicLaw kinematic = {};
+  double young_saturated = 0.0;  // Young's modulus after large plastic strain [MPa]
+  double young_rate = 0.0;       // E = Ea + (E0 - Ea) exp(-rate p), p of the start of the increment; 0 keeps E0
+
+  int history_size() const {  // values behind the stress
+    return 1 + (flow.thermal.heats() ? 1 : 0) +
+           choose(kinematic, [](const auto& k) { return k.template history_size<N>(); });
+  }
+  int state_size() const { return N + history_size(); }
+  double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
+  double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
+
+  template <class T>
+  T young_at(T eqps) const {
+    if (young_rate == 0.0) return T(young);
+    return T(young_saturated) + T(young - young_saturated) * exponential(T(-young_rate) * eqps);
+  }
+  // Flow stress and its slope at equivalent plastic strain p, at rest.
+  template <class T>
+  void flow_at_rest(T p, T temperature, T& flow_stress, T& slope) const {
+    flow.at_rest(p, temperature, flow_stress, slope);
+  }
+};
+
+// Lets a law look its hardening up in a table where that follows it closely: what the explicit loops do.
+template <int N>
+void tabulate(Owned<ElasticPlastic<N>>& law) {
+  auto table = std::make_shared<const HardeningTable>(law.view.flow.hardening);
+  if (!(table->error() < 1e-5)) return;
+  law.view.flow.tabulated = true, law.view.flow.table = table->view();
+  law.data.push_back(std::move(table));
+}
+
+using SheetLaw = ElasticPlastic<3>;
+using PlaneLaw = ElasticPlastic<4>;
+using SolidLaw = ElasticPlastic<6>;
+
+// T is double, Pack or, for tests of the tangent, Dual<double, N>.
+template <int N, class T>
+Mask<T> update(const ElasticPlastic<N>& law, const LawInput<N, T>& in, const T* s0, T* s1, T (*tangent)[N]);
+
+extern template bool update(const SheetLaw&, const LawInput<3, double>&, const double*, double*, double (*)[3]);
+extern template bool update(const PlaneLaw&, const LawInput<4, double>&, const double*, double*, double (*)[4]);
+extern template bool update(const SolidLaw&, const LawInput<6, double>&, const double*, double*, double (*)[6]);
+extern template Mask<Pack> update(const SheetLaw&, const LawInput<3, Pack>&, const Pack*, Pack*, Pack (*)[3]);
+extern template Mask<Pack> update(const PlaneLaw&, const LawInput<4, Pack>&, const Pack*, Pack*, Pack (*)[4]);
+extern template Mask<Pack> update(const SolidLaw&, const LawInput<6, Pack>&, const Pack*, Pack*, Pack (*)[6]);
+
+// The same for plane stress, with the increment of thickness strain.
+template <class T>
+Mask<T> update_sheet(const SheetLaw& law, const LawInput<3, T>& in, const T* s0, T* s1, T& thickness, T (*tangent)[3]) {
+  const Elasticity<3, T> elastic{law.young_at(s0[3]), law.poisson};
+  T change[3] = {-s0[0], -s0[1], -s0[2]}, elastic_strain[3];
+  auto failed = update(law, in, s0, s1, tangent);
+  for (int i = 0; i < 3; ++i) change[i] += s1[i];
+  elastic.compliance(change, elastic_strain);
+  T across = elastic_strain[0] + elastic_strain[1];
+  thickness = across * T(-law.poisson / (1.0 - law.poisson)) - (in.strain[0] + in.strain[1] - across);
+  return failed;
+}
+
+// Arrays over n points: strain, stress (n, N), history (n, history_size), temperature (n), tangent (n, N, N) or null,
+// failed (n); thickness (n) for N = 3, else null. Stress and history are advanced in place. By packs, or a point at a
+// time.
+template <int N>
+void update_points(const ElasticPlastic<N>& law, std::size_t n, const double* strain, double dt,
+                   const double* temperature, double* stress, double* history, double* thickness, double* tangent,
+                   std::uint8_t* failed, bool packed);
+
+extern template void update_points(const SheetLaw&, std::size_t, const double*, double, const double*, double*, double*,
+                                   double*, double*, std::uint8_t*, bool);
+extern template void update_points(const PlaneLaw&, std::size_t, const double*, double, const double*, double*, double*,
+                                   double*, double*, std::uint8_t*, bool);
+extern template void update_points(const SolidLaw&, std::size_t, const double*, double, const double*, double*, double*,
+                                   double*, double*, std::uint8_t*, bool);
+
+// d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
+template <int N>
+void differentiate_points(const ElasticPlastic<N>& law, std::size_t n, const double* strain, double dt,
+                          const double* temperature, const double* stress, const double* history, double* derivative);
+
+extern template void differentiate_points(const SheetLaw&, std::size_t, const double*, double, const double*,
+                                          const double*, const double*, double*);
+extern template void differentiate_points(const PlaneLaw&, std::size_t, const double*, double, const double*,
+                                          const double*, const double*, double*);
+extern template void differentiate_points(const SolidLaw&, std::size_t, const double*, double, const double*,
+                                          const double*, const double*, double*);
+
+}  // namespace presswork

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The laws of an elastic-plastic material, of a sheet or of a solid: their keys, and which go together."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from presswork import _core, model
+from presswork.case.errors import Problem
+from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
+from presswork.case.material.hardening import Hardening, Linear, build_hardening
+from presswork.case.material.heating import Heating
+from presswork.case.material.laws import Kinematic, RateLaw, YoshidaUemori, YoungDecrease
+from presswork.case.material.yield_function import Barlat1989, VonMisesYield, YieldFunction, Yld2000
+from presswork.case.part import Part
+from presswork.case.units import Number, Stress, fault
+from presswork.law.elastic_plastic import make_sheet_law
+
+
+class PlasticLaws(Part):
+    """Elasticity, yield function, hardening, strain rate and temperature; x is the rolling direction."""
+
+    young: Stress = Field(gt=0, description="Young's modulus [MPa]")
+    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
+    yield_function: YieldFunction = Field(default=VonMisesYield(), description="anisotropic yield function")
+    hardening: Hardening = Field(description="flow stress along the rolling direction against plastic strain")
+    kinematic: Kinematic | None = Field(default=None, description="back stresses")
+    rate: RateLaw | None = Field(default=None, description="factor on the flow stress by strain rate")
+    heating: Heating | None = Field(default=None, description="softening by temperature, and heating by plastic work")
+    young_decrease: YoungDecrease | None = Field(
+        default=None, description="how Young's modulus falls with plastic strain"
+    )
+    magnitudes: Magnitudes = Field(default="metal", description=DESCRIPTION)
+
+    @model_validator(mode="after")
+    def _check_laws(self) -> Self:
+        """Refuse laws that do not go together."""
+        if isinstance(self.kinematic, YoshidaUemori):
+            if not isinstance(self.hardening, Linear) or self.hardening.modulus != 0.0:
+                raise fault(
+                    "Yoshida and Uemori's yield surface keeps its size",
+                    'give hardening = {law = "linear", yield_stress = Y}, without a modulus',
+                    key="hardening",
+                )
+            if self.hardening.yield_stress >= self.kinematic.B:
+                raise fault(
+                    f"the bounding surface B = {self.kinematic.B:g} MPa lies inside the yield surface",
+                    f"B must be above the yield stress of {self.hardening.yield_stress:g} MPa",
+                    key="kinematic",
+                )
+        if self.young_decrease is not None and self.young_decrease.saturated > self.young:
+            raise fault("the saturated modulus is above Young's modulus", "it falls", key="young_decrease")
+        if self.magnitudes == "metal":
+            cold = self.heating.reference if self.heating else 0.0
+            require_metal(
+                self.young,
+                lambda strain: self.build_law().flow_stress(strain, temperature=np.full(len(strain), cold))[0],
+            )
+        return self
+
+    def to_model(self, name: str) -> model.Material:
+        """Return the Model's material."""
+        return model.Material(
+            name,
+            self.young,
+            self.poisson,
+            build_hardening(self.hardening),
+            yield_function=self.yield_function.to_model(),
+            kinematic=self.kinematic.to_model() if self.kinematic else None,
+            rate=self.rate.to_model() if self.rate else None,
+            heating=self.heating.to_model() if self.heating else None,
+            young_decrease=(self.young_decrease.saturated, self.young_decrease.rate) if self.young_decrease else None,
+        )
+
+    def build_law(self) -> _core.SheetLaw:
+        """Return the compiled law of plane stress."""
+        return make_sheet_law(self.to_model("sheet"))
+
+    def check_in_solids(self, key: str) -> list[Problem]:
+        """Return the problem of a yield function that has no form in three dimensions; key: of the material."""
+        if not isinstance(self.yield_function, Barlat1989 | Yld2000):
+            return []
+        name = self.yield_function.law
+        fault = f"{name} is a yield function of plane stress alone, and a solid's stress has three dimensions"
+        return [Problem(f"{key}.yield_function.law", fault, "take von_mises, hill1948 or yld2004", name)]

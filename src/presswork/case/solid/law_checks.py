@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which laws a solid can have, with which elements and which solver."""
+
+from __future__ import annotations
+
+from presswork.case.errors import Problem
+from presswork.case.material.umat import UmatMaterial
+from presswork.case.settings import Solver
+from presswork.case.solid import schema
+from presswork.case.solid.bodies import list_bodies
+
+BESIDE = ("kinematic", "rate", "heating", "young_decrease")
+"""Keys of a material that the closed form of von Mises does not know."""
+
+
+def check_laws(case: schema.Case) -> list[Problem]:
+    """Return the problems of materials with solids, elements and the solver."""
+    problems = []
+    for name, material in case.materials.items():
+        if not isinstance(material, UmatMaterial):
+            problems += material.check_in_solids(f"materials.{name}")
+    for name in sorted({body.material for _, body in list_bodies(case).values()} & set(case.materials)):
+        material = case.materials[name]
+        if not isinstance(material, UmatMaterial):
+            problems += check_integrator(name, material, case.solver)
+    return problems + _check_umats(case)
+
+
+def check_integrator(name: str, material: schema.Material, solver: Solver) -> list[Problem]:
+    """Return the problems of an integrator or a tangent that is of von Mises with isotropic hardening alone."""
+    given = [key for key in BESIDE if getattr(material, key) is not None]
+    if material.yield_function.law != "von_mises":
+        given.insert(0, "yield_function")
+    if not given:
+        return []
+    fault, problems = f"it is for von Mises with isotropic hardening alone, and {name} has {', '.join(given)}", []
+    if solver.integrator != "backward_euler":
+        problems.append(Problem("solver.integrator", fault, 'take "backward_euler"', solver.integrator))
+    if solver.tangent == "thesis":
+        problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
+    return problems
+
+
+def _check_umats(case: schema.Case) -> list[Problem]:
+    """Return the problems of laws from shared libraries with elements and tangents that need a flow stress."""
+    users = {name for name, material in case.materials.items() if isinstance(material, UmatMaterial)}
+    problems = []
+    for _, (key, body) in list_bodies(case).items():
+        if case.procedure == "implicit" and body.material in users and body.element == "quad4_1pt":
+            fault = "its hourglass control needs a flow stress, which a UMAT does not tell"
+            problems.append(Problem(f"{key}.element", fault, "take quad4_fbar", body.element))
+    if users and case.solver.tangent == "thesis":
+        fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"
+        problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
+    return problems

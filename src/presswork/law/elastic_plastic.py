@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a Model's material to the compiled elastic-plastic law: of a sheet, or of a solid."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import FloatArray, Hardening, Material, YieldFunction
+
+VON_MISES = (0.5, 0.5, 0.5, 1.5, 1.5, 1.5)
+"""Hill's F, G, H, L, M, N that make von Mises."""
+SheetLaw = _core.SheetLaw
+SolidLaw = _core.PlaneLaw | _core.SolidLaw
+
+
+def make_yield_function(chosen: YieldFunction | None) -> _core.YieldFunction:
+    """Return the compiled yield function: von Mises if none is chosen."""
+    if chosen is None:
+        return _core.YieldFunction.hill1948(VON_MISES)
+    match chosen.law:
+        case "hill1948":
+            return _core.YieldFunction.hill1948(chosen.parameters)
+        case "barlat1989":
+            a, c, h, p = chosen.parameters
+            return _core.YieldFunction.barlat1989(a, c, h, p, chosen.exponent)
+        case "yld2000":
+            return _core.YieldFunction.yld2000(chosen.parameters, chosen.exponent)
+        case "yld2004":
+            return _core.YieldFunction.yld2004(chosen.parameters[:9], chosen.parameters[9:], chosen.exponent)
+
+
+def make_hardening(hardening: Hardening) -> tuple[_core.HardeningLaw, list[float]]:
+    """Return the compiled law's name and its parameters in the order of its fields."""
+    return _core.HardeningLaw[hardening.law], [float(p) for p in hardening.parameters]
+
+
+def make_sheet_law(material: Material) -> _core.SheetLaw:
+    """Return the compiled law in plane stress."""
+    return _core.SheetLaw(**_arguments(material))
+
+
+def make_plane_law(material: Material) -> _core.PlaneLaw:
+    """Return the compiled law in plane strain and axisymmetry. Raises ValueError for a function of plane stress."""
+    return _core.PlaneLaw(**_arguments_of_solid(material))
+
+
+def make_solid_law(material: Material) -> _core.SolidLaw:
+    """Return the compiled law in space. Raises ValueError for a yield function of plane stress alone."""
+    return _core.SolidLaw(**_arguments_of_solid(material))
+
+
+def is_plain(material: Material) -> bool:
+    """Tell whether a solid's material is von Mises with isotropic hardening alone, which has a law in closed form."""
+    beside = (material.yield_function, material.kinematic, material.rate, material.heating, material.young_decrease)
+    return material.umat is None and all(part is None for part in beside)
+
+
+def heats(material: Material) -> bool:
+    """Tell whether plastic work raises the temperature, so that the law keeps the rise."""
+    return find_heating(material) > 0.0
+
+
+def find_heating(material: Material) -> float:
+    """Return by how much plastic work per volume raises the temperature [degree/MPa]."""
+    h = material.heating
+    if h is None or h.heat_capacity is None or material.density == 0.0:
+        return 0.0
+    return h.plastic_fraction / (material.density * h.heat_capacity)
+
+
+def make_thermal(material: Material) -> _core.Thermal | None:
+    """Return softening and heating of a material; None: it does not know of temperature."""
+    h = material.heating
+    if h is None:
+        return None
+    heating = find_heating(material)
+    return _core.Thermal(start=h.start, reference=h.reference, melting=h.melting, exponent=h.exponent, heating=heating)
+
+
+def back_stress(material: Material, history: FloatArray, components: int) -> FloatArray:
+    """Return the back stress (..., components) in what a law keeps (..., n) behind the stress [MPa].
+
+    It keeps the equivalent plastic strain, the rise of temperature where the law heats, then every a_i of Chaboche, or
+    theta and beta of Yoshida and Uemori.
+    """
+    if material.kinematic is None:
+        return np.zeros((*history.shape[:-1], components))
+    count = len(material.kinematic.parameters) // 2 if material.kinematic.law == "chaboche" else 2
+    first = 2 if heats(material) else 1
+    parts = history[..., first : first + components * count].reshape(*history.shape[:-1], count, components)
+    return np.asarray(parts.sum(axis=-2))
+
+
+def temperature(material: Material, history: FloatArray) -> FloatArray:
+    """Return the temperature [degrees C] of points (...) from what their law keeps behind the stress (..., n)."""
+    start = material.heating.start if material.heating else 0.0
+    if not heats(material):
+        return np.full(history.shape[:-1], start)
+    return np.asarray(start + history[..., 1])
+
+
+def plastic_work_density(
+    material: Material,
+    law: _core.SheetLaw | SolidLaw,
+    history_n: FloatArray,
+    history: FloatArray,
+    stress: FloatArray,
+    dt: float,
+) -> FloatArray:
+    """Return the plastic work of an increment over dt [s] per volume (n,) [MPa], by the trapezoidal rule.
+
+    With dp the increment of equivalent plastic strain and g the gradient of the yield function at its end: the mean
+    flow stress times dp, and the mean back stress times g dp. history (n, n_history): what the law keeps behind the
+    stress; stress (n, components): at the end, in the law's axes.
+    """
+    components = stress.shape[-1]
+    ends = [
+        law.flow_stress(np.ascontiguousarray(h[:, 0]), temperature=temperature(material, h))[0]
+        for h in (history_n, history)
+    ]
+    dp = history[:, 0] - history_n[:, 0]
+    flow = 0.5 * (ends[0] + ends[1])
+    if material.rate is not None and dt > 0.0:
+        flow *= law.rate_factor(np.ascontiguousarray(dp / dt))[0]
+    work = flow * dp
+    if material.kinematic is not None:
+        before, after = (back_stress(material, h, components) for h in (history_n, history))
+        flows = dp > 0.0
+        shifted = np.ascontiguousarray((stress - after)[flows])
+        gradient = make_yield_function(material.yield_function).evaluate(shifted)[1]
+        work[flows] += (0.5 * (before + after)[flows] * gradient).sum(axis=1) * dp[flows]
+    return np.asarray(work)
+
+
+def present_young(material: Material, eqps: FloatArray) -> FloatArray | float:
+    """Return Young's modulus [MPa] at equivalent plastic strains of any shape."""
+    if material.young_decrease is None:
+        return material.young
+    saturated, rate = material.young_decrease
+    return np.asarray(saturated + (material.young - saturated) * np.exp(-rate * eqps))
+
+
+class _Arguments(TypedDict):
+    young: float
+    poisson: float
+    yield_function: _core.YieldFunction
+    hardening: _core.HardeningLaw
+    parameters: list[float]
+    rate: _core.RateLaw
+    rate_parameters: tuple[float, ...]
+    chaboche: _core.Chaboche | None
+    yoshida_uemori: _core.YoshidaUemori | None
+    thermal: _core.Thermal | None
+    young_saturated: float
+    young_rate: float
+
+
+def _arguments_of_solid(material: Material) -> _Arguments:
+    arguments = _arguments(material)
+    if arguments["yield_function"].of_plane_stress_alone:
+        assert material.yield_function is not None
+        raise ValueError(f"{material.yield_function.law} is a yield function of plane stress alone")
+    return arguments
+
+
+def _arguments(material: Material) -> _Arguments:
+    """Return what all the compiled laws are made from."""
+    assert material.hardening is not None, "a UMAT is opened, not made"
+    hardening, parameters = make_hardening(material.hardening)
+    chaboche = yoshida_uemori = None
+    if material.kinematic is not None:
+        p = material.kinematic.parameters
+        if material.kinematic.law == "chaboche":
+            chaboche = _core.Chaboche(p[: len(p) // 2], p[len(p) // 2 :])
+        else:
+            names = ("B", "C", "m", "b", "Rsat", "h")
+            yoshida_uemori = _core.YoshidaUemori(Y=parameters[0], **dict(zip(names, p, strict=True)))
+    saturated, falling = material.young_decrease or (0.0, 0.0)
+    return {
+        "young": material.young,
+        "poisson": material.poisson,
+        "yield_function": make_yield_function(material.yield_function),
+        "hardening": hardening,
+        "parameters": parameters,
+        "rate": _core.RateLaw[material.rate.law if material.rate else "none"],
+        "rate_parameters": material.rate.parameters if material.rate else (),
+        "chaboche": chaboche,
+        "yoshida_uemori": yoshida_uemori,
+        "thermal": make_thermal(material),
+        "young_saturated": saturated,
+        "young_rate": falling,
+    }

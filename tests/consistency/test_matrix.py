@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every feature of a law in every family, on one cell: it works and its tangent is right, or the case is refused.
+
+What is refused, and why, stands in the table of docs/theory/material.md, which this test reads.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork.case import Case, CaseError, OneStepCase, ShellCase, build_model
+from presswork.case.space.schema import SpaceCase
+from presswork.explicit.options import ShellOptions
+from presswork.explicit.shells import ExplicitShells
+from presswork.explicit.solid_material import SolidMaterial
+from presswork.explicit.solids import ExplicitSolids
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.law.elastic_plastic import make_plane_law, make_sheet_law
+from presswork.onestep.law import find_metric
+from presswork.onestep.law import make_law as make_deformation_law
+
+DOCS = Path(__file__).parents[2] / "docs" / "theory" / "material.md"
+BASE: dict[str, Any] = {
+    "young": 70e3,
+    "poisson": 0.33,
+    "hardening": {"law": "linear", "yield_stress": 150, "modulus": 300},
+}
+ALPHA = [0.4865, 1.3783, 0.7536, 1.0246, 1.0363, 0.9036, 1.2321, 1.4858]
+POINTS = [[0, 150], [0.05, 220], [0.5, 300]]
+YLD2004 = {
+    "prime": [-0.069888, 0.936408, 0.079143, 1.003060, 0.524741, 1.363180, 1.023770, 1.069060, 0.954322],
+    "double_prime": [0.981171, 0.476741, 0.575316, 0.866827, 1.145010, -0.079294, 1.051660, 1.147100, 1.404620],
+}
+R_VALUES = {"r00": 0.8, "r45": 0.4, "r90": 0.55}
+VOCE = {"yield_stress": 150, "saturation_stress": 330, "rate": 12}
+HEATING = {"melting": 660, "exponent": 1.1, "heat_capacity": "900 J/(kg*K)", "start": 40}
+FEATURES: dict[str, dict[str, Any]] = {
+    "linear": {},
+    "swift": {"hardening": {"law": "swift", "K": 500, "e0": 0.007, "n": 0.25}},
+    "ludwik": {"hardening": {"law": "ludwik", "yield_stress": 150, "K": 400, "n": 0.4}},
+    "voce": {"hardening": {"law": "voce", **VOCE}},
+    "linear_voce": {"hardening": {"law": "linear_voce", **VOCE, "modulus": 80}},
+    "hockett_sherby": {"hardening": {"law": "hockett_sherby", **VOCE, "exponent": 0.7}},
+    "swift_voce": {"hardening": {"law": "swift_voce", "voce_share": 0.4, "K": 500, "e0": 0.007, "n": 0.25, **VOCE}},
+    "table": {"hardening": {"law": "table", "points": POINTS}},
+    "monotone_table": {"hardening": {"law": "monotone_table", "points": POINTS}},
+    "cowper_symonds": {"rate": {"law": "cowper_symonds", "D": 40, "q": 5}},
+    "johnson_cook": {"rate": {"law": "johnson_cook", "C": 0.02, "reference_rate": 1e-3}},
+    "logarithmic": {"rate": {"law": "logarithmic", "C": 0.02, "reference_rate": 1e-3}},
+    "given temperature": {"heating": {"melting": 660, "exponent": 1.1, "start": 200}},
+    "adiabatic heating": {"heating": HEATING, "density": "2700 kg/m^3"},
+    "hill1948": {"yield_function": {"law": "hill1948", **R_VALUES}},
+    "barlat1989": {"yield_function": {"law": "barlat1989", **R_VALUES, "exponent": 8}},
+    "yld2000": {"yield_function": {"law": "yld2000", "alpha": ALPHA, "exponent": 8}},
+    "yld2004": {"yield_function": {"law": "yld2004", **YLD2004, "exponent": 8}},
+    "chaboche": {"kinematic": {"law": "chaboche", "C": [3000, 800], "gamma": [60, 0]}},
+    "yoshida_uemori": {
+        "hardening": {"law": "linear", "yield_stress": 150},
+        "kinematic": {"law": "yoshida_uemori", "B": 190, "C": 200, "m": 12, "b": 40, "Rsat": 190, "h": 0.4},
+    },
+    "young_decrease": {"young_decrease": {"saturated": 60e3, "rate": 50}},
+    "all of them": {
+        "hardening": {"law": "voce", **VOCE},
+        "yield_function": {"law": "yld2004", **YLD2004, "exponent": 8},
+        "kinematic": {"law": "chaboche", "C": [3000, 800], "gamma": [60, 0]},
+        "rate": {"law": "logarithmic", "C": 0.02, "reference_rate": 1e-3},
+        "heating": HEATING,
+        "density": "2700 kg/m^3",
+        "young_decrease": {"saturated": 60e3, "rate": 50},
+    },
+    "user law": {"umat": "laws"},
+}
+SOLIDS = ("implicit plane strain", "implicit axisymmetric", "explicit solids", "implicit space")
+SHELLS = ("implicit shells", "explicit shells")
+FAMILIES = (*SOLIDS, *SHELLS, "one step")
+BULK = "is a yield function of plane stress alone"
+ONE_STEP = "one step knows no"
+CLOSED_FORM = "gives no strain for a stress in closed form"
+REFUSED: dict[tuple[str, str], str] = {
+    **{(name, family): BULK for name in ("barlat1989", "yld2000") for family in SOLIDS},
+    **{(name, "one step"): CLOSED_FORM for name in ("barlat1989", "yld2000", "yld2004", "all of them")},
+    **{
+        (name, "one step"): ONE_STEP
+        for name in (
+            "cowper_symonds", "johnson_cook", "logarithmic", "given temperature", "adiabatic heating", "chaboche",
+            "yoshida_uemori", "young_decrease",
+        )
+    },
+    **{("user law", family): "takes no UMAT" for family in (*SHELLS, "one step")},
+    ("user law", "implicit space"): "take no UMAT",
+}  # fmt: skip
+DT = 0.02
+
+
+def material(feature: str, library: Path) -> dict[str, Any]:
+    if feature == "user law":
+        props = [1, 70e3, 0.33, 500, 0.007, 0.25]  # Swift, of data/umat/laws.cpp
+        return {"umat": str(library), "props": props, "state_variables": 1, "plastic_strain": 1}
+    return {**BASE, **FEATURES[feature]}
+
+
+def solid_case(table: dict[str, Any], family: str) -> dict[str, Any]:
+    explicit = family == "explicit solids"
+    case: dict[str, Any] = {
+        "title": "cell",
+        "analysis": "axisymmetric" if family == "implicit axisymmetric" else "plane_strain",
+        "workpiece": {
+            "material": "metal",
+            "element": "quad4_1pt" if explicit else "quad4_fbar",
+            "mesh": {"size": [1, 1], "cells": [1, 1], "origin": [1, 0]},
+        },
+        "materials": {"metal": {"density": "2700 kg/m^3", **table} if explicit else table},
+        "boundary": {"bottom": {"set": "bottom", "fix": ["y"]}, "left": {"set": "left", "fix": ["x"]}},
+        "stages": [
+            {"name": "pull", "duration": 1.0, "displacement": [{"set": "top", "component": "y", "value": 0.05}]}
+        ],
+    }
+    if explicit:
+        case["procedure"] = "explicit"
+    return case
+
+
+def space_case(table: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "title": "cell",
+        "analysis": "solid",
+        "workpiece": {
+            "material": "metal",
+            "element": "hex8_fbar",
+            "mesh": {"size": [1, 1, 1], "cells": [1, 1, 1]},
+        },
+        "materials": {"metal": table},
+        "boundary": {"end": {"set": "left", "fix": ["x", "y", "z"]}},
+        "stages": [{"name": "pull", "displacement": [{"set": "right", "component": "x", "value": 0.05}]}],
+    }
+
+
+def shell_case(table: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "title": "cell",
+        "analysis": "shell",
+        "workpiece": {
+            "material": "metal",
+            "element": "shell4_mitc",
+            "section": {"thickness": 1, "points": 3},
+            "mesh": {"size": [5, 5], "cells": [1, 1]},
+        },
+        "materials": {"metal": table},
+        "boundary": {"end": {"set": "left", "hold": "clamped"}},
+        "stages": [{"name": "pull", "displacement": [{"set": "right", "component": "x", "value": 0.2}]}],
+    }
+
+
+def build(feature: str, family: str, library: Path) -> Any:
+    table = material(feature, library)
+    if family == "implicit space":
+        return build_model(SpaceCase.model_validate(space_case(table)))
+    if family in SOLIDS:
+        return build_model(Case.model_validate(solid_case(table, family)))
+    if family in SHELLS:
+        return build_model(ShellCase.model_validate(shell_case(table)))
+    table.pop("density", None)
+    case = OneStepCase.model_validate(
+        {
+            "title": "part",
+            "analysis": "onestep",
+            "part": {"path": "part.stl"},
+            "blank": {"material": "metal", "thickness": 1},
+            "materials": {"metal": table},
+        }
+    )
+    return case.materials["metal"].to_model("metal")
+
+
+def error_of_tangent(model: Any, freedoms: int, size: float) -> tuple[float, float]:
+    """Largest error of a cell's stiffness over its largest entry, after flow; and the plastic strain."""
+    model = replace(model, solver=replace(model.solver, symmetric=False))
+    mechanics = ImplicitProcedure(model).mechanics
+    cell = model.mesh.blocks[0].connectivity[0]
+    n = len(model.mesh.points)
+    rng = np.random.default_rng(3)
+    state = mechanics.at_rest(0, 0)
+    increment = np.zeros((n, freedoms))
+
+    def force(by: np.ndarray, start: Any, *, with_stiffness: bool = False) -> np.ndarray:
+        found = mechanics.evaluate(start, trial, by, with_stiffness=with_stiffness, dt=DT)
+        assert isinstance(found, np.ndarray), str(found)
+        return found[cell].ravel().copy()
+
+    for _ in range(3):
+        trial = state.duplicate()
+        d = min(freedoms, 3)
+        increment[:, :d] = size * (model.mesh.points[:, :d] * [0.3, 0.6, -0.2][:d] + 0.2 * rng.standard_normal((n, d)))
+        force(increment, state)
+        trial.displacement = state.displacement + increment
+        trial.increment = increment.copy()
+        mechanics.settle(state, trial)
+        state, trial = trial, state
+    trial = state.duplicate()
+    increment = increment + 0.1 * size * rng.standard_normal(increment.shape)
+    force(increment, state, with_stiffness=True)
+    stiffness = mechanics._stiffness[0][0, :, :, 0].copy()
+    numerical = np.zeros_like(stiffness)
+    step = 3e-6
+    for j in range(freedoms * len(cell)):
+        move = np.zeros_like(increment)
+        move[cell[j // freedoms], j % freedoms] = step
+        numerical[:, j] = (force(increment + move, state) - force(increment - move, state)) / (2 * step)
+    return float(np.abs(stiffness - numerical).max() / np.abs(stiffness).max()), float(trial.eqps[0].max())
+
+
+def run_explicit_solid(model: Any) -> None:
+    """Stretch a cell evenly: its stress is that of the law at the same strains."""
+    data = model.materials[0]
+    own = SolidMaterial.from_model(data)
+    run = ExplicitSolids(model.mesh, [own], axisymmetric=False)
+    run.fix("all", "uv", np.zeros(len(model.mesh.points)))
+    speed = 100.0
+    for letter, along in (("u", 0.0), ("v", speed)):
+        run.fix("all", letter, along * model.mesh.points[:, 1])
+    run.dt = 2e-6
+    run.advance(100)
+    assert run.equivalent_plastic_strain[0] > 0.005
+    if data.umat is not None:
+        assert np.isfinite(run.stress).all()
+        return
+    law = make_plane_law(data)
+    stress, history = np.zeros((1, 4)), np.zeros((1, law.history_size))
+    heights = 1 + speed * run.dt * np.arange(101)
+    for change in np.diff(np.log(heights)):
+        stress, history, *_ = law.update(np.array([[0.0, change, 0.0, 0.0]]), stress, history, dt=run.dt, tangent=False)
+    np.testing.assert_allclose(run.stress[0], stress[0], rtol=1e-6, atol=1e-6)
+
+
+def run_explicit_shell(model: Any) -> None:
+    """Stretch a cell evenly: its stress is that of the law at the same strains, to the order of the step."""
+    data, points = model.materials[0], np.array([[0, 0, 0], [5, 0, 0], [5, 5, 0], [0, 5, 0]], dtype=float)
+    law = make_sheet_law(data)
+    run = ExplicitShells(points, [[0, 1, 2, 3]], 1.0, law, 2.7e-9, options=ShellOptions(n_points=3))
+    for node, x in enumerate(points):
+        run.fix([node], "u", 200.0 * x[0])
+        run.fix([node], "vwpqr")
+    run.dt = 1e-6
+    run.advance(200)
+    stress, history = np.zeros((1, 3)), np.zeros((1, law.history_size))
+    for change in np.diff(np.log(1 + 200.0 * run.dt * np.arange(201))):
+        stress, history, *_ = law.update(np.array([[change, 0.0, 0.0]]), stress, history, dt=run.dt, tangent=False)
+    np.testing.assert_allclose(run.stress.reshape(-1, 3)[0], stress[0], rtol=2e-3, atol=0.05)
+    assert history[0, 0] > 0.01
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("feature", FEATURES)
+def test_a_feature_works_in_a_family_or_is_refused(feature: str, family: str, umat_laws: Path) -> None:
+    reason = REFUSED.get((feature, family))
+    if reason is not None:
+        with pytest.raises(CaseError, match=re.escape(reason)):
+            build(feature, family, umat_laws)
+        return
+    model = build(feature, family, umat_laws)
+    if family in ("implicit plane strain", "implicit axisymmetric"):
+        error, plastic = error_of_tangent(model, 2, 0.02)
+        assert plastic > 0.01
+        assert error < 2e-6
+    elif family == "implicit space":
+        error, plastic = error_of_tangent(model, 3, 0.02)
+        assert plastic > 0.005
+        assert error < 2e-6
+    elif family == "implicit shells":
+        error, plastic = error_of_tangent(model, 6, 0.02)
+        assert plastic > 0.005
+        assert error < 2e-6
+    elif family == "explicit solids":
+        run_explicit_solid(model)
+    elif family == "explicit shells":
+        run_explicit_shell(model)
+    else:
+        law = make_deformation_law(model, find_metric(model, 0.0))
+        strain = np.linspace(0.01, 0.3, 10)
+        slope = (law.flow_curve(strain + 1e-7)[0] - law.flow_curve(strain - 1e-7)[0]) / 2e-7
+        np.testing.assert_allclose(law.flow_curve(strain)[1], slope, rtol=1e-5, atol=1e-3)
+
+
+def test_the_documents_list_every_refusal() -> None:
+    text = DOCS.read_text(encoding="utf-8")
+    rows = text[text.index("## Which laws go where") :]
+    for (feature, family), reason in REFUSED.items():
+        name = feature if feature != "all of them" else "chaboche"
+        assert f"`{name}`" in rows or name in rows, f"{feature} in {family}: {reason}"
