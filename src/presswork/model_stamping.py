@@ -9,12 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from presswork.geometry.swept_tool import SweptTool
-from presswork.mesh.tool_file import TriangulatedTool
 from presswork.model import (
     ExplicitElement,
     FloatArray,
@@ -29,6 +27,10 @@ from presswork.model import (
     SolverSettings,
     Support,
 )
+
+if TYPE_CHECKING:
+    from presswork.geometry.swept_tool import SweptTool
+    from presswork.mesh.tool_file import TriangulatedTool
 
 ToolKind = Literal["punch", "die", "holder"]
 

@@ -4,6 +4,7 @@
 `main` is the program `presswork`; `app` is the same as a Typer app, for tests and other programs.
 """
 
+import gc
 import sys
 from typing import Any
 
@@ -15,6 +16,7 @@ def main() -> None:
     if sys.argv[1:] == ["--version"]:
         print(f"presswork {__version__}")
         return
+    gc.set_threshold(100_000)  # what is imported stays: searching it for garbage takes a tenth of a short command
     from presswork.cli.commands import app
 
     app()

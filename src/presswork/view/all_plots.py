@@ -72,7 +72,9 @@ def plot_all(
     Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
     """
     require_matplotlib()
-    with result.kept_open():
+    from matplotlib import rc_context
+
+    with result.kept_open(), rc_context({"axes.titley": 1.0}):  # so that no axes looks for room above their ticks
         return _plot_all(result, result.folder / "plots" if out_dir is None else Path(out_dir), fields, steps, mirror,
                          sections)  # fmt: skip
 

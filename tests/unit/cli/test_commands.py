@@ -3,6 +3,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -10,6 +11,7 @@ from typer.testing import CliRunner
 from presswork import __version__
 from presswork.cli import app
 from presswork.cli.commands import COMMANDS, load
+from presswork.examples import copy_example
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -52,3 +54,36 @@ def test_version_loads_neither_typer_nor_numpy() -> None:
 
 def test_help_loads_no_command() -> None:
     assert not {"numpy", "pydantic", *(f"presswork.cli.{name}" for name in COMMANDS)} & loaded_by("--help")
+
+
+SLOW = {
+    "pint",
+    "h5py",
+    "matplotlib",
+    "tomli_w",
+    "ezdxf",
+    "meshio",
+    "pyuff",
+    "scipy.sparse",
+    "scipy.ndimage",
+    "scipy.stats",
+}
+OTHER_KINDS = {f"presswork.case.{kind}.schema" for kind in ("shell", "stamping", "onestep")}
+
+
+def test_check_loads_the_schema_of_its_own_kind_and_no_solver(tmp_path: Path) -> None:
+    case = copy_example("upsetting_4cst", tmp_path)
+    loaded = loaded_by("check", str(case))
+    assert "presswork.case.solid.schema" in loaded
+    assert not (SLOW | OTHER_KINDS | {"pypardiso", "rich"}) & loaded
+
+
+def test_run_loads_what_it_computes_and_draws_with(tmp_path: Path) -> None:
+    case = copy_example("upsetting_4cst", tmp_path)
+    short = ("--set", "stages.0.tools.punch.stroke=0.1", "--quiet")
+    loaded = loaded_by("run", str(case), "--no-plot", *short)
+    assert "h5py" in loaded
+    assert not ({"pint", "matplotlib", "scipy.stats", "scipy.ndimage", "scipy.optimize"} | OTHER_KINDS) & loaded
+    drawn = loaded_by("plot", str(case.with_suffix("")))
+    assert "matplotlib" in drawn
+    assert not {"matplotlib.pyplot", "scipy.stats", "presswork.case.solid.schema"} & drawn
