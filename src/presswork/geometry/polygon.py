@@ -7,6 +7,8 @@ import numpy as np
 
 from presswork.model import BoolArray, FloatArray
 
+_AT_ONCE = 4096
+"""Pairs of points and sides that are looked at together; more of them fall out of the cache."""
 _AT_A_TIME = 200_000
 """Pairs of points and sides held in memory."""
 
@@ -20,10 +22,12 @@ def contains(sides: FloatArray, points: FloatArray) -> BoolArray:
     """Say which points (n, 2) lie inside the closed loops of sides (m, 2, 2): a ray along x meets an odd number."""
     inside = np.zeros(len(points), dtype=bool)
     x, y = points.T
-    for (x0, y0), (x1, y1) in sides:
-        if y0 != y1:
-            spans = (y0 > y) != (y1 > y)
-            inside ^= spans & (x < x0 + (y - y0) * ((x1 - x0) / (y1 - y0)))
+    sides = sides[sides[:, 0, 1] != sides[:, 1, 1]]
+    count = max(1, _AT_ONCE // max(len(points), 1))
+    for first in range(0, len(sides), count):
+        (x0, y0), (x1, y1) = np.moveaxis(sides[first : first + count, :, :, None], 0, 2)
+        met = ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * ((x1 - x0) / (y1 - y0)))
+        inside ^= np.logical_xor.reduce(met, axis=0)
     return inside
 
 

@@ -49,6 +49,7 @@ _OVERHEAD_BYTES = 65536
 _COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
 """Of each mesh."""
 _GEOMETRY_OFFSETS = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
+_WITH_A_COLUMN = ("CellOffsets", "ConnectivityIdOffsets")
 
 
 def append_step(
@@ -181,7 +182,7 @@ def _write_frame(file: h5py.File, info: Info) -> None:
     steps.attrs["NSteps"] = 0
     steps.create_dataset("Values", (0,), np.float64, maxshape=(None,), chunks=(256,)).attrs["units"] = "s"
     for name in (*_GEOMETRY_OFFSETS, "NumberOfParts"):
-        columns = (1,) if name in ("CellOffsets", "ConnectivityIdOffsets") else ()
+        columns = (1,) if name in _WITH_A_COLUMN else ()
         steps.create_dataset(name, (0, *columns), np.int64, maxshape=(None, *columns), chunks=(256, *columns))
     for kind in ("Point", "Cell"):
         root.create_group(f"{kind}Data")
@@ -208,10 +209,10 @@ def _append_mesh(file: h5py.File, mesh: Mesh) -> None:
     for name, values in rows.items():
         if name not in root:
             _create_rows(root, name, values)
-        append_rows(root[name], values)
+        append_rows(root, name, values)
     root["Points"].attrs["units"] = "mm"
     for name, count in zip(_COUNTS, (len(space), len(nodes_per_cell), nodes_per_cell.sum()), strict=True):
-        append_rows(root[name], np.array([count]))
+        append_rows(root, name, np.array([count]))
     meshes = file["presswork/meshes"]
     own = meshes.create_group(str(len(meshes)))
     own["boundary_edges"] = mesh.boundary_edges
@@ -286,9 +287,7 @@ def _append_fields(file: h5py.File, kind: str, fields: Mapping[str, FloatArray])
     elif set(group) != set(fields):
         raise ValueError(f"fields {sorted(fields)} differ from those of the first step, {sorted(group)}")
     for name, values in fields.items():
-        field = group[name]
-        append_rows(offsets[name], np.array([len(field)]))
-        append_rows(field, values)
+        append_rows(offsets, name, np.array([append_rows(group, name, values)]))
 
 
 def _create_rows(group: h5py.Group, name: str, values: NDArray[np.generic]) -> h5py.Dataset:
@@ -313,11 +312,12 @@ def _append_time(file: h5py.File, time: float) -> None:
     steps = body["Steps"]
     part = len(body["NumberOfPoints"]) - 1
     place = locate_mesh(file, part)
-    append_rows(steps["Values"], np.array([time]))
+    append_rows(steps, "Values", np.array([time]))
     begins = (part, place.points.start, place.cells.start, place.ids.start)
     for name, begin in zip(_GEOMETRY_OFFSETS, begins, strict=True):
-        append_rows(steps[name], np.full((1, *steps[name].shape[1:]), begin, dtype=np.int64))
-    append_rows(steps["NumberOfParts"], np.ones(1, dtype=np.int64))
+        columns = (1,) if name in _WITH_A_COLUMN else ()
+        append_rows(steps, name, np.full((1, *columns), begin, dtype=np.int64))
+    append_rows(steps, "NumberOfParts", np.ones(1, dtype=np.int64))
     steps.attrs["NSteps"] = len(steps["Values"])
 
 
@@ -329,9 +329,9 @@ def _append_tool_positions(file: h5py.File, displacement: Mapping[str, FloatArra
         raise ValueError(f"position of {sorted(unknown)}, but the file's tools are {sorted([*tools, *surfaces])}")
     for name, tool in [*tools.items(), *surfaces.items()]:
         size = tool["displacement"].shape[1]
-        append_rows(tool["displacement"], np.asarray(displacement.get(name, (0.0,) * size), float).reshape(1, size))
+        append_rows(tool, "displacement", np.asarray(displacement.get(name, (0.0,) * size), float).reshape(1, size))
     for name, tool in tools.items():
-        append_rows(tool["angle"], np.array([angle.get(name, 0.0)]))
+        append_rows(tool, "angle", np.array([angle.get(name, 0.0)]))
 
 
 def _truncate(file: h5py.File, n: int) -> None:
