@@ -115,7 +115,8 @@ def test_a_holder_waits_for_its_stage_and_its_lift_opens_the_bead(tmp_path) -> N
     touch, draw, opened = (history["stage"] == name for name in ("touch", "draw", "open"))
     assert (history["holder.stroke"][touch] == 0.0).all()
     assert history["punch.stroke"][touch][-1] == pytest.approx(1.5, rel=1e-9)
-    assert history["holder.force"][draw][-1] == pytest.approx(8000, rel=0.1)
+    held = history["holder.force"][draw]
+    assert held[len(held) // 2 :].mean() == pytest.approx(8000, rel=0.02)
     (bead,) = (name for name in history if name.startswith("bead") and name.endswith(".force"))
     assert history[bead][draw][-1] > 0.5 * 60 * (4 * 30 + 2 * np.pi * 15)
     after_ramp = history[bead][opened][3:]  # the force leaves within the first tenth, two rows

@@ -134,7 +134,7 @@ def test_a_punch_that_goes_back_leaves_the_part(tmp_path) -> None:
     assert h["punch.stroke"].max() == pytest.approx(3, rel=1e-9)
     assert h["punch.stroke"][-1] == pytest.approx(-1, rel=1e-9)
     assert h["punch.force"][-10:] == pytest.approx(0.0, abs=1e-9)
-    assert h["holder.force"][-1] == pytest.approx(4000, rel=0.1), "a holder that no stage names goes on pushing"
+    assert h["holder.force"][-1] == pytest.approx(4000, rel=0.005), "a holder that no stage names goes on pushing"
     assert -3.3 < result.points()[:, 2].min() < -2, "the part keeps its depth but for springback"
 
 
@@ -209,7 +209,10 @@ def test_a_holder_is_moved_pushed_lifted_and_stands_still(tmp_path: Path) -> Non
     h = result.history
     close, pushed, opened, eject = (h["stage"] == name for name in ("close", "draw", "open", "eject"))
     assert h["holder.stroke"][close][-1] == pytest.approx(0.95, rel=1e-9)
-    assert h["holder.force"][pushed][-1] == pytest.approx(4000, rel=0.1)
+    # the holder's own mass vibrates on the sheet: by 0.7 % at the end, less in the mean
+    held = h["holder.force"][pushed]
+    assert held[-1] == pytest.approx(4000, rel=0.02)
+    assert held[len(held) // 2 :].mean() == pytest.approx(4000, rel=0.005)
     lifted = h["holder.stroke"][opened]
     assert lifted[-1] - h["holder.stroke"][pushed][-1] == pytest.approx(-2, abs=1e-9)
     np.testing.assert_allclose(h["holder.stroke"][eject], lifted[-1], atol=1e-12)

@@ -97,10 +97,10 @@ def touch_tool(
     # 3. shortened to mu N where it slides
     size, limit = np.linalg.norm(trial, axis=1), mu * push
     slides = size > limit
-    safe = np.maximum(size, 1e-300)
+    safe = np.where(slides, size, 1.0)
     along = trial / safe[:, None]
     d_slide = mu * _dyads(along, slope[:, None] * rise)
-    d_slide += (limit / safe)[:, None, None] * ((np.eye(3) - _dyads(along, along)) @ d_trial)
+    d_slide += np.where(slides, limit / safe, 0.0)[:, None, None] * ((np.eye(3) - _dyads(along, along)) @ d_trial)
     friction = np.where(slides[:, None], limit[:, None] * along, trial)
     stiffness -= np.where(slides[:, None, None], d_slide, d_trial)
     return NodesOnTool(nodes, force + friction, friction, stiffness, energy)
