@@ -92,12 +92,10 @@ void bind_element(nb::module_& m) {
                         connectivity.data(),
                         points.data(),
                         increment.data(),
-                        axisymmetric,
-                        depth,
+                        {axisymmetric, depth, hourglass_fraction},
                         stress_n.data(),
                         eqps_n.data(),
                         hourglass_n.data(),
-                        hourglass_fraction,
                         stress.data(),
                         eqps.data(),
                         hourglass.data(),
@@ -148,6 +146,31 @@ void bind_element(nb::module_& m) {
       "Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. "
       "history (n_cells, points, n_history) is what the law keeps besides stress and eqps. Returns the index of a cell "
       "turned inside out, or -1; what the law told is in fault.");
+
+  m.def(
+      "differentiate_cell",
+      [](const std::string& name, Doubles points, Doubles increment, Doubles along, const Owned<VonMises>& law,
+         const PointSettings& settings, bool axisymmetric, double depth, double hourglass_fraction, Doubles stress_n,
+         Doubles eqps_n, Doubles hourglass_n) {
+        const auto element = element_named(name);
+        const std::size_t nodes = element.nodes, d = element.dim(), q = element.points;
+        require(points.size() == nodes * d && increment.size() == nodes * d && along.size() == nodes * d,
+                "points, increment and along must have shape (nodes, d)");
+        require(stress_n.size() == q * element.components() && eqps_n.size() == q && hourglass_n.size() == 2,
+                "stress_n, eqps_n and hourglass_n must have shapes (points, c), (points) and (2)");
+        double *force, *derivative;
+        auto forces = new_array({nodes, d}, &force);
+        auto derivatives = new_array({nodes, d}, &derivative);
+        const CellState state{stress_n.data(), eqps_n.data(), hourglass_n.data()};
+        require(element.differentiate({axisymmetric, depth, hourglass_fraction}, settings, law.view, state,
+                                      points.data(), increment.data(), along.data(), force, derivative),
+                "the cell is turned inside out");
+        return std::make_tuple(forces, derivatives);
+      },
+      nb::arg("element"), nb::arg("points"), nb::arg("increment"), nb::arg("along"), nb::arg("law"),
+      nb::arg("settings"), nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth"), nb::arg("hourglass_fraction"),
+      nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"),
+      "Forces (nodes, d) of one solid cell and their exact derivative along a move of its nodes, by dual numbers.");
 }
 
 }  // namespace presswork::bindings

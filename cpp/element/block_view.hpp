@@ -2,6 +2,7 @@
 // What a kernel of solids sees of one block of cells.
 #pragma once
 
+#include "element/solid2d_geometry.hpp"
 #include "element/umat_response.hpp"
 
 namespace presswork {
@@ -13,12 +14,10 @@ struct BlockView {
   const int* connectivity;  // (n_cells, nodes)
   const double* points;     // (n_points, d) at t [mm]
   const double* increment;  // (n_points, d) displacement since t [mm]
-  bool axisymmetric;
-  double depth;               // plane strain [mm]
+  SolidSection section;
   const double* stress_n;     // (n_cells, q, c) [MPa]
   const double* eqps_n;       // (n_cells, q)
   const double* hourglass_n;  // (n_cells, 2) [N], one_point only
-  double hourglass_fraction;
   double* stress;
   double* eqps;
   double* hourglass;

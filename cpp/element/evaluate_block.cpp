@@ -9,39 +9,35 @@ namespace presswork {
 
 namespace {
 
-template <class Cell, int n_points, Treatment treatment = Treatment::standard>
+template <int dim, class Cell, int n_points, Treatment treatment = Treatment::standard>
 constexpr ElementType element(std::string_view name, std::string_view description, bool in_explicit = false) {
-  using Kernel = Solid2d<Cell, n_points, treatment>;
-  const ElementRow row{name, Cell::name, Cell::nodes, n_points, Family::plane, description, true, in_explicit};
-  ElementType type{row, &Kernel::template evaluate<VonMises>};
-  type.evaluate_plane = &Kernel::template evaluate<PlaneLaw>;
-  if constexpr (treatment != Treatment::one_point) type.evaluate_umat = &Kernel::template evaluate<Umat>;
-  return type;
-}
-
-template <class Cell, int n_points, Treatment treatment = Treatment::standard>
-constexpr ElementType space_element(std::string_view name, std::string_view description) {
-  using Kernel = SpaceSolid<Cell, n_points, treatment>;
-  const ElementRow row{name, Cell::name, Cell::nodes, n_points, Family::space, description};
-  ElementType type{row, &Kernel::template evaluate<VonMises>};
-  type.evaluate_space = &Kernel::template evaluate<SolidLaw>;
+  const Family family = dim == 2 ? Family::plane : Family::space;
+  const ElementRow row{name, Cell::name, Cell::nodes, n_points, family, description, true, in_explicit};
+  ElementType type{row, &evaluate_pack<dim, Cell, n_points, treatment, VonMises>};
+  type.differentiate = &differentiate_cell<dim, Cell, n_points, treatment>;
+  if constexpr (dim == 3)
+    type.evaluate_space = &evaluate_pack<dim, Cell, n_points, treatment, SolidLaw>;
+  else
+    type.evaluate_plane = &evaluate_pack<dim, Cell, n_points, treatment, PlaneLaw>;
+  if constexpr (dim == 2 && treatment != Treatment::one_point)
+    type.evaluate_umat = &evaluate_pack<dim, Cell, n_points, treatment, Umat>;
   return type;
 }
 
 constexpr ElementType elements[] = {
-    element<Tri3, 1>("tri3", "3-node triangles, constant strain", true),
-    element<Tri6, 6>("tri6_6pt", "6-node triangles, 6-point rule"),
-    element<Tri6, 7>("tri6_7pt", "6-node triangles, 7-point rule"),
-    element<Quad4, 4>("quad4", "4-node quadrilaterals, full integration"),
-    element<Quad4, 4, Treatment::fbar>("quad4_fbar", "4-node quadrilaterals, F-bar"),
-    element<Quad4, 1, Treatment::one_point>("quad4_1pt", "4-node quadrilaterals, one point with hourglass control",
-                                            true),
-    element<Quad8, 9>("quad8", "8-node quadrilaterals, 3 x 3 points"),
-    element<Quad8, 4>("quad8_2x2", "8-node quadrilaterals, 2 x 2 points"),
-    element<Quad9, 9>("quad9", "9-node quadrilaterals, 3 x 3 points"),
-    element<Quad9, 4>("quad9_2x2", "9-node quadrilaterals, 2 x 2 points"),
-    space_element<Hex8, 8>("hex8", "8-node hexahedra, full integration"),
-    space_element<Hex8, 8, Treatment::fbar>("hex8_fbar", "8-node hexahedra, F-bar"),
+    element<2, Tri3, 1>("tri3", "3-node triangles, constant strain", true),
+    element<2, Tri6, 6>("tri6_6pt", "6-node triangles, 6-point rule"),
+    element<2, Tri6, 7>("tri6_7pt", "6-node triangles, 7-point rule"),
+    element<2, Quad4, 4>("quad4", "4-node quadrilaterals, full integration"),
+    element<2, Quad4, 4, Treatment::fbar>("quad4_fbar", "4-node quadrilaterals, F-bar"),
+    element<2, Quad4, 1, Treatment::one_point>("quad4_1pt", "4-node quadrilaterals, one point with hourglass control",
+                                               true),
+    element<2, Quad8, 9>("quad8", "8-node quadrilaterals, 3 x 3 points"),
+    element<2, Quad8, 4>("quad8_2x2", "8-node quadrilaterals, 2 x 2 points"),
+    element<2, Quad9, 9>("quad9", "9-node quadrilaterals, 3 x 3 points"),
+    element<2, Quad9, 4>("quad9_2x2", "9-node quadrilaterals, 2 x 2 points"),
+    element<3, Hex8, 8>("hex8", "8-node hexahedra, full integration"),
+    element<3, Hex8, 8, Treatment::fbar>("hex8_fbar", "8-node hexahedra, F-bar"),
 };
 
 }  // namespace

@@ -7,7 +7,8 @@
 #include <string_view>
 
 #include "element/element_table.hpp"
-#include "element/solid.hpp"
+#include "element/solid_block.hpp"
+#include "element/solid_derivative.hpp"
 
 namespace presswork {
 
@@ -19,6 +20,8 @@ struct ElementType : ElementRow {
   Kernel<PlaneLaw> evaluate_plane = nullptr;
   Kernel<SolidLaw> evaluate_space = nullptr;
   Kernel<Umat> evaluate_umat = nullptr;
+  bool (*differentiate)(const SolidSection&, PointSettings, const VonMises&, const CellState&, const double* x,
+                        const double* du, const double* along, double* force, double* derivative) = nullptr;
 
   int components() const { return dim() == 3 ? 6 : 4; }  // of a stress
 };

@@ -22,7 +22,7 @@
 // With small displacements positions and directors are the undeformed ones, strains and d - d0 = theta x d0 are linear
 // in the increment, forces are those on the undeformed shell, and the thickness stays.
 //
-// Cells are taken pack_width at a time as solid2d.hpp does; row = 6 node + freedom.
+// Cells are taken pack_width at a time as solid_block.hpp does; row = 6 node + freedom.
 #pragma once
 
 #include "element/director.hpp"

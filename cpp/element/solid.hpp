@@ -1,108 +1,96 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solids in space: standard or F-bar. The formulation is that of solid2d.hpp, its equations those of
-// space_response.hpp.
+// Solids of any dimension, cell and treatment on any scalar: standard, F-bar, or one point with hourglass control.
 //
 // Updated Lagrangian: gradients are taken on the configuration at t, F is the increment's, the residual and tangent are
-// integrated over the configuration at t+dt. fbar (de Souza Neto et al. 1996, with the element's volume average in
-// place of the centroid): the stress is that of F (Jbar/J)^(1/3), Jbar = v(t+dt)/v(t) of the element. With
-// settings.small_displacements it becomes B-bar (Hughes 1980, with the element's volume average).
+// integrated over the configuration at t+dt. What a dimension is made of stands in solid_plane.hpp and solid_space.hpp.
 //
-// Elements are taken pack_width at a time; lane l of pack p is element p*pack_width + l. The last pack repeats the last
-// element. Element matrices are written as [pack][row][column][lane], forces as [pack][row][lane]; row = 3 node +
-// component.
+// fbar (de Souza Neto et al. 1996, with the element's volume average in place of the centroid): the stress is that of
+// F (Jbar/J)^(1/3), in plane strain of the in-plane part times (Jbar/J)^(1/2); Jbar = v(t+dt)/v(t) of the element.
+// one_point (Flanagan & Belytschko 1981), in the plane: centroid stress, and hourglass forces Q = R Q_n + k gamma.du on
+// the hourglass vector gamma, k = 2 fraction * G_now * V * sum |grad N|^2 with G_now = G before first yield, then flow
+// + slope/3 (at most G), so that the control stays weak beside plastic flow. In axisymmetry gradients and N/r are the
+// element's volume averages.
+//
+// With settings.small_displacements the points are the undeformed ones, gradients and volumes those at the start, and
+// F-bar becomes B-bar (Hughes 1980, with the element's volume average), in the virtual strain too.
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
 
-#include "element/solid2d.hpp"
+#include "element/solid_plane.hpp"
 #include "element/solid_space.hpp"
 
 namespace presswork {
 
-template <class Cell, int n_points, Treatment treatment>
-struct SpaceSolid : SolidSpace<Cell, n_points, Pack> {
-  using T = Pack;
-  using Base = SolidSpace<Cell, n_points, T>;
-  using Point = typename Base::Point;
-  static constexpr int dim = 3, nodes = Base::nodes, freedoms = Base::freedoms;
-  static_assert(treatment != Treatment::one_point);
+enum class Treatment { standard, fbar, one_point };
 
-  // Evaluate the pack whose first cell is pack * pack_width. Returns the index of a cell turned inside out, or -1.
-  template <class Law>
-  static int evaluate(const BlockView& b, const PointSettings& settings, const Law& law, int pack) {
-    const int first = pack * pack_width;
-    int cells[pack_width];
-    T x[nodes][3], du[nodes][3];
-    for (int lane = 0; lane < pack_width; ++lane) {
-      cells[lane] = std::min(first + lane, b.n_cells - 1);
-      for (int a = 0; a < nodes; ++a) {
-        const int node = b.connectivity[cells[lane] * nodes + a];
-        for (int i = 0; i < 3; ++i) {
-          x[a][i].set(lane, b.points[3 * node + i]);
-          du[a][i].set(lane, b.increment[3 * node + i]);
-        }
-      }
-    }
+template <int dim, class Cell, int n_points, class T>
+using SolidBody = std::conditional_t<dim == 2, SolidPlane<Cell, n_points, T>, SolidSpace<Cell, n_points, T>>;
 
+template <int dim, class Cell, int n_points, Treatment treatment, class T>
+struct Solid : SolidBody<dim, Cell, n_points, T> {
+  using Body = SolidBody<dim, Cell, n_points, T>;
+  using Point = typename Body::Point;
+  static constexpr int nodes = Cell::nodes, freedoms = dim * nodes;
+  static_assert(Cell::dim == dim && !(treatment == Treatment::one_point && dim == 3));
+
+  // One cell, or a pack of them, with its nodes at x, moved by du: nodal forces and, if K is given, the tangent. True
+  // in lanes where the cell is turned inside out; then nothing is written. `points` keeps the state of the points:
+  //     advance(q, x, du, g, F, response)    stress and modulus of point q after F
+  //     keep(q, volume)                      keeps its new state
+  //     begin_hourglass(Q, modulus), keep_hourglass(Q)     of one_point
+  template <class Points>
+  [[gnu::always_inline]] static inline Mask<T> evaluate(const SolidSection& section, const PointSettings& settings,
+                                                        const T x[][dim], const T du[][dim], Points& points, T* force,
+                                                        T* K) {
     // 1. kinematics of every point, before anything is computed from it
     Point g[n_points];
     const bool small = settings.small_displacements;
-    Mask<T> bad{};
+    Mask<T> bad = T(1.0) < T(0.0);
     for (int q = 0; q < n_points; ++q) {
-      bad = either(bad, Base::measure_reference(x, q, g[q]));
-      bad = either(bad, Base::deform(du, small, g[q]));
+      bool measured = false;
+      if constexpr (treatment == Treatment::one_point)
+        if ((measured = section.axisymmetric)) bad = either(bad, Body::measure_mean(x, g[q]));
+      if (!measured) bad = either(bad, Body::measure_reference(section, x, q, g[q]));
+      bad = either(bad, Body::deform(du, small, g[q]));
     }
-    for (int lane = 0; lane < pack_width; ++lane)
-      if (bad[lane]) return cells[lane];
+    if (any(bad)) return bad;
 
-    T force[freedoms];
-    alignas(64) T K[freedoms * freedoms];
-    const bool with_K = b.stiffness != nullptr;
-    for (auto& f : force) f = T(0.0);
-    if (with_K)
-      for (auto& k : K) k = T(0.0);
+    for (int i = 0; i < freedoms; ++i) force[i] = T(0.0);
+    if (K)
+      for (int i = 0; i < freedoms * freedoms; ++i) K[i] = T(0.0);
     T mean_div[freedoms], mean(1.0);
-    if constexpr (treatment == Treatment::fbar) mean = Base::mean_dilatation(g, with_K, small, mean_div);
+    if constexpr (treatment == Treatment::fbar) mean = Body::mean_dilatation(g, K != nullptr, small, mean_div);
 
     // 2. stress, internal force and tangent point by point
     for (int q = 0; q < n_points; ++q) {
-      T s0[most_point_values<6>], s1[most_point_values<6>];
-      load_point<6>(b, law, cells, n_points, q, s0);
-      T F[9];
-      std::copy_n(g[q].F, 9, F);
-      if constexpr (treatment == Treatment::fbar) Base::use_mean_dilatation(mean, g[q], small, F);
-      typename Base::Response response;
-      const int count = std::min(pack_width, b.n_cells - first);
-      note_failed(b, pack, count, respond(settings, law, F, b.dt, s0, s1, response));
+      T F[Body::gradients];
+      std::copy_n(g[q].F, Body::gradients, F);
+      if constexpr (treatment == Treatment::fbar) Body::use_mean_dilatation(section, mean, g[q], small, F);
+      typename Body::Response response;
+      points.advance(q, x, du, g, F, response);
 
       T dv = g[q].volume_t * g[q].jacobian;
-      typename Base::Gradients now;
-      Base::push_forward(g[q], small, now);
-      Base::add_force(now, response.stress, dv, force);
-      if (with_K) Base::add_stiffness(now, response, dv, K);
-      if constexpr (treatment == Treatment::fbar) {
-        if (small)
-          Base::add_bbar(now, response, dv, mean_div, force, with_K ? K : nullptr);
-        else if (with_K)
-          Base::add_fbar(now, response, dv, mean_div, K);
+      typename Body::Gradients now;
+      Body::push_forward(g[q], small, now);
+      Body::add_force(now, response.stress, dv, force);
+      if (K) {
+        Body::add_stiffness(now, response, dv, K);
+        if constexpr (treatment == Treatment::fbar)
+          if (!small) Body::add_fbar(section, now, response, dv, mean_div, K);
       }
-      save_point<6>(b, law, cells, count, n_points, q, s1, dv);
+      if constexpr (treatment == Treatment::fbar)
+        if (small) Body::add_bbar(section, now, response, dv, mean_div, force, K);
+      if constexpr (treatment == Treatment::one_point) {
+        T Q[2], modulus;
+        points.begin_hourglass(Q, modulus);
+        Body::Forces::add_hourglass(modulus, section.hourglass_fraction, x, du, g[q], now, Q, force, K, small);
+        points.keep_hourglass(Q);
+      }
+      points.keep(q, dv);
     }
-
-    // 3. out
-    for (int i = 0; i < freedoms; ++i) store(b.force, static_cast<std::size_t>(pack) * freedoms + i, force[i]);
-    if (!with_K) return -1;
-    const std::size_t base = static_cast<std::size_t>(pack) * freedoms * freedoms;
-    for (int i = 0; i < freedoms; ++i)
-      for (int j = 0; j < freedoms; ++j) {
-        T k = b.symmetric ? T(0.5) * (K[i * freedoms + j] + K[j * freedoms + i]) : K[i * freedoms + j];
-        store(b.stiffness, base + i * freedoms + j, k);
-      }
-    return -1;
-  }
-
-  static void store(double* array, std::size_t index, T value) {
-    for (int lane = 0; lane < pack_width; ++lane) array[index * pack_width + lane] = value[lane];
+    return bad;
   }
 };
 

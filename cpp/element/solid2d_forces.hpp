@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forces and tangent of a 2D solid (solid2d.hpp) at a point: of stress, of F-bar, of hourglass control.
+// Forces and tangent of a solid in the plane (solid.hpp) at a point: of stress, of F-bar, of hourglass control.
 #pragma once
 
 #include "element/solid2d_geometry.hpp"
 
 namespace presswork {
 
-template <int nodes>
+template <int nodes, class T = Pack>
 struct SolidForces {
   static constexpr int freedoms = 2 * nodes;
-  using T = Pack;
 
   static void add_force(const T now[][3], const T s[4], T dv, T* force) {
     T sx = s[0] * dv, sy = s[1] * dv, sh = s[2] * dv, sxy = s[3] * dv;
@@ -37,13 +36,13 @@ struct SolidForces {
   }
 
   // F-bar: + int G^T q (mean divergence - divergence) dv, q = (a:I - 2 sigma)/3, in plane strain (a:I - sigma)/2.
-  static void add_fbar(const BlockView& b, const T now[][3], const T m[5][5], const T s[4], T dv, const T* mean_div,
-                       T* K) {
+  static void add_fbar(const SolidSection& section, const T now[][3], const T m[5][5], const T s[4], T dv,
+                       const T* mean_div, T* K) {
     const T sigma[5] = {s[0], s[3], s[3], s[1], s[2]};
     T qv[5];
     for (int r = 0; r < 5; ++r)
-      qv[r] = b.axisymmetric ? T(1.0 / 3) * (m[r][0] + m[r][3] + m[r][4] - T(2.0) * sigma[r])
-                             : T(0.5) * (m[r][0] + m[r][3] - sigma[r]);
+      qv[r] = section.axisymmetric ? T(1.0 / 3) * (m[r][0] + m[r][3] + m[r][4] - T(2.0) * sigma[r])
+                                   : T(0.5) * (m[r][0] + m[r][3] - sigma[r]);
     for (int a = 0; a < nodes; ++a) {
       T fx = (now[a][0] * qv[0] + now[a][1] * qv[1] + now[a][2] * qv[4]) * dv;
       T fy = (now[a][0] * qv[2] + now[a][1] * qv[3]) * dv;
@@ -59,9 +58,9 @@ struct SolidForces {
 
   // B-bar, which is F-bar with small displacements: the mean divergence in the virtual strain too, so that the
   // stiffness is symmetric. Adds what add_force and add_stiffness lack.
-  static void add_bbar(const BlockView& b, const T now[][3], const T m[5][5], const T s[4], T dv, const T* mean_div,
-                       T* force, T* K) {
-    const int rows = b.axisymmetric ? 3 : 2;
+  static void add_bbar(const SolidSection& section, const T now[][3], const T m[5][5], const T s[4], T dv,
+                       const T* mean_div, T* force, T* K) {
+    const int rows = section.axisymmetric ? 3 : 2;
     constexpr int diagonal[3] = {0, 3, 4};
     const T part(1.0 / rows);
     T more[freedoms], pressure(0.0), stiff(0.0), left[5], right[5];
@@ -95,7 +94,7 @@ struct SolidForces {
   }
 
   // Returns the work of the hourglass forces; modulus as above.
-  static T add_hourglass(T modulus, double fraction, const T x[][2], const T du[][2], const SolidPoint<nodes>& g,
+  static T add_hourglass(T modulus, double fraction, const T x[][2], const T du[][2], const SolidPoint<nodes, T>& g,
                          const T now[][3], T Q[2], T* force, T* K, bool small = false) {
     // 1. hourglass vectors at t and at t+dt: orthogonal to every linear field there
     constexpr double h[4] = {1, -1, 1, -1};

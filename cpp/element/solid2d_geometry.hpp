@@ -1,28 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry of a 2D solid (solid2d.hpp): gradients and volume at t, F of the increment, means over the element.
+// Geometry of a solid in the plane (solid.hpp): gradients and volume at t, F of the increment, means over the element.
 #pragma once
 
 #include <numbers>
 
-#include "element/block_view.hpp"
 #include "reference/quad.hpp"
 #include "reference/tri.hpp"
+#include "tensor/dual.hpp"
 
 namespace presswork {
 
-// At one point.
-template <int nodes>
-struct SolidPoint {
-  Pack grad[nodes][2], hoop[nodes];  // at t: gradients and N/r (zero in plane strain)
-  Pack F[5];
-  Pack volume_t, jacobian;
+// What is common to the solids of a block in the plane; in space nothing is asked of it.
+struct SolidSection {
+  bool axisymmetric = false;
+  double depth = 1.0;  // of plane strain [mm]
+  double hourglass_fraction = 0.05;
 };
 
-template <class Cell, int n_points>
+// To the last bit, which material/yield_terms.hpp's faster one is not.
+inline double library_cube_root(double a) { return std::cbrt(a); }
+inline Pack library_cube_root(Pack a) {
+  return map_lanes(a, [](double x) { return std::cbrt(x); });
+}
+template <class S, int N>
+Dual<S, N> library_cube_root(const Dual<S, N>& a) {
+  S root = library_cube_root(a.value);
+  return a.chain(root, root / (S(3.0) * a.value));
+}
+
+// At one point.
+template <int nodes, class T = Pack>
+struct SolidPoint {
+  T grad[nodes][2], hoop[nodes];  // at t: gradients and N/r (zero in plane strain)
+  T F[5];
+  T volume_t, jacobian;
+};
+
+template <class Cell, int n_points, class T = Pack>
 struct SolidGeometry {
   static constexpr int nodes = Cell::nodes;
-  using T = Pack;
-  using PointGeometry = SolidPoint<nodes>;
+  using PointGeometry = SolidPoint<nodes, T>;
 
   static const ShapeTable<Cell, n_points>& table() {
     static const ShapeTable<Cell, n_points> shared;
@@ -30,12 +47,12 @@ struct SolidGeometry {
   }
 
   // Gradients, N/r and volume of one point at t; true in lanes where the cell is turned inside out there.
-  static Pack::Mask measure_reference(const BlockView& b, const T x[][2], int q, PointGeometry& g) {
+  static Mask<T> measure_reference(const SolidSection& section, const T x[][2], int q, PointGeometry& g) {
     const auto& shape = table();
     T det;
     gradients_at(x, shape.dN[q], g.grad, det);
-    T thickness(b.depth), inv_r(0.0);
-    if (b.axisymmetric) {
+    T thickness(section.depth), inv_r(0.0);
+    if (section.axisymmetric) {
       T r(0.0);
       for (int a = 0; a < nodes; ++a) r += T(shape.N[q][a]) * x[a][0];
       thickness = T(2.0 * std::numbers::pi) * r;
@@ -43,12 +60,12 @@ struct SolidGeometry {
     }
     for (int a = 0; a < nodes; ++a) g.hoop[a] = T(shape.N[q][a]) * inv_r;
     g.volume_t = T(shape.weight[q]) * det * thickness;
-    return !(det > T(0.0));
+    return invert(det > T(0.0));
   }
 
   // The same for the one point of an axisymmetric quadrilateral: volume averages, so that a homogeneous stress is in
   // equilibrium in cells of any shape, which the centroid's values do not give.
-  static Pack::Mask measure_mean(const T x[][2], PointGeometry& g) {
+  static Mask<T> measure_mean(const T x[][2], PointGeometry& g) {
     static const ShapeTable<Cell, 4> rule;
     T V(0.0), worst(1.0);
     for (int a = 0; a < nodes; ++a) g.grad[a][0] = g.grad[a][1] = g.hoop[a] = T(0.0);
@@ -67,7 +84,7 @@ struct SolidGeometry {
     T inv = T(1.0) / V;
     for (int a = 0; a < nodes; ++a) g.grad[a][0] *= inv, g.grad[a][1] *= inv, g.hoop[a] *= inv;
     g.volume_t = V;
-    return !(worst > T(0.0));
+    return invert(worst > T(0.0));
   }
 
   static void gradients_at(const T x[][2], const double dN[][2], T grad[][2], T& det) {
@@ -86,7 +103,7 @@ struct SolidGeometry {
   }
 
   // F of the increment; true in lanes where the point is turned inside out, which small displacements cannot do.
-  static Pack::Mask deform(const T du[][2], PointGeometry& g, bool small = false) {
+  static Mask<T> deform(const T du[][2], PointGeometry& g, bool small = false) {
     T* F = g.F;
     F[0] = F[3] = F[4] = T(1.0), F[1] = F[2] = T(0.0);
     for (int a = 0; a < nodes; ++a) {
@@ -96,13 +113,13 @@ struct SolidGeometry {
     }
     if (small) {
       g.jacobian = T(1.0);
-      return Pack::Mask{};
+      return invert(T(0.0) < T(1.0));
     }
     T plane = F[0] * F[3] - F[1] * F[2];
     g.jacobian = plane * F[4];
     // a trace of F that is not positive is a half turn: outside what an increment may do
     T worst = smaller(smaller(plane, F[4]), F[0] + F[3]);
-    return !(worst > T(1e-6));
+    return invert(worst > T(1e-6));
   }
 
   // Gradients on the configuration at t+dt, and N/r there (zero in plane strain); small: as at t.
@@ -152,17 +169,17 @@ struct SolidGeometry {
     return v / V;
   }
 
-  static void use_mean_dilatation(const BlockView& b, T mean, const PointGeometry& g, bool small, T F[5]) {
+  static void use_mean_dilatation(const SolidSection& section, T mean, const PointGeometry& g, bool small, T F[5]) {
     if (small) {
-      T more = (mean - (F[0] + F[3] + F[4] - T(3.0))) * T(b.axisymmetric ? 1.0 / 3 : 0.5);
+      T more = (mean - (F[0] + F[3] + F[4] - T(3.0))) * T(section.axisymmetric ? 1.0 / 3 : 0.5);
       F[0] += more, F[3] += more;
-      if (b.axisymmetric) F[4] += more;
+      if (section.axisymmetric) F[4] += more;
       return;
     }
     T ratio = mean / g.jacobian;
-    T factor = b.axisymmetric ? map_lanes(ratio, [](double v) { return std::cbrt(v); }) : square_root(ratio);
+    T factor = section.axisymmetric ? library_cube_root(ratio) : square_root(ratio);
     for (int i = 0; i < 4; ++i) F[i] *= factor;
-    if (b.axisymmetric) F[4] *= factor;
+    if (section.axisymmetric) F[4] *= factor;
   }
 };
 

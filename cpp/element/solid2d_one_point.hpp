@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One-point solids of the explicit loop, plane strain or axisymmetric: a quadrilateral with hourglass control, a
-// triangle. The elements of solid2d.hpp, evaluated without a tangent, on state that is kept by packs.
+// triangle. The elements of solid.hpp, evaluated without a tangent, on state that is kept by packs.
 //
 // The quadrilateral's map is x = c + p xi + q eta + h xi eta (each with two components), so that det J = J0 + J1 xi +
 // J2 eta, and the volume averages of gradients and of N/r in axisymmetry are polynomials of p, q, h, integrated
@@ -13,13 +13,6 @@
 
 namespace presswork {
 
-// What is common to the solids of an explicit run.
-struct ExplicitSolidSection {
-  bool axisymmetric = false;
-  double depth = 1.0;  // of plane strain [mm]
-  double hourglass_fraction = 0.05;
-};
-
 template <class Cell>
 struct OnePointSolid {
   static constexpr bool is_quad = std::is_same_v<Cell, Quad4>;
@@ -29,7 +22,7 @@ struct OnePointSolid {
   static constexpr int nodes = Geometry::nodes;
   using Forces = SolidForces<nodes>;
   // Gradients, N/r (0 in plane strain) and volume at x; true in lanes where the cell is turned inside out.
-  static Pack::Mask measure(const ExplicitSolidSection& section, const T x[][2], Point& g) {
+  static Pack::Mask measure(const SolidSection& section, const T x[][2], Point& g) {
     if constexpr (is_quad)
       return measure_quad(section, x, g);
     else
@@ -39,8 +32,8 @@ struct OnePointSolid {
   // One cycle of dt, by du to x at its end. Advances the state in place and gives the nodal forces (2 nodes); in lanes
   // where the cell is turned inside out the answer is true, and the pack's state then stays.
   template <class Law>
-  [[gnu::flatten]] static Pack::Mask advance(const Law& law, const ExplicitSolidSection& section, double dt,
-                                             const T x[][2], const T du[][2], CyclePlace& place, T* state, T* force) {
+  [[gnu::flatten]] static Pack::Mask advance(const Law& law, const SolidSection& section, double dt, const T x[][2],
+                                             const T du[][2], CyclePlace& place, T* state, T* force) {
     for (int i = 0; i < 2 * nodes; ++i) force[i] = T(0.0);
     // 1. configuration at the start, deformation gradient
     T x_n[nodes][2];
@@ -84,8 +77,7 @@ struct OnePointSolid {
   // The eigenvalues of M^-1 V B^T D B are those of A = V D (B M^-1 B^T), of which n can differ from 0 (3 in plane
   // strain, 4 in axisymmetry); with their sum s and sum of squares t the largest is at most s/n + sqrt((n-1)/n (t -
   // s^2/n)) (Wolkowicz & Styan 1980). The hourglass control adds at most its own.
-  static T bound_frequency(const IsotropicModuli& moduli, const ExplicitSolidSection& section, const T x[][2],
-                           const T mass[]) {
+  static T bound_frequency(const IsotropicModuli& moduli, const SolidSection& section, const T x[][2], const T mass[]) {
     Point g;
     measure(section, x, g);
     T inverse_mass[nodes], G[4][4] = {};
@@ -126,7 +118,7 @@ struct OnePointSolid {
  private:
   static constexpr double xi[4] = {-1, 1, 1, -1}, eta[4] = {-1, -1, 1, 1};
 
-  static Pack::Mask measure_quad(const ExplicitSolidSection& section, const T x[][2], Point& g) {
+  static Pack::Mask measure_quad(const SolidSection& section, const T x[][2], Point& g) {
     T c_r = T(0.25) * ((x[0][0] + x[1][0]) + (x[2][0] + x[3][0])), p[2], q[2], h[2];
     for (int i = 0; i < 2; ++i) {
       T bottom = x[1][i] - x[0][i], top = x[2][i] - x[3][i];
@@ -166,7 +158,7 @@ struct OnePointSolid {
     return !(worst > T(0.0));
   }
 
-  static Pack::Mask measure_triangle(const ExplicitSolidSection& section, const T x[][2], Point& g) {
+  static Pack::Mask measure_triangle(const SolidSection& section, const T x[][2], Point& g) {
     T side[3][2];  // opposite a corner, counter-clockwise
     for (int a = 0; a < 3; ++a)
       for (int i = 0; i < 2; ++i) side[a][i] = x[(a + 2) % 3][i] - x[(a + 1) % 3][i];

@@ -3,7 +3,7 @@
 // over the element.
 #pragma once
 
-#include "element/block_view.hpp"
+#include "element/solid2d_geometry.hpp"
 #include "element/space_response.hpp"
 #include "reference/hex.hpp"
 
@@ -19,7 +19,7 @@ struct SpacePoint {
 
 template <class Cell, int n_points, class T>
 struct SolidSpace {
-  static constexpr int nodes = Cell::nodes, freedoms = 3 * nodes;
+  static constexpr int dim = 3, nodes = Cell::nodes, freedoms = 3 * nodes, components = 6, gradients = 9;
   using Point = SpacePoint<nodes, T>;
   using Gradients = T[nodes][3];
   using Response = SpaceResponse<T>;
@@ -30,7 +30,7 @@ struct SolidSpace {
   }
 
   // Gradients and volume of point q at t; true in lanes where the cell is turned inside out there.
-  static Mask<T> measure_reference(const T x[][3], int q, Point& g) {
+  static Mask<T> measure_reference(const SolidSection&, const T x[][3], int q, Point& g) {
     const auto& shape = table();
     T J[9];  // dx_i / d xi_j
     for (auto& entry : J) entry = T(0.0);
@@ -113,7 +113,7 @@ struct SolidSpace {
     return v / V;
   }
 
-  static void use_mean_dilatation(T mean, const Point& g, bool small, T F[9]) {
+  static void use_mean_dilatation(const SolidSection&, T mean, const Point& g, bool small, T F[9]) {
     if (small) {
       T more = (mean - (F[0] + F[4] + F[8] - T(3.0))) * T(1.0 / 3);
       for (int i = 0; i < 9; i += 4) F[i] += more;
@@ -167,7 +167,7 @@ struct SolidSpace {
   }
 
   // F-bar: + int G^T q (mean divergence - divergence) dv, q = (a : I - 2 sigma)/3 with a : I = C : I + sigma.
-  static void add_fbar(const Gradients& now, const Response& r, T dv, const T* mean_div, T* K) {
+  static void add_fbar(const SolidSection&, const Gradients& now, const Response& r, T dv, const T* mean_div, T* K) {
     T q[6];
     for (int i = 0; i < 6; ++i)
       q[i] = T(1.0 / 3) * dv *
@@ -186,7 +186,8 @@ struct SolidSpace {
 
   // B-bar, which is F-bar with small displacements: the mean divergence in the virtual strain too, so that the
   // stiffness is symmetric. Adds what add_force and add_stiffness lack.
-  static void add_bbar(const Gradients& now, const Response& r, T dv, const T* mean_div, T* force, T* K) {
+  static void add_bbar(const SolidSection&, const Gradients& now, const Response& r, T dv, const T* mean_div, T* force,
+                       T* K) {
     T more[freedoms], left[6], right[6], stiff(0.0);
     const T third(1.0 / 3), pressure = third * (r.stress[0] + r.stress[1] + r.stress[2]);
     for (int a = 0; a < nodes; ++a)

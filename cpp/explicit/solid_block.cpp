@@ -26,7 +26,7 @@ template <int count>
 }  // namespace
 
 SolidBlock::SolidBlock(std::string_view element, std::vector<int> cells, const double* points, SolidLawChoice law,
-                       double density, const ExplicitSolidSection& section)
+                       double density, const SolidSection& section)
     : cells(std::move(cells)), law_(std::move(law)), density_(density), section_(section) {
   if (element == "tri3")
     use<Tri3>(points);

@@ -26,7 +26,7 @@ class SolidBlock {
   // cells (n, nodes) of element "tri3" or "quad4_1pt"; points (n_points, 2) [mm]; density [t/mm3]. Throws
   // std::invalid_argument for another element.
   SolidBlock(std::string_view element, std::vector<int> cells, const double* points, SolidLawChoice law, double density,
-             const ExplicitSolidSection& section);
+             const SolidSection& section);
 
   int n() const { return n_; }
   int n_packs() const { return (n_ + lanes - 1) / lanes; }
@@ -76,7 +76,7 @@ class SolidBlock {
 
   SolidLawChoice law_;
   double density_;
-  ExplicitSolidSection section_;
+  SolidSection section_;
   int nodes_ = 0, n_ = 0, rows_ = 0;
   // Packs: [pack][node][lane], [pack][row][lane]. The last is filled up with copies of the last cell that take part in
   // no assembly.

@@ -17,8 +17,7 @@ constexpr int serial_elements = 2000;  // fewer are left to one thread: waking a
 
 }  // namespace
 
-SolidLoop::SolidLoop(int n_nodes, const double* points, const std::uint8_t* contact,
-                     const ExplicitSolidSection& section)
+SolidLoop::SolidLoop(int n_nodes, const double* points, const std::uint8_t* contact, const SolidSection& section)
     : section(section),
       n_nodes(n_nodes),
       nodes(SolidBlock::node_record * padded()),

@@ -34,7 +34,7 @@ struct SolidEnergies {
 class SolidLoop {
  public:
   // points (n, 2) [mm]: x is the radius in axisymmetry. contact (n): nodes that walls hold.
-  SolidLoop(int n_nodes, const double* points, const std::uint8_t* contact, const ExplicitSolidSection& section);
+  SolidLoop(int n_nodes, const double* points, const std::uint8_t* contact, const SolidSection& section);
 
   SolidLoop(const SolidLoop&) = delete;
   SolidLoop& operator=(const SolidLoop&) = delete;
@@ -54,7 +54,7 @@ class SolidLoop {
   // Energies now; dt is the next step, dt_before the last; scales are those of the next cycle.
   SolidEnergies energies(double dt, double dt_before, double damping, double force_scale, double velocity_scale) const;
 
-  const ExplicitSolidSection section;
+  const SolidSection section;
   const int n_nodes;
   std::vector<SolidBlock> blocks;
   std::vector<std::unique_ptr<RigidWall>> walls;

@@ -73,6 +73,31 @@ def test_stiffness_is_the_derivative_of_the_force(element, measure, size) -> Non
     assert one.error_of_stiffness(size * one.shape) < 1e-6
 
 
+@pytest.mark.parametrize("measure", MEASURES)
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_stiffness_is_the_derivative_by_dual_numbers(element, measure) -> None:
+    one = OneCell(element, measure=_core.StrainMeasure[measure])
+    increment, along = 0.05 * one.shape, np.random.default_rng(5).standard_normal((8, 3))
+    force, stiffness = one.evaluate(increment, with_stiffness=True)
+    found, derivative = _core.differentiate_cell(
+        element,
+        one.points,
+        increment,
+        along,
+        one.law,
+        one.settings,
+        axisymmetric=False,
+        depth=1.0,
+        hourglass_fraction=0.0,
+        stress_n=one.stress[0],
+        eqps_n=one.eqps[0],
+        hourglass_n=np.zeros(2),
+    )
+    np.testing.assert_allclose(found, force, atol=1e-12 * np.abs(force).max())
+    product = stiffness @ along.ravel()
+    np.testing.assert_allclose(derivative.ravel(), product, atol=1e-10 * np.abs(product).max())
+
+
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_stiffness_with_small_displacements_is_the_derivative_of_the_force(element) -> None:
     one = OneCell(element, small_displacements=True)

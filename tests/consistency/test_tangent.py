@@ -103,6 +103,32 @@ class OneElement:
 
 
 @pytest.mark.parametrize("axisymmetric", [True, False], ids=["axisymmetric", "plane_strain"])
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_stiffness_is_the_derivative_by_dual_numbers(element, axisymmetric) -> None:
+    """The kernel on packs and on dual numbers: the same force, and the tangent's product with a move to round-off."""
+    one = OneElement(element, make_law("swift"), axisymmetric=axisymmetric)
+    increment, along = PLASTIC_STRAIN * one.shape, np.random.default_rng(5).standard_normal(one.shape.shape)
+    force, stiffness = one.evaluate(increment, with_stiffness=True)
+    found, derivative = _core.differentiate_cell(
+        element,
+        one.points,
+        increment,
+        along,
+        one.law,
+        one.settings,
+        axisymmetric=axisymmetric,
+        depth=1.3,
+        hourglass_fraction=0.05,
+        stress_n=one.stress[0],
+        eqps_n=one.eqps[0],
+        hourglass_n=one.hourglass[0],
+    )
+    np.testing.assert_allclose(found.ravel(), force, atol=1e-12 * np.abs(force).max())
+    product = stiffness @ along.ravel()
+    np.testing.assert_allclose(derivative.ravel(), product, atol=1e-11 * np.abs(product).max())
+
+
+@pytest.mark.parametrize("axisymmetric", [True, False], ids=["axisymmetric", "plane_strain"])
 @pytest.mark.parametrize("measure", MEASURES)
 @pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize("size", [ELASTIC_STRAIN, PLASTIC_STRAIN], ids=["elastic", "plastic"])
