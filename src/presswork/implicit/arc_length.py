@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import stop
-from presswork.body.shells import ShellFailed, ShellMechanics
 from presswork.implicit.linear_solver import SolverError
+from presswork.implicit.linear_system import Balance
 from presswork.implicit.stepping import (
     FRACTION,
     INCREMENTS,
@@ -26,9 +26,9 @@ from presswork.implicit.stepping import (
     ImplicitProcedure,
     IncrementReport,
 )
-from presswork.interaction.contract import Constraints, Forces
+from presswork.interaction.contract import Constraints, Point, turn, turn_back
 from presswork.model import FloatArray, Model
-from presswork.outcome import GaveUpError, IterationLog
+from presswork.outcome import BadGuess, GaveUpError, IterationLog, Step
 from presswork.state import State
 
 SMALLEST = 1e-4
@@ -41,21 +41,12 @@ LARGEST = 20.0
 
 
 @dataclass(frozen=True)
-class _Point:
-    """A guess: increment (n_points, 6), load fraction, and the forces there."""
-
-    increment: FloatArray
-    fraction: float
-    internal: FloatArray
-    loads: Forces
-
-
-@dataclass(frozen=True)
 class _Found:
     """An increment in equilibrium."""
 
     trial: State
-    point: _Point
+    point: Point
+    constraints: Constraints
     log: IterationLog
 
 
@@ -84,12 +75,12 @@ class ArcLengthProcedure(ImplicitProcedure):
                     f"stage {self.model.stages[stage].name!r} at {fraction_n:.2%}: even an arc of {arc:.1e} mm finds "
                     f"no equilibrium ({found}). Try a finer mesh"
                 )
-        trial, point, log = found.trial, found.point, found.log
-        fraction, over = point.fraction, point.fraction >= 1.0 - 1e-12
-        trial.displacement, trial.increment = self.state.displacement + point.increment, point.increment
-        trial.reaction, trial.external_force = point.internal - point.loads.force, point.loads.force
-        size = arc * float(np.clip(np.sqrt(settings.target_iterations / max(len(log), 1)), 0.5, 1.5))
+        trial, log = found.trial, found.log
+        fraction = found.point.guess.step.fraction
+        over = fraction >= 1.0 - 1e-12
         self._start = self.state
+        self.equilibrium.fill(self._start, trial, found.point, found.constraints)
+        size = arc * float(np.clip(np.sqrt(settings.target_iterations / max(len(log), 1)), 0.5, 1.5))
         self._commit(trial, stage, fraction_n, 1.0 if over else fraction, arc, log, len(cutbacks))
         now = self.state.progress
         if not over:
@@ -105,70 +96,52 @@ class ArcLengthProcedure(ImplicitProcedure):
             is_save_point=self._is_save_point(fraction_n, fraction, over),
         )
 
-    def _shells(self) -> ShellMechanics:
-        assert isinstance(self.mechanics, ShellMechanics), "the case allows arc length for shells only"
-        return self.mechanics
-
     def _first_arc(self, stage: int) -> float:
         """Arc length [mm] of the undeformed sheet's answer to the first increment of load."""
         if stage not in self._first_arcs:
-            state = self._shells().at_rest()
+            state = self.mechanics.at_rest(0, 0)
             increment = np.zeros_like(state.displacement)
-            point = self._evaluate(state, state.duplicate(), stage, increment, 0.0)
-            assert isinstance(point, _Point), "the undeformed sheet can be evaluated"
-            answer = self._tangents(state, stage, point)[1]
+            trial = state.duplicate()
+            point = self._evaluate(state, trial, Step(stage, 0.0, 0.0), increment)
+            assert isinstance(point, Point), "the undeformed sheet can be evaluated"
+            answer = self._tangents(state, trial, point)[1]
             self._first_arcs[stage] = self.model.solver.initial_increment * float(np.linalg.norm(answer[:, :3]))
         return self._first_arcs[stage]
 
-    def _evaluate(
-        self, state_n: State, trial: State, stage: int, increment: FloatArray, fraction: float
-    ) -> _Point | ShellFailed:
-        mechanics = self._shells()
-        internal = mechanics.evaluate(state_n, trial, increment, with_stiffness=True)
-        if isinstance(internal, ShellFailed):
-            return internal
-        loads = self.interactions.loads.at(state_n, increment, stage, fraction)
-        return _Point(increment, fraction, internal, loads)
+    def _evaluate(self, state_n: State, trial: State, step: Step, increment: FloatArray) -> Point | BadGuess:
+        """Return the forces of an increment in no time: laws with a rate are refused with arc length."""
+        return self.equilibrium.evaluate(state_n, trial, step, increment, with_stiffness=True, dt=0.0)
 
-    def _tangents(self, state_n: State, stage: int, point: _Point) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return what the forces out of balance and the whole load would move (n_points, 6), and what is lacking."""
-        mechanics, solver = self._shells(), self.equilibrium.solver
-        constraints = self.interactions.supports.prescribe(state_n, stage, 0.0, point.increment)
-        ends = [self.interactions.loads.at(state_n, point.increment, stage, f).force for f in (0.0, 1.0)]
-        lacking = _turn(constraints, point.loads.force - point.internal)
-        lacking[constraints.mask == 1] = 0.0
-        data = np.zeros(len(mechanics.assembler.indices))
-        mechanics.assemble_stiffness(constraints.turned, constraints.frames, data)
-        if len(point.loads.pairs):
-            mechanics.assembler.add_blocks(
-                point.loads.pairs, point.loads.blocks, constraints.turned, constraints.frames, data
-            )
-        load = _turn(constraints, ends[1] - ends[0])
+    def _tangents(self, state_n: State, trial: State, point: Point) -> tuple[FloatArray, FloatArray, Balance]:
+        """Return what the forces out of balance and the whole load would move (n_points, 6), and the balance."""
+        point, balance = self.equilibrium.balance(state_n, trial, point)
+        guess, constraints = point.guess, balance.constraints
+        ends = [self.interactions.loads.at(state_n, guess.increment, guess.step.stage, f).force for f in (0.0, 1.0)]
+        load = turn(constraints, ends[1] - ends[0])
         load[constraints.mask == 1] = 0.0
-        rhs, mask = lacking.reshape(-1).copy(), constraints.mask.reshape(-1)
-        mechanics.assembler.constrain(mask, constraints.value.reshape(-1), float(data.max()), data, rhs)
-        solver.factorise(data)
-        moves = [solver.solve(b).reshape(lacking.shape) for b in (rhs, load.reshape(-1))]
-        for move in moves:
-            move[:, 3:] = np.einsum("nji,nj->ni", constraints.frames, move[:, 3:])
-        return moves[0], moves[1], lacking
+        system = self.equilibrium.system
+        rhs = system.factorise(point, balance)
+        moves = [system.solver.solve(b.reshape(-1)).reshape(load.shape) for b in (rhs, load)]
+        return turn_back(constraints, moves[0]), turn_back(constraints, moves[1]), balance
 
     def _follow(self, stage: int, fraction_n: float, arc: float, *, end: bool = False) -> _Found | str:
         """Find equilibrium an arc further on, or at the end of the stage, or say why not."""
-        settings, mechanics = self.model.solver, self._shells()
+        settings, mechanics = self.model.solver, self.mechanics
         state_n, trial, log = self.state, self.state.duplicate(), IterationLog()
-        point = self._evaluate(state_n, trial, stage, np.zeros_like(state_n.displacement), fraction_n)
+        step_n = Step(stage, fraction_n, fraction_n)
+        point = self._evaluate(state_n, trial, step_n, np.zeros_like(state_n.displacement))
         peak = max(float(state_n.peak_force[0]), mechanics.force_of_round_off())
         for iteration in range(settings.max_iterations + 1):
             stop.look()
-            if isinstance(point, ShellFailed):
+            if isinstance(point, BadGuess):
                 return str(point)
+            increment, fraction = point.guess.increment, point.guess.step.fraction
             try:
-                correction, answer, lacking = self._tangents(state_n, stage, point)
+                correction, answer, balance = self._tangents(state_n, trial, point)
             except SolverError as error:
                 return str(error)
-            largest = max(float(np.abs(f / mechanics.length).max()) for f in (point.internal, point.loads.force))
-            log.residual.append(float(np.abs(lacking / mechanics.length).max()) / max(largest, 1e-2 * peak))
+            largest = self.equilibrium.largest_force(point)
+            log.residual.append(balance.largest_lacking / max(largest, 1e-2 * peak))
             log.contact_changes.append(0)
             if iteration == 0:
                 sign = 1.0 if not state_n.increment.any() else np.sign((answer * state_n.increment)[:, :3].sum())
@@ -177,28 +150,20 @@ class ArcLengthProcedure(ImplicitProcedure):
                     change, end = 1.0 - fraction_n, True
                 step, ahead = correction + change * answer, change * answer
             elif log.residual[-1] <= settings.force_tolerance and log.correction[-1] <= settings.displacement_tolerance:
-                if point.fraction > 1.0 + 1e-12:
+                if fraction > 1.0 + 1e-12:
                     return self._follow(stage, fraction_n, arc, end=True)
-                bends = min(_cosine(point.increment, ahead), abs(_cosine(point.increment, answer))) < SHARPEST
+                bends = min(_cosine(increment, ahead), abs(_cosine(increment, answer))) < SHARPEST
                 if bends and not end:
                     return "the path turns too sharply"
-                trial.peak_force = np.maximum(state_n.peak_force, largest)
-                return _Found(trial, point, log)
+                return _Found(trial, point, balance.constraints, log)
             else:
-                change = 0.0 if end else _on_arc(point.increment, correction, answer, arc)
+                change = 0.0 if end else _on_arc(increment, correction, answer, arc)
                 step = correction + change * answer
-            moved = point.increment + step
+            moved = increment + step
             size = float(np.abs(moved * mechanics.length).max())
             log.correction.append(float(np.abs(step * mechanics.length).max()) / size if size > 0 else 0.0)
-            point = self._evaluate(state_n, trial, stage, moved, point.fraction + change)
+            point = self._evaluate(state_n, trial, Step(stage, fraction_n, fraction + change), moved)
         return f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}"
-
-
-def _turn(constraints: Constraints, vector: FloatArray) -> FloatArray:
-    """Take the rotations of a nodal vector into the nodes' frames."""
-    turned = vector.copy()
-    turned[:, 3:] = np.einsum("nij,nj->ni", constraints.frames, vector[:, 3:])
-    return turned
 
 
 def _cosine(first: FloatArray, second: FloatArray) -> float:

@@ -83,7 +83,7 @@ class Equilibrium:
         """Largest change of a freedom, made a length [mm]."""
         return float(np.abs(change * self._mechanics.length).max())
 
-    def _largest_force(self, point: Point) -> float:
+    def largest_force(self, point: Point) -> float:
         """Largest nodal force of the cells and of what drives them [N]."""
         length = self._mechanics.length
         largest = float(np.abs(point.internal / length).max())
@@ -122,7 +122,7 @@ class Equilibrium:
             stop.look()
             # 1. what holds the nodes at the present guess, and what is out of balance
             may_release = iteration > 0 and log.residual[-1] < NEAR
-            scale = max(self._largest_force(point), UNLOADED * peak)
+            scale = max(self.largest_force(point), UNLOADED * peak)
             pull = scale * max(settings.force_tolerance, CREDIBLE * log.residual[-1] if iteration else 0.0)
             point, balance = self.balance(state_n, trial, point, near=may_release, pull=pull)
 
@@ -165,16 +165,20 @@ class Equilibrium:
     def _settle(
         self, state_n: State, trial: State, point: Point, balance: Balance, log: IterationLog
     ) -> Converged | Failed:
-        """Fill the trial state with what equilibrium has found."""
+        """Fill the trial state, unless contact does not settle."""
         unsettled = sum(i.n_unsettled for i in self._interactions)
         if unsettled:
             return Failed(log, f"contact of {unsettled} nodes does not settle", 0.5)
+        self.fill(state_n, trial, point, balance.constraints)
+        return Converged(log)
+
+    def fill(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> None:
+        """Fill the trial state with what equilibrium has found at a point."""
         trial.displacement, trial.increment = point.guess.displacement, point.guess.increment
         trial.reaction = point.reaction
         for interaction, forces in zip(self._interactions, point.forces, strict=True):
-            interaction.settle(state_n, trial, forces, balance.constraints)
-        trial.peak_force = np.maximum(state_n.peak_force, self._largest_force(point))
-        return Converged(log)
+            interaction.settle(state_n, trial, forces, constraints)
+        trial.peak_force = np.maximum(state_n.peak_force, self.largest_force(point))
 
     def balance(
         self, state_n: State, trial: State, point: Point, *, near: bool = False, pull: float = 0.0
@@ -234,10 +238,15 @@ class Equilibrium:
         return Constraints(mask, np.zeros(shape), turned, np.zeros((shape[0], 2, 2)))
 
     def evaluate(
-        self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool
-    ) -> Point | BadGuess:
-        """Return the forces after `increment` (n_points, freedoms) [mm, rad] from state_n."""
-        dt = self._model.stages[step.stage].time_between(step.fraction_n, step.fraction)
+        self, state_n: State, trial: State, step: Step, increment: FloatArray, *, with_stiffness: bool,
+        dt: float | None = None,
+    ) -> Point | BadGuess:  # fmt: skip
+        """Return the forces after `increment` (n_points, freedoms) [mm, rad] from state_n.
+
+        dt: time that it takes [s]; None: by the stage's clock.
+        """
+        if dt is None:
+            dt = self._model.stages[step.stage].time_between(step.fraction_n, step.fraction)
         internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
         if isinstance(internal, BadGuess):
             return internal
