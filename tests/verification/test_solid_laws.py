@@ -12,6 +12,9 @@ import pytest
 from problems import block_mesh, fit_rate, fixed_increments, make_model, run
 from scipy.optimize import brentq
 
+from presswork import build_model
+from presswork.case import read_case
+from presswork.examples import copy_example
 from presswork.model import (
     Hardening,
     Heating,
@@ -23,9 +26,21 @@ from presswork.model import (
     Support,
     YieldFunction,
 )
+from presswork.recorder import run_model
 
 YOUNG, POISSON, DENSITY = 200e3, 0.3, 7.85e-9
 LENGTH = 10.0
+EVERYTHING = """[materials.steel]
+young = "206 GPa"
+poisson = 0.3
+density = "7850 kg/m^3"
+yield_function = {law = "hill1948", r00 = 1.79, r45 = 1.51, r90 = 2.27}
+hardening = {law = "swift", K = 565.32, e0 = 0.007117, n = 0.2589}
+rate = {law = "cowper_symonds", D = 40, q = 5}
+heating = {melting = 1500, exponent = 1.0, heat_capacity = "460 J/(kg*K)"}
+kinematic = {law = "chaboche", C = [2000], gamma = [20]}
+
+"""
 SWIFT = Hardening("swift", np.array([565.32, 0.007117, 0.2589]))
 
 
@@ -140,3 +155,36 @@ def test_hill_1948_in_plane_strain_meets_its_limit_stress(r):
     np.testing.assert_allclose(stress[..., 1], limit, rtol=1e-5)
     np.testing.assert_allclose(stress[..., 2], F / (F + G) * limit, rtol=1e-4)
     np.testing.assert_allclose(stress[..., [0, 3]], 0.0, atol=1e-5 * limit)
+
+
+def test_a_resumed_run_with_every_law_gives_the_same_bits(tmp_path):
+    text = copy_example("upsetting_q4", tmp_path / "case").read_text(encoding="utf-8")
+    head, rest = text.split("[materials.steel]")
+    case = tmp_path / "case.toml"
+    case.write_text(head + EVERYTHING + rest[rest.index("[tools.punch]") :].replace("stroke = 9.0", "stroke = 3.0"))
+    model = build_model(read_case(case, ["workpiece.mesh.cells=[3,3]"]))
+    whole = run_model(model, tmp_path / "whole", threads=1).result
+
+    def stop(progress):
+        if progress.fraction > 0.3:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "parts", on_increment=stop, threads=1).status == "interrupted"
+    parts = run_model(model, tmp_path / "parts", resume=True, threads=1).result
+    np.testing.assert_array_equal(parts.history["punch.force"], whole.history["punch.force"])
+    np.testing.assert_array_equal(parts.field("temperature", step=-1), whole.field("temperature", step=-1))
+    assert parts.field("temperature", step=-1).max() > 50.0
+    assert abs(whole.summary["energy"]["error_percent"]) < 0.5
+
+
+def test_threads_do_not_change_the_bits_of_the_general_law():
+    material = Material(
+        "m", YOUNG, POISSON, SWIFT, rate=Rate("logarithmic", (0.02, 1e-3)), kinematic=Kinematic("chaboche", (2e3, 20.0))
+    )
+    mesh = block_mesh("quad4", (9, 9), origin=(0.0, 0.0), size=(LENGTH, LENGTH))
+    supports = (Support("left", (True, False)), Support("bottom", (True, True)))
+    motion = [PrescribedDisplacement("top", 1, -2.0)]
+    model = make_model(mesh, material, supports=supports, prescribed=motion, solver=fixed_increments(3))
+    one, two = (run(model, threads=threads)[0].state for threads in (1, 2))
+    np.testing.assert_array_equal(one.stress[0], two.stress[0])
+    np.testing.assert_array_equal(one.history[0], two.history[0])
