@@ -30,6 +30,7 @@ def draw_cup(folder: Path, element_size: float = 1.0, *overrides: str) -> Result
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "square_cup.toml").unlink(missing_ok=True)
     keys = [f"stages.0.tools.punch.stroke={STROKE[-1]}", f"blank.element_size={element_size}", "output.steps=50"]
+    keys.append("explicit.ironing=false")  # as in the thesis; an override may have it
     case = read_case(copy_example("square_cup", folder), [*keys, *overrides])
     outcome = run_model(build_model(case), folder / "out", overwrite=True)
     assert outcome.status == "completed", outcome.reason
