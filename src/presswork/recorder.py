@@ -78,8 +78,12 @@ def run_model(
     resume: bool = False,
     threads: int = 0,
     on_increment: Callable[[Progress], None] | None = None,
+    procedure: Callable[[AnyModel, int], Recording] = begin,
 ) -> Outcome:
     """Compute the whole process and write it to the folder.
+
+    procedure: makes the procedure at work on the model, from the model and the number of threads; by default the one
+    that the model asks for.
 
     A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C, SIGTERM and
     a solver that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError
@@ -87,7 +91,7 @@ def run_model(
     the workpiece is free to move as a rigid body. A signal that comes too late to interrupt raises KeyboardInterrupt
     once all files are whole.
     """
-    recording = begin(model, threads)
+    recording = procedure(model, threads)
     with stop.listen():
         path = open_output_folder(folder, overwrite=overwrite, resume=resume)
         with occupy(path):
