@@ -68,7 +68,7 @@ double microseconds(const FastMises& law, const LayerRule& rule, int threads) {
       auto& s = shells[i];
       for (int a = 0; a < 4; ++a)
         for (int j = 0; j < 2; ++j) s.x[a][j] += T(step) * s.v[a][j];
-      shell4::advance<true>(law, rule, control, s.x, s.v, s.w, s.state, s.force);
+      shell4::advance<true>(law, rule, control, s.x, s.v, s.w, static_cast<const T*>(nullptr), s.state, s.force);
     }
   };
   for (int k = 0; k < 200; ++k) evaluate();  // into the plastic range
@@ -92,7 +92,8 @@ double microseconds(const FastMises& law, const LayerRule& rule, int threads) {
 }  // namespace
 
 int main() {
-  const FastMises law{{207e3, 0.3, TabulatedHardening(Hardening{HardeningLaw::swift, {565.0, 0.007, 0.26}})}};
+  const HardeningTable table(Hardening{hardening::Swift{565.0, 0.007, 0.26}});
+  const FastMises law{{207e3, 0.3, table.view()}};
   const LayerRule rule{
       {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640},
       {0.1184634425280945, 0.2393143352496832, 0.2844444444444444, 0.2393143352496832, 0.1184634425280945}};
