@@ -2,6 +2,7 @@
 """Solids in space against closed forms, the solids in the plane, and published values."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -173,3 +174,17 @@ def test_elastic_energy_and_work_balance() -> None:
     stage = Stage("bend", prescribed=(PrescribedDisplacement("right", 2, 1.5),))
     procedure = compute(make_model(mesh, held, stage, material=STEEL, increments=40))
     assert abs(procedure.energy_balance()["error_percent"]) < 0.3
+
+
+def test_a_free_block_that_is_pushed_gains_its_impulse() -> None:
+    """Backward Euler with the body's mass: force times time is mass times velocity, with nothing to hold it."""
+    mesh = box("hex8_fbar", (4.0, 2.0, 3.0), (2, 1, 2))
+    material = replace(STEEL, density=7.85e-9)
+    push = Stage("push", duration=1e-3, face_forces=(FaceForce("right", (0.5, 0.0, 0.0)),))
+    state = compute(
+        make_model(mesh, [], push, material=material, increments=5, inertia=1.0, force_tolerance=1e-6)
+    ).state
+    mass, parts = 7.85e-9 * 24.0, np.arange(1, 6) / 5.0  # the force grows linearly
+    np.testing.assert_allclose(
+        state.velocity.mean(axis=0), [(parts * 3.0 * 2e-4).sum() / mass, 0.0, 0.0], rtol=1e-3, atol=1.0
+    )

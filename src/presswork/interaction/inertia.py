@@ -18,6 +18,7 @@ import numpy as np
 
 from presswork.interaction.contract import Forces, Guess, Interaction
 from presswork.interaction.sheet_contact import share_surface
+from presswork.mesh.box import node_volumes
 from presswork.mesh.topology import count_corners
 from presswork.model import CellBlock, FloatArray, Model
 from presswork.state import State
@@ -78,6 +79,10 @@ def _share_sheet(model: Model, block: CellBlock) -> FloatArray:
 def _share_solid(model: Model, block: CellBlock) -> FloatArray:
     """Return the volume of a solid that each node stands for (n_points,) [mm3]; of full rings in axisymmetry."""
     nodes = block.connectivity.shape[1]
+    if model.dimension == 3:
+        share = np.zeros(len(model.mesh.points))
+        np.add.at(share, block.connectivity, node_volumes(model.mesh.points, block.connectivity))
+        return share
     corners = count_corners(nodes)
     x, y = np.moveaxis(model.mesh.points[block.connectivity[:, :corners]], -1, 0)
     cross = x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y

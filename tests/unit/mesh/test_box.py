@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from presswork.mesh import MeshError
-from presswork.mesh.box import mesh_box, read_solid_mesh
+from presswork.mesh.box import mesh_box, node_volumes, read_solid_mesh
 from presswork.mesh.faces import press_faces
 
 
@@ -86,3 +86,11 @@ def test_face_pressure_stiffness_is_the_derivative_of_its_force() -> None:
             move[b, j] = 1e-6
             ahead, behind = (press_faces(points + s * move, face, 7.0)[0][0] for s in (1, -1))
             np.testing.assert_allclose(stiffness[0, :, b, :, j], -(ahead - behind) / 2e-6, atol=1e-7)
+
+
+def test_node_volumes_add_up_to_the_body() -> None:
+    points, cells = two_cells()
+    volumes = node_volumes(points, cells)
+    np.testing.assert_allclose(volumes, np.array([[0.25] * 8, [0.5] * 8]))
+    skewed = points @ np.array([[1.0, 0.0, 0.0], [0.3, 1.0, 0.0], [0.2, 0.1, 1.0]]).T
+    assert node_volumes(skewed, cells).sum() == pytest.approx(6.0)
