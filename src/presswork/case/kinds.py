@@ -105,7 +105,7 @@ def build_model(case: AnyCase, *, run_user_code: bool = True) -> AnyModel:
 def json_schema(kind: str | None = None) -> dict[str, Any]:
     """Return the JSON schema of case files, by which editors complete and check them.
 
-    Without a kind: of all, told apart by `analysis`. Raises CaseError for a kind that there is not.
+    Without a kind: of all, told apart by `analysis`. Raises CaseError for an unknown kind.
     """
     if kind is not None and kind not in KINDS:
         raise CaseError([Problem("", f"`{kind}` is no kind of case", suggest(kind, KINDS, "kinds"))], "schema")

@@ -44,7 +44,7 @@ class EnergyBalance:
     friction: float = 0.0
 
     def warnings(self, formed: float = 0.0) -> list[str]:
-        """Say what is out of hand: kinetic or hourglass energy above 5 % of the internal, an error above 5 %.
+        """Return warnings: kinetic or hourglass energy above 5 % of the internal, an error above 5 %.
 
         formed: internal energy [N mm] from which on the first two are compared with it: a sheet at rest has none, so
         that in its first moments any motion is more.
@@ -72,7 +72,7 @@ def sum_energies(e: _core.Energies | _core.SolidEnergies) -> float:
     return e.kinetic + e.internal + e.hourglass + e.damping + e.contact + e.friction - e.external
 
 
-def strike_balance(
+def compute_balance(
     e: _core.Energies | _core.SolidEnergies, reference: tuple[float, float] | None
 ) -> tuple[EnergyBalance, tuple[float, float]]:
     """Return the balance, and the reference brought up to date.
@@ -108,11 +108,11 @@ ADVICE = {
     "round the tools' radii, export tools from files with finer facets, or push less hard",
     "error": "set explicit.safety lower",
 }
-"""Of a stamping, on what is out of hand."""
+"""Warnings of a stamping: energies beyond their limits."""
 
 
 def warn_of_energies(history: Mapping[str, NDArray[Any]], advice: Mapping[str, str] = ADVICE) -> list[str]:
-    """Say which of the energies that there is advice on have been out of hand since forming was under way."""
+    """Return which energies with advice have been beyond their limits since forming was under way."""
     internal = history["internal_energy"]
     if len(internal) == 0 or internal.max() <= 0:
         return []

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.explicit.drawbeads import BeadsOfRun
-from presswork.explicit.energy import EnergyBalance, MassScaling, strike_balance, sum_energies
+from presswork.explicit.energy import EnergyBalance, MassScaling, compute_balance, sum_energies
 from presswork.explicit.input_checks import ExplicitError as ExplicitError
 from presswork.explicit.input_checks import check_nodal, check_shells
 from presswork.explicit.layers import LayersOfRun
@@ -319,7 +319,7 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
 
     def energies(self, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> EnergyBalance:
         """Give the energies now; damping and the scales are those of the next cycle."""
-        balance, reference = strike_balance(self._energies(damping, force_scale, velocity_scale), self._reference)
+        balance, reference = compute_balance(self._energies(damping, force_scale, velocity_scale), self._reference)
         if self._reference:
             self._reference = reference
         return balance

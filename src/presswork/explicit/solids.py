@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core, stop
-from presswork.explicit.energy import EnergyBalance, MassScaling, strike_balance, sum_energies
+from presswork.explicit.energy import EnergyBalance, MassScaling, compute_balance, sum_energies
 from presswork.explicit.input_checks import ExplicitError, check_nodal, check_solids
 from presswork.explicit.motion import Motion
 from presswork.explicit.shells import SAFETY
@@ -360,7 +360,7 @@ class ExplicitSolids:
 
     def energies(self) -> EnergyBalance:
         """Give the energies now; damping and scales are taken as in the last cycle."""
-        balance, reference = strike_balance(self._energies(*self._scales), self._reference)
+        balance, reference = compute_balance(self._energies(*self._scales), self._reference)
         if self._reference:
             self._reference = reference
         return balance

@@ -102,7 +102,7 @@ def _add_mirror_image(points: FloatArray, cells: IntArray, axis: int) -> tuple[F
 
 
 def name_sets(points: FloatArray, kinds: Sequence[IntArray], symmetry: Sequence[bool], triangles: bool) -> Mesh:
-    """Return the mesh in space; its elements and section are filled in by dress_blank.
+    """Return the mesh in space; its elements and section are filled in by assign_section.
 
     kinds: quadrilaterals, triangles.
     """
@@ -135,7 +135,7 @@ def name_sets(points: FloatArray, kinds: Sequence[IntArray], symmetry: Sequence[
     return Mesh(space, blocks, numbered, {"edge": outline, "boundary": boundary}, boundary)
 
 
-def dress_blank(mesh: Mesh, elements: Mapping[int, ElementName], section: Section, material: int) -> Mesh:
+def assign_section(mesh: Mesh, elements: Mapping[int, ElementName], section: Section, material: int) -> Mesh:
     """Return the mesh with its cells' element, by their number of nodes, section and material."""
     blocks = tuple(
         CellBlock(elements[block.connectivity.shape[1]], block.connectivity, material, section) for block in mesh.blocks

@@ -241,7 +241,7 @@ class ExplicitImpact(RowRecording):
         self._begin_stage()
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        """Return counts, extremes and energies, with warnings where they are beyond their limits."""
         fields = {name: values for name, values in compute_fields(self.show())[1].items() if values.ndim == 1}
         mass = self.solids.added_mass()
         speed = self.solids.mass @ self.solids.velocity / self.solids.mass.sum()

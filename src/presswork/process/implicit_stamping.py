@@ -230,7 +230,7 @@ class ImplicitStamping(IncrementRecording):
         }
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        """Return counts, extremes and energies, with warnings where they are beyond their limits."""
         state = self.procedure.state
         fields = self.show().sheet
         verdict = self._judge(fields)

@@ -114,7 +114,10 @@ class Recording(Protocol):
 
 
 class ModelRecording:
-    """What recordings of a model say alike; of a checkpoint the arrays hold all, unless they say otherwise."""
+    """Members that all recordings of a model share.
+
+    A checkpoint consists of the arrays alone unless a subclass adds more.
+    """
 
     model: AnyModel
     timing: Timing

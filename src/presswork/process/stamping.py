@@ -207,7 +207,7 @@ class ExplicitStamping(RowRecording):
         )
 
     def log_lines(self, report: RowReport) -> list[str]:
-        """Say where the row ended, and what is out of hand."""
+        """Say where the row ended, and which energies are beyond their limits."""
         return [*super().log_lines(report), *(f"warning: {each}" for each in report.energies.warnings(self._formed))]
 
     def progress_text(self, report: RowReport) -> str:
@@ -315,7 +315,7 @@ class ExplicitStamping(RowRecording):
         self._begin_stage()
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return counts, extremes and energies, with warnings where they are out of hand."""
+        """Return counts, extremes and energies, with warnings where they are beyond their limits."""
         shells = self.shells
         fields = self._cell_fields()
         verdict = self._judge(fields)

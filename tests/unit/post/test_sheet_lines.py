@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswork.mesh.blanks import dress_blank, mesh_rectangular_blank
+from presswork.mesh.blanks import assign_section, mesh_rectangular_blank
 from presswork.model import Section
 from presswork.post import (
     cut_sheet,
@@ -30,7 +30,7 @@ DRAWN = np.array([-0.1, -0.2, 0.0])
 def plate(folder: Path, planes: str) -> Result:
     """40 x 20 mm in cells of 2 mm, or what symmetry planes leave; thickness 1 + x/100 at the cells' middles."""
     mesh = mesh_rectangular_blank((40.0, 20.0), 2.0, [axis in planes for axis in "xy"])
-    mesh = dress_blank(mesh, {4: "shell4_1pt"}, Section(1.0), 0)
+    mesh = assign_section(mesh, {4: "shell4_1pt"}, Section(1.0), 0)
     moved = mesh.points * DRAWN + np.array([0.0, 0.0, 0.5]) * mesh.points[:, :1]
     thickness = 1 + mesh.points[mesh.blocks[0].connectivity, 0].mean(axis=1) / 100
     info = {"title": "plate", "analysis": "stamping", "symmetry": planes}

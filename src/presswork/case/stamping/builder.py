@@ -35,7 +35,7 @@ from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
 from presswork.mesh import MeshError
-from presswork.mesh.blanks import dress_blank, mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.blanks import assign_section, mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.cut import check_meets
 from presswork.mesh.outlined_blank import mesh_outlined_blank
 from presswork.mesh.readers import read_raw
@@ -130,7 +130,7 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
         mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry, triangles=blank.cells == "triangles")
     else:
         mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry, triangles=blank.cells == "triangles")
-    return dress_blank(mesh, _elements(case), section, material)
+    return assign_section(mesh, _elements(case), section, material)
 
 
 def _elements(case: StampingCase) -> dict[int, model.ElementName]:
@@ -203,7 +203,7 @@ def _read_mesh(
             raise CaseError([Problem("blank.symmetry", fault, "cut the mesh there", blank.symmetry)], case.source)
         outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
     node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
-    return dress_blank(replace(mesh, node_sets=node_sets), _elements(case), section, material)
+    return assign_section(replace(mesh, node_sets=node_sets), _elements(case), section, material)
 
 
 def build_stage(stage: StampingStage) -> StageModel:
