@@ -76,7 +76,7 @@ def test_pictures_are_drawn(roof, tmp_path) -> None:
     assert all(p.stat().st_size > 10_000 for p in paths)
     names = {p.stem.removeprefix("shell_")[:-4] for p in plot_all(roof, tmp_path)}
     assert names == {"effective_stress", "major_strain_top", "minor_strain_top"}, "zero throughout is not drawn"
-    with pytest.raises(ResultError, match="choose one, as lamina_stress_top_xx"):
+    with pytest.raises(ResultError, match="name one, for instance lamina_stress_top_xx"):
         plot_all(roof, tmp_path, fields=("lamina_stress_top",))
     plot_all(roof, tmp_path, fields=("lamina_stress_top_xx",))
 

@@ -225,7 +225,7 @@ class Result:
         if found is None:
             row = find_row(stored)
             first = row.components[0] if row else "xx"
-            raise ResultError(f"{name} has {values.shape[1]} components; choose one, as {name}_{first}")
+            raise ResultError(f"{name} has {values.shape[1]} components; name one, for instance {name}_{first}")
         return found
 
     def unit(self, name: str) -> str:
