@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.mesh.checks import MeshError
+from presswork.mesh.checks import MeshError, check_coordinates
 from presswork.mesh.faces import find_boundary_faces, select_faces
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
@@ -55,8 +55,7 @@ def read_solid_mesh(
     if not raw.hexahedra:
         there = ", ".join(sorted({*raw.cells, *raw.other_kinds})) or "nothing"
         raise MeshError(f"the file has no hexahedra of 8 nodes (it has {there})", "mesh the body with such cells")
-    if not np.isfinite(raw.points).all():
-        raise MeshError("some coordinates are no finite numbers", "write it again from the mesher")
+    check_coordinates(raw.points * scale)
     cells = np.concatenate(raw.hexahedra)
     if cells.min() < 0 or cells.max() >= len(raw.points):
         raise MeshError("cells use nodes that the file does not have", "the file is cut short; write it again")

@@ -15,6 +15,8 @@ SMALLEST, LARGEST = 1.0, 1e4
 """Diagonals of tools and parts that are believed [mm]."""
 _USUAL = 80.0
 """Diagonal of a tool or part of usual size [mm]."""
+FARTHEST = 1e6
+"""Distance of a node from the origin that is believed [mm]."""
 _UNITS = {"m": 1e3, "inch": 25.4, "cm": 10.0, "mm": 1.0, "um": 1e-3}
 
 
@@ -25,6 +27,17 @@ class MeshError(Exception):
         self.fault = fault
         self.remedy = remedy
         super().__init__(f"{fault}; {remedy}")
+
+
+def check_coordinates(points: FloatArray) -> None:
+    """Refuse coordinates [mm] of any shape that are no numbers, or that no workpiece has."""
+    if not np.isfinite(points).all():
+        raise MeshError("some coordinates are no finite numbers", "write it again from the mesher")
+    farthest = float(np.abs(points).max(initial=0.0))
+    if farthest > FARTHEST:
+        raise MeshError(
+            f"a node lies {farthest:.4g} mm from the origin", f"give its unit, or move it to within {FARTHEST:g} mm"
+        )
 
 
 def check_size(what: str, size: float, scale: float, usual: float | None = None) -> None:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from presswork.mesh.abaqus import read_abaqus
-from presswork.mesh.checks import MeshError, check_connected, wind_counter_clockwise
+from presswork.mesh.checks import MeshError, check_connected, check_coordinates, wind_counter_clockwise
 from presswork.mesh.ideas import read_ideas
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.structured import NODES_OF_KIND, cell_kind
@@ -39,6 +39,7 @@ def read_mesh(
     """
     raw = read_raw(path)
     flat = _take_plane(raw.points) * scale
+    check_coordinates(flat)
     cells = take_cells(raw, element)
     cells, turned = wind_counter_clockwise(flat, cells)
     points, number = drop_unused_points(flat, [cells])

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from presswork import _core
-from presswork.mesh.checks import MeshError, check_connected
+from presswork.mesh.checks import MeshError, check_connected, check_coordinates
 from presswork.mesh.directors import find_directors
 from presswork.mesh.readers import build_sets, read_raw, take_cells
 from presswork.mesh.structured import Pattern, mesh_rectangle
@@ -52,8 +52,9 @@ def read_shell_mesh(
     Raises MeshError.
     """
     raw = read_raw(path)
-    if not np.isfinite(raw.points).all() or not len(raw.points):
-        raise MeshError("some coordinates are no finite numbers, or there are none", "write it again from the mesher")
+    if not len(raw.points):
+        raise MeshError("the file has no nodes", "write it again from the mesher")
+    check_coordinates(raw.points * scale)
     space = np.zeros((len(raw.points), 3))
     space[:, : raw.points.shape[1]] = raw.points * scale
     cells = take_cells(raw, element)

@@ -52,6 +52,7 @@ def load_checkpoint(path: Path | str) -> tuple[dict[str, NDArray[Any]], Meta]:
         with h5py.File(path, "r") as file:
             version, text, checksum = (file.attrs[name] for name in ("format_version", "meta", "checksum"))
             author = str(file.attrs.get("written_by", "an earlier presswork"))
+            text.encode()  # damage may lie in the text, too
             if version == FORMAT_VERSION:
                 arrays = {name: values[()] for name, values in _walk(file)}
     except Exception as error:  # HDF5 meets damage with errors of every kind

@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 
 from presswork.mesh import MeshError, mesh_rectangle
-from presswork.mesh.checks import check_connected, corner_jacobians, reverse_cells, wind_counter_clockwise
+from presswork.mesh.checks import (
+    check_connected,
+    check_coordinates,
+    corner_jacobians,
+    reverse_cells,
+    wind_counter_clockwise,
+)
 from presswork.model import ElementName
 
 LINES = np.arange(4.0)
@@ -62,3 +68,11 @@ def test_overlapping_cells_are_found() -> None:
     cells = np.concatenate([mesh.blocks[0].connectivity, mesh.blocks[0].connectivity[:1]])
     with pytest.raises(MeshError, match="more than two cells"):
         check_connected(mesh.points, cells)
+
+
+def test_nodes_that_no_workpiece_has_are_refused() -> None:
+    for bad, says in ((np.inf, "no finite numbers"), (-1e308, "1e+308 mm from the origin")):
+        with pytest.raises(MeshError) as error:
+            check_coordinates(np.array([[0.0, 1.0], [2.0, bad]]))
+        assert says in str(error.value)
+    check_coordinates(np.array([[0.0, 1e5]]))
