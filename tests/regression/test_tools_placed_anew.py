@@ -108,3 +108,10 @@ def test_positions_without_sense_are_refused(stages: list[dict[str, Any]], key: 
         build_model(case(*stages))
     assert key in str(error.value)
     assert says in str(error.value)
+
+
+def test_a_tool_put_into_the_block_stops_the_run(tmp_path: Path) -> None:
+    deep = {"name": "deep", "tools": {"punch": {"position": [0.0, -4.0]}}}
+    outcome = run_model(build_model(case(PRESS, deep)), tmp_path / "out")
+    assert outcome.status == "gave_up"
+    assert "into the workpiece when its stage begins" in outcome.reason

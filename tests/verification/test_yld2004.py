@@ -2,7 +2,9 @@
 """Yld2004-18p with published coefficients of two aluminium sheets; AA2090-T3 against measured stresses and r-values.
 
 Coefficients and measurements: Barlat, Aretz, Yoon, Karabin, Brem & Dick (2005), Int. J. Plasticity 21, 1009-1039,
-exponent 8. The function is fitted to the measurements, so it meets them as closely as the paper's fit does.
+exponent 8. The function is fitted to the measurements, so it meets them as closely as the paper's fit does. The paper
+itself was not at hand: the coefficients of AA2090-T3 are as quoted in the documentation of TFEL (tfel-doc, material);
+the measurements and the coefficients of AA6111-T4, which serve for the formula alone, are quoted without such a check.
 """
 
 import numpy as np

@@ -20,6 +20,9 @@ from presswork.model import FloatArray, Model, Stage, ToolMotion
 from presswork.outcome import GaveUpError, Step
 from presswork.state import State
 
+TOO_DEEP = 1e-3
+"""Of the workpiece's size: how deep a stage may put a tool into it."""
+
 
 class PlaneTools(Interaction):
     """Exact contact with rigid tools, as constraints of the nodes that they hold."""
@@ -31,7 +34,6 @@ class PlaneTools(Interaction):
         self.contact = Contact(model)
         self.friction = Friction(model, self.contact)
         self.floating = FloatingTools(model, self.contact)
-        self._stage = 0
         self._held_by_supports: Constraints | None = None
 
     @property
@@ -91,14 +93,27 @@ class PlaneTools(Interaction):
             if not jump.any():
                 continue
             faces = slice(2 * t, 2 * t + 2)
-            nodes = self.contact.nodes[(state.contact[faces] > 0).any(axis=0)]
-            state.external_force[nodes] += state.reaction[nodes] * ~self._supports.fixed(stage - 1)[nodes]
+            forces = self.contact.forces(state, self._supports.fixed(stage - 1))
+            own = forces.tool == t
+            nodes = forces.nodes[own]
+            state.external_force[nodes] += forces.force[own]
             state.contact[faces], state.drag[np.isin(self.contact.nodes, nodes)] = 0, 0.0
             state.tool_force[t], state.tool_force_start[t] = 0.0, 0.0
             state.tool_restart[t] += jump
             state.tool_displacement[t] = target
+            self._check_clear(state, t)
             lets_go |= len(nodes) > 0
         return lets_go
+
+    def _check_clear(self, state: State, t: int) -> None:
+        """Refuse a tool that a stage has put into the workpiece."""
+        nodes = self._model.mesh.points[self.contact.nodes] + state.displacement[self.contact.nodes]
+        depth = -float(self.contact.find_gaps(state, nodes)[t].min(initial=np.inf))
+        if depth > TOO_DEEP * float(np.ptp(nodes, axis=0).max()):
+            raise GaveUpError(
+                f"{self._model.tools[t].name!r} is put {depth:.4g} mm into the workpiece when its stage begins; "
+                'give a position beside it, or position = "touch"'
+            )
 
     def _way_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
         """Return how far a tool goes along its way until it touches the workpiece (2,) [mm]."""
@@ -119,7 +134,6 @@ class PlaneTools(Interaction):
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Forget the changes of the increment before; take the flow stress that friction asks for."""
-        self._stage = step.stage
         self.contact.begin_increment()
         self.floating.begin_increment()
         if self.friction.is_needed:
@@ -128,7 +142,7 @@ class PlaneTools(Interaction):
     def update(self, trial: State, point: Point, own: Forces | None, *, near: bool, pull: float) -> int:
         """Take hold of nodes inside tools; near equilibrium let go of those that pull."""
         self.contact.search(trial, point.guess.displacement)
-        fixed = self._supports.fixed(self._stage)
+        fixed = self._supports.fixed(point.guess.step.stage)
         return self.contact.update(trial, point.reaction, self.friction.drag, fixed, near=near, tolerance=pull)
 
     def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
@@ -145,7 +159,7 @@ class PlaneTools(Interaction):
 
     def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
         """Find better parts of constant shear where nodes neither push nor lift off."""
-        fixed, drag = self._supports.fixed(self._stage), self.friction.drag
+        fixed, drag = self._supports.fixed(point.guess.step.stage), self.friction.drag
         return self.contact.graze(trial, point.reaction, drag, fixed, tolerance=pull, credible=credible)
 
     def border(

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from presswork import model
 from presswork.case.errors import Problem, suggest
 from presswork.case.settings import check_small_displacements
@@ -175,11 +177,14 @@ def check_sets(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
     return check_set_names(uses, mesh)
 
 
-def check_set_names(uses: list[tuple[str, str, bool]], mesh: model.Mesh) -> list[Problem]:
-    """Return the problems of set names: uses are key, name and whether an edge set is meant."""
+def check_set_names(
+    uses: list[tuple[str, str, bool]], mesh: model.Mesh, *, sides: Literal["edge", "face"] = "edge"
+) -> list[Problem]:
+    """Return the problems of set names: uses are key, name and whether a set of sides, edges or faces, is meant."""
+    known_sides = mesh.edge_sets if sides == "edge" else mesh.face_sets
     problems = []
-    for key, name, is_edge_set in uses:
-        what, known = ("edge sets", mesh.edge_sets) if is_edge_set else ("node sets", mesh.node_sets)
+    for key, name, is_of_sides in uses:
+        what, known = (f"{sides} sets", known_sides) if is_of_sides else ("node sets", mesh.node_sets)
         if name not in known:
             problems.append(Problem(key, f"no such {what[:-1]}", suggest(name, known, what), name))
         elif len(known[name]) == 0:

@@ -12,6 +12,7 @@ from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_material
 from presswork.case.solid.law_checks import check_integrator
+from presswork.case.solid.references import check_set_names
 from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_box, explain_shortage
@@ -131,14 +132,7 @@ def _check_sets(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
         uses += [(f"{key}.force.{row}.set", load.set, False) for row, load in enumerate(stage.force)]
         uses += [(f"{key}.face_force.{row}.set", load.set, True) for row, load in enumerate(stage.face_force)]
         uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
-    problems = []
-    for key, name, is_face_set in uses:
-        what, known = ("face sets", mesh.face_sets) if is_face_set else ("node sets", mesh.node_sets)
-        if name not in known:
-            problems.append(Problem(key, f"no such {what[:-1]}", suggest(name, known, what), name))
-        elif len(known[name]) == 0:
-            problems.append(Problem(key, f"the {what[:-1]} is empty", "choose another", name))
-    return problems
+    return check_set_names(uses, mesh, sides="face")
 
 
 def _build_mesh(case: SpaceCase) -> model.Mesh:
