@@ -152,12 +152,30 @@ def describe_step(result: Result, step: int) -> str:
         return f"{roll} turned by {abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
     progress = measure_progress(result, step)
     if progress is None:
-        time = float(result.times[step])
-        return f"time {1e3 * time:.4g} ms" if 0 < time < 0.1 else f"time {time:.4g} s"
+        return _describe_load(result, step)
     text = f"{progress.tool} stroke {progress.stroke:.2f} mm"
     if progress.reduction < 0.005:
         return text
     return f"{text}, {progress.direction} of the workpiece reduced by {100 * progress.reduction:.1f} %"
+
+
+def _describe_load(result: Result, step: int) -> str:
+    """Return how far the set that is moved farthest has come, the stage of a static run, or the time of another."""
+    time = float(result.times[step])
+    try:
+        history = result.history
+    except OutputError:  # fields are drawn without one, too
+        history = {}
+    if time > 0.0 and len(history.get("time", ())):
+        row = int(np.abs(np.asarray(history["time"]) - time).argmin())
+        moved = {name: float(history[name][row]) for name in history if ".displacement_" in name}
+        if moved and any(moved.values()):
+            name = max(moved, key=lambda n: abs(moved[n]))
+            part, _, component = name.partition(".displacement_")
+            return f"{part} displaced by {moved[name]:.4g} mm in {component}"
+        if "iterations" in history:
+            return f"stage {history['stage'][row]}, time {time:.4g} s"
+    return f"time {1e3 * time:.4g} ms" if 0 < time < 0.1 else f"time {time:.4g} s"
 
 
 def begin_at_zero(ax: Axes, *, x: bool = True) -> None:

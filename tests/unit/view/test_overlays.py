@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from presswork.cli import app
 from presswork.results import Result
 from presswork.view import overlay_plot
 from presswork.view.shell_plot import DIVERGING_COLOURS, _scale
-from presswork.view.style import bare_figure, begin_at_zero, describe_step, find_working_tool
+from presswork.view.style import _describe_load, bare_figure, begin_at_zero, describe_step, find_working_tool
 
 pytest.importorskip("matplotlib")
 
@@ -43,6 +44,20 @@ def test_a_one_step_result_is_named_after_blank_and_part() -> None:
         times = np.arange(2.0)
 
     assert [describe_step(OneStep(), step) for step in (0, 1, -1)] == ["blank", "part", "part"]  # type: ignore[arg-type]
+
+
+def test_a_step_without_tools_is_named_after_what_is_moved_or_its_stage() -> None:
+    class Pulled:
+        times = np.array([0.0, 0.5, 1.0])
+        history: ClassVar[dict[str, object]] = {
+            "time": np.array([0.5, 1.0]), "stage": np.array(["pull", "pull"]), "iterations": np.array([4, 4]),
+            "grip.displacement_x": np.array([2.6, 5.2]), "side.displacement_y": np.array([0.0, -0.1]),
+        }  # fmt: skip
+
+    assert _describe_load(Pulled(), -1) == "grip displaced by 5.2 mm in x"  # type: ignore[arg-type]
+    loaded = Pulled()
+    loaded.history = {k: v for k, v in Pulled.history.items() if "displacement" not in k}
+    assert _describe_load(loaded, 1) == "stage pull, time 0.5 s"  # type: ignore[arg-type]
 
 
 def test_axes_begin_at_zero_where_nothing_lies_below() -> None:
