@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Share of contact in a cycle of the explicit loop: a sheet pressed between two tools, with them and without, in turn.
 
-    python benchmarks/explicit_contact.py
-    python benchmarks/explicit_contact.py --sizes 100 --repeats 11
+    python -m benchmarks.explicit_contact
+    python -m benchmarks.explicit_contact --sizes 100 --repeats 11
 
 The sheet of explicit_shells.py, stretched equally in both directions at 20/s (its rim slides at 1 to 3 m/s, every point
 plastic), lies between a die and a holder that a force of 2 MPa presses on it: every node is near both in every cycle.
@@ -16,10 +16,10 @@ from __future__ import annotations
 import argparse
 import time
 
-import explicit_shells
 import numpy as np
-from explicit_shells import SWIFT, stretched_sheet
 
+from benchmarks import explicit_shells
+from benchmarks.explicit_shells import SWIFT, stretched_sheet
 from presswork import _core
 from presswork.explicit.shells import ExplicitShells, ShellOptions
 

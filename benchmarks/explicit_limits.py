@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far the explicit loop's default shell stands from the limits of arithmetic and of memory.
 
-    python benchmarks/explicit_limits.py
+    python -m benchmarks.explicit_limits
 
 The operations of a shell and cycle are counted by a number that counts, sent through the same kernel (five points, all
 plastic); the CPU's vector operations are timed on their own, eight that do not wait for each other. `limit`: all
@@ -12,9 +12,8 @@ Bytes of a cycle are counted from the arrays that it reads and writes, beside th
 
 from __future__ import annotations
 
-from explicit_shells import SWIFT, time_cycle
-from machine import measure_machine, run_program
-
+from benchmarks.explicit_shells import SWIFT, time_cycle
+from benchmarks.machine import measure_machine, run_program
 from presswork.explicit.shells import ShellOptions
 
 STATE = 8 * (16 + 5 * 4)

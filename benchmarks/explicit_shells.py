@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cost of a shell in the explicit loop: microseconds per shell and cycle, the whole cycle counted.
 
-    python benchmarks/explicit_shells.py
-    python benchmarks/explicit_shells.py --threads 1 --sizes 100
-    python benchmarks/explicit_shells.py --tables      what looking hardening up in a table saves, by law
-    python benchmarks/explicit_shells.py --gain        two threads against one, in turn, on the wall clock
+    python -m benchmarks.explicit_shells
+    python -m benchmarks.explicit_shells --threads 1 --sizes 100
+    python -m benchmarks.explicit_shells --tables      what looking hardening up in a table saves, by law
+    python -m benchmarks.explicit_shells --gain        two threads against one, in turn, on the wall clock
 
 A flat sheet is stretched equally in both directions, five points through the thickness, Swift hardening, every point
 plastic in every cycle (checked), no contact; double precision but for the column that says single. One thread: CPU

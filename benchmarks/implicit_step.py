@@ -20,7 +20,7 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
-from machine import measure_machine
+from benchmarks.machine import measure_machine
 
 ELEMENTS = {"tri3": (4.0, "4CST"), "quad4_fbar": (2.0, "quad4_fbar"), "quad8_2x2": (6.0, "quad8_2x2")}
 """Freedoms per cell of a large square grid, and the name in the table."""
@@ -217,7 +217,9 @@ def print_limits(rows: list[dict], machine: dict[str, dict[str, float]]) -> None
 
 def run_alone(*arguments: str) -> dict:
     """Run this file in a process of its own and return what it prints."""
-    done = subprocess.run([sys.executable, __file__, *arguments], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "benchmarks.implicit_step", *arguments], capture_output=True, text=True
+    )
     if done.returncode:
         sys.exit(f"{' '.join(arguments)} failed:\n{done.stderr[-2000:]}")
     return json.loads(done.stdout.splitlines()[-1])

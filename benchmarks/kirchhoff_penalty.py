@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the Kirchhoff penalty K_p in the tangent does to the iteration, element by element.
 
-Run: python benchmarks/kirchhoff_penalty.py [picture.png], a quarter of an hour on two cores
+Run: python -m benchmarks.kirchhoff_penalty [picture.png], a quarter of an hour on two cores
 
 Two problems: a cantilever of slenderness 100 bent elastically by an end force to two thirds of its length, and a
 clamped plate of slenderness 100 pressed far into plasticity. For each C_p: iterations over ten equal increments, and
@@ -13,18 +13,14 @@ from __future__ import annotations
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-
-from problems import elastic, linear_hardening
-from shell_problems import CLAMPED, X, Y, patch, shell_model, symmetry
-
 from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 from presswork.model import ElementName, Material, Model, ShellElement
+from tests.problems.plane_solids import elastic, linear_hardening
+from tests.problems.shells import CLAMPED, X, Y, patch, shell_model, symmetry
 
 ELEMENTS: tuple[ElementName, ...] = get_args(ShellElement)
 PENALTIES = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)

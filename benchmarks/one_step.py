@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time of the one-step solver against the number of elements, first guess included.
 
-Run: python benchmarks/one_step.py [THREADS] [quads]
+Run: python -m benchmarks.one_step [THREADS] [quads]
 
 A round cup of triangles, or of triangles and quadrilaterals beside each other, with holder and friction. Wall and CPU
 seconds of the whole solution, and of the first guess alone; iterations and passes of friction; largest memory of the
@@ -12,16 +12,12 @@ from __future__ import annotations
 
 import resource
 import sys
-from pathlib import Path
 from time import perf_counter, process_time
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-
-from one_step_problems import NO_QUADS, cup_profile, fan, make_model, revolve
-
 from presswork.onestep import solve_one_step
+from tests.problems.one_step import NO_QUADS, cup_profile, fan, make_model, revolve
 
 AROUND = (60, 130, 172, 270, 386, 546)
 BESIDE = ((172, False), (245, True), (172, True))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cost of one plane-stress update per point, every point plastic: by packs and a point at a time, one thread.
 
-    python benchmarks/sheet_update.py [--strain 2e-3]
+    python -m benchmarks.sheet_update [--strain 2e-3]
 
 Increments of 0.2 % of strain, as an implicit increment makes them (an explicit step is about 1e-5), from a state that
 has been strained by 5 %, in processor time. The figures hold the copying of arrays in and out as well.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Speed of the layered shells: internal force, tangent, assembly and solution, by element and number of threads.
 
-Run: python benchmarks/shells.py [cells a side, default 100]
+Run: python -m benchmarks.shells [cells a side, default 100]
 
 A square sheet with 5 points through the thickness, von Mises with Swift's hardening, all points plastic. Each time is
 the least of a few; the load of the machine is printed, since it is what spoils them. With a C++ compiler at hand the
@@ -12,19 +12,15 @@ from __future__ import annotations
 
 import os
 import sys
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-
-from machine import run_program
-from shell_problems import CLAMPED, X, Y, patch, shell_model, symmetry
-
+from benchmarks.machine import run_program
 from presswork import _core
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Hardening, Material, Model
+from tests.problems.shells import CLAMPED, X, Y, patch, shell_model, symmetry
 
 REPEATS = 5
 

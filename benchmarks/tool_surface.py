@@ -4,7 +4,7 @@
 Points lie as the nodes of a sheet do, in rows near the surface, and drift by 0.5 um between calls; hints are those of
 the call before. One thread. Times are the least of some repetitions.
 
-Usage: python benchmarks/tool_surface.py
+Usage: python -m benchmarks.tool_surface
 """
 
 from __future__ import annotations

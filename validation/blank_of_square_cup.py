@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The blank from which the square cup of Cheng (1995) is drawn with an even flange.
 
-    python validation/blank_of_square_cup.py OUT [element_size] [key=value ...]
+    python -m validation.blank_of_square_cup OUT [element_size] [key=value ...]
 
 searches, from the square of 100 mm, the blank of a cup of 20 mm with a flange that ends 11 mm from the die's opening,
 to 0.5 mm, and draws the blank that it leaves once more, on a mesh a third finer. Three minutes with 2 mm.

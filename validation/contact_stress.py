@@ -2,7 +2,7 @@
 """Contact stress of the upsetting with sticking, four elements and a fine mesh: bounds, integrals, and a picture.
 
 The thesis's case (Cheng 1995, chapter 2, section 12-1, figures 2.9 to 2.11) to 60 % from the shipped examples.
-Run: python validation/contact_stress.py [--fine 60] [--picture docs/img/contact_stress.png]
+Run: python -m validation.contact_stress [--fine 60] [--picture docs/img/contact_stress.png]
 """
 
 from __future__ import annotations

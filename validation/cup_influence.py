@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far the square cup's answer moves with friction, holder, mesh, element, material, speed, procedure and punch.
 
-    python validation/cup_influence.py OUT [name ...] [--processes N]
+    python -m validation.cup_influence OUT [name ...] [--processes N]
 
 Draws the cup of Cheng (1995), chapter 4, once as chosen and then with one thing changed at a time, and prints for each:
 draw-in at mid-side and along the diagonal at the four strokes of figure 4.9, where that is closer to the experiment
@@ -16,7 +16,8 @@ import multiprocessing
 from pathlib import Path
 
 import numpy as np
-from square_cup import EXPERIMENT, STROKE, THESIS, draw_cup, draw_in
+
+from validation.square_cup import EXPERIMENT, STROKE, THESIS, draw_cup, draw_in
 
 R_VALUES = 'materials.steel.yield_function={law="hill1948", r00=1.79, r45=1.51, r90=2.27}'
 

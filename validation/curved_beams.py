@@ -1,23 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two curved beams that slide over each other with friction, beside Neto et al. (2016): forces, increments, picture.
 
-Run: python validation/curved_beams.py [--picture docs/img/curved_beams.png]
+Run: python -m validation.curved_beams [--picture docs/img/curved_beams.png]
 """
 
 from __future__ import annotations
 
 import argparse
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-from sliding_arches import beams, slide
-
 from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS
 from presswork.model import FloatArray, SolverSettings
+from tests.problems.sliding_arches import beams, slide
 
 FRICTION = (0.0, 0.3, 0.6)
 DATA = Path(__file__).parents[1] / "tests" / "data" / "curved_beams_neto.csv"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draw bending of a strip (NUMISHEET'93, mild steel): what its springback converges to, and the theory of its wall.
 
-    python validation/draw_bending.py [docs/img/draw_bending.png]
+    python -m validation.draw_bending [docs/img/draw_bending.png]
 
 draws a slice of the strip with shells of several sizes, at several speeds and with several points through the
 thickness, and strips of several widths with free edges, a quarter of an hour, and prints the angles of wall and

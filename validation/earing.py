@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ears of a cylindrical cup: sheets of different anisotropy, drawn through.
 
-    python validation/earing.py [docs/img/earing.png]
+    python -m validation.earing [docs/img/earing.png]
 
 prints the height of the rim round the cup beside the theory of hoop compression and what was measured, three minutes,
 and draws it.

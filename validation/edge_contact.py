@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A strip bent over die edges as sharp as its elements are long: how deep they sink in between nodes, punch force.
 
-    python validation/edge_contact.py
+    python -m validation.edge_contact
 
 Half a strip of 80 x 4 L mm, 0.8 mm steel, is drawn 12 mm deep between a punch of 30 mm (nose radius 6 mm) and a die of
 34 mm, held by 100 N per mm of width. L is the side of its shells.

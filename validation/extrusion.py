@@ -3,7 +3,7 @@
 
 The billet's nose fills the die from the start, so that the force is steady after some millimetres. The metal is as good
 as perfectly plastic (500 + p MPa), the container frictionless, the bearing short.
-Run: python validation/extrusion.py [--picture docs/img/extrusion.png] [--billets src/presswork/examples]
+Run: python -m validation.extrusion [--picture docs/img/extrusion.png] [--billets src/presswork/examples]
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from extrusion_theory import avitzur, slab_shear
 
 import presswork
+from validation.extrusion_theory import avitzur, slab_shear
 
 YIELD = 500.0
 """Flow stress [MPa]."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Closed-die forging with flash, and heading with friction: the packaged examples, measured.
 
-Run: python validation/forging.py [--pictures docs/img]
+Run: python -m validation.forging [--pictures docs/img]
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stretching over a hemispherical punch: explicit against implicit shells, and both against axisymmetric solids.
 
-    python validation/hemispherical_punch.py [docs/img/hemispherical_punch.png]
+    python -m validation.hemispherical_punch [docs/img/hemispherical_punch.png]
 
 prints the differences, some five minutes, and draws the thickness strain against the radius.
 """
@@ -9,16 +9,13 @@ prints the differences, some five minutes, and draws the thickness strain agains
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-from punch_stretching import EXAMPLE, Profile, stretch, stretch_solids
 
 from presswork.case import StampingCase, build_model
 from presswork.model_stamping import StampingModel
 from presswork.process.stamping import ExplicitStamping
+from tests.problems.punch_stretching import EXAMPLE, Profile, stretch, stretch_solids
 
 FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.005")
 ZONES = ((0.0, 5.0), (5.0, 20.0), (20.0, 35.0), (35.0, 50.0), (50.0, 60.0))

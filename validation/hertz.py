@@ -1,20 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hertz contact of a cylinder and a sphere: computed pressure on the exact ellipse, and its error over the width a/R.
 
-Run: python validation/hertz.py [--picture docs/img/hertz.png]
+Run: python -m validation.hertz [--picture docs/img/hertz.png]
 """
 
 from __future__ import annotations
 
 import argparse
-import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-from hertz import RADIUS, Hertz, press
-from test_hertz import EDGES
+from tests.problems.hertz import RADIUS, Hertz, press
+from tests.verification.test_hertz import EDGES
 
 SHAPES = {"plane_strain": "cylinder", "axisymmetric": "sphere"}
 WIDTHS = (0.005, 0.01, 0.02, 0.05, 0.1)

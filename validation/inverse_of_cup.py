@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The one-step solver turned on the square cup of Cheng (1995) as the explicit procedure draws it: is its blank found?
 
-    python validation/inverse_of_cup.py OUT [element_size] [key=value ...]
+    python -m validation.inverse_of_cup OUT [element_size] [key=value ...]
 
 draws the packaged example to 15, 20 and 25 mm, hands its mid-surface to the one-step solver, and prints how far the
 blank that it finds lies from the true square of 100 mm, and its thickness strain beside that of the incremental cup;
@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import square_cup
 
 from presswork import Result
 from presswork.case.onestep.schema import LAYERS
@@ -23,6 +22,7 @@ from presswork.mesh.triangles import find_rims
 from presswork.model import Hardening, Material
 from presswork.model_onestep import OneStepModel
 from presswork.onestep import OneStepResult, loads, solve_one_step
+from validation import square_cup
 
 DEPTHS = (15.0, 20.0, 25.0)
 HOLDER_FORCE, MU = 15e3, 0.144

@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Map the six integrators' error against the exact perfectly plastic answer of Krieg & Krieg (1977).
 
-Run: python validation/krieg_error_map.py docs/img/krieg_error_map.png
+Run: python -m validation.krieg_error_map docs/img/krieg_error_map.png
 """
 
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-from test_krieg_exact import INTEGRATORS, angle_after, exact_angle
+from tests.verification.test_krieg_exact import INTEGRATORS, angle_after, exact_angle
 
 
 def main(path: str) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Necking of a bar (Simo 1988) by every element that does not lock: radius of the neck, force and cost.
 
-    python validation/neck_of_a_bar.py [ELEMENT ...]
+    python -m validation.neck_of_a_bar [ELEMENT ...]
 
 Bar of radius 6.413 mm, 53.334 mm long, 1.8 % thinner in its middle, pulled by 14 mm. sigma_y = 715 - 265 exp(-16.93 p)
 + 129.24 p MPa, E = 206.9 GPa, nu = 0.29. A quarter is computed, on 5 x 10 cells and finer ones.

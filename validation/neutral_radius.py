@@ -4,7 +4,7 @@
 The shipped ring on 20 x 10 blocks of 4CST, at friction factors from 0.05 to 1. Three readings of presswork: on the
 platen, where the slip vanishes and where the shear changes its sign (presswork.post.find_neutral_radius), and that of
 the flow averaged over the height (presswork.study.measure_ring), which is there too when all the ring flows outwards.
-Run: python validation/neutral_radius.py [--picture docs/img/ring_neutral_radius.png]
+Run: python -m validation.neutral_radius [--picture docs/img/ring_neutral_radius.png]
 """
 
 from __future__ import annotations

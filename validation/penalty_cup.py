@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far the square cup of Cheng (1995) is drawn implicitly by each shell, with the Kirchhoff penalty and without.
 
-    python validation/penalty_cup.py [element ...]
+    python -m validation.penalty_cup [element ...]
 
 draws a quarter of the example `square_cup`, 169 nodes, towards 27 mm, and prints the depth reached, increments,
 iterations and cut-backs: all twenty shells, C_p = 0 and 1, ten minutes on one core. A run ends at full depth, when an

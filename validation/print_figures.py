@@ -1,27 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Print the figures of docs/verification.md, from the same functions that the tests call.
 
-Run: python validation/print_figures.py
+Run: python -m validation.print_figures
 """
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-import test_body_contact as bodies
-import test_contact_patch as contact_patch
-import test_limit_loads as limit
-import test_newton_rate as newton
-import test_patch_tests as patch
-import test_simple_shear_closed_form as shear
-import test_stick_slip as stick_slip
-import test_thick_cylinder_and_sphere as ring
-import test_uniaxial_closed_form as uniaxial
-from problems import ELEMENTS, fit_rate, fixed_increments
+from tests.problems.plane_solids import ELEMENTS, fit_rate, fixed_increments
+from tests.verification import test_body_contact as bodies
+from tests.verification import test_contact_patch as contact_patch
+from tests.verification import test_limit_loads as limit
+from tests.verification import test_newton_rate as newton
+from tests.verification import test_patch_tests as patch
+from tests.verification import test_simple_shear_closed_form as shear
+from tests.verification import test_stick_slip as stick_slip
+from tests.verification import test_thick_cylinder_and_sphere as ring
+from tests.verification import test_uniaxial_closed_form as uniaxial
 
 
 def print_patch() -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Blanks that are refined as they are formed beside blanks as fine from the start: what is lost, what is won.
 
-    python validation/refinement.py OUT [docs/img/refinement.png]
+    python -m validation.refinement OUT [docs/img/refinement.png]
 
 prints thickness strains, draw-in, punch force and time of the square cup and of the hemispherical punch, some ten
 minutes on one core, and draws the cups' meshes.

@@ -3,7 +3,7 @@
 
 The shipped example, 10 x 5 blocks of 4CST, as the thesis (Cheng 1995, chapter 3). Avitzur's ring is rigid and does not
 bulge; the table's (virtual-labs metal forming laboratory, tests/data/ring_6_3_2_fe.csv) is of another material.
-Run: python validation/ring_calibration.py [--picture docs/img/ring_calibration.png]
+Run: python -m validation.ring_calibration [--picture docs/img/ring_calibration.png]
 """
 
 from __future__ import annotations

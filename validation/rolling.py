@@ -2,7 +2,7 @@
 """Cold rolling of a strip: roll force, torque and neutral point against the slab theories of rolling_theory.py.
 
 The packaged example with another friction or reduction; steady means are taken over the last 40 % of the second stage.
-Run: python validation/rolling.py [--picture docs/img/rolling.png]
+Run: python -m validation.rolling [--picture docs/img/rolling.png]
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from rolling_theory import RollGap, Rolling, roll_by_slab
 
 import presswork
 from presswork.post import trace_interface
+from validation.rolling_theory import RollGap, Rolling, roll_by_slab
 
 EXAMPLE = Path(presswork.__file__).parent / "examples" / "strip_rolling.toml"
 RADIUS, ENTRY = 100.0, 4.0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The elastic-plastic Scordelis-Lo roof as a solid for CalculiX; tests/data/roof_elastic_plastic.csv is the answer.
 
-Run: python validation/roof_calculix.py roof.inp [cells along, around, through], then ccx roof; about 3 minutes.
+Run: python -m validation.roof_calculix roof.inp [cells along, around, through], then ccx roof; about 3 minutes.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Map the error of one backward-Euler increment of the sheet laws against the same increment in 2000 parts.
 
-Run: python validation/sheet_error_map.py docs/img/sheet_error_map.png
+Run: python -m validation.sheet_error_map docs/img/sheet_error_map.png
 
 From tension at yield, strain increments (xx, yy) of up to six times the yield strain; error of the stress over the flow
 stress. That increments in parts go to the rate equations is what tests/verification/test_sheet_law.py shows.
@@ -10,14 +10,12 @@ stress. That increments in parts go to the rate equations is what tests/verifica
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-from sheet_paths import follow
-from test_sheet_law import YIELDS, YOUNG, make_law
+from tests.problems.sheet_paths import follow
+from tests.verification.test_sheet_law import YIELDS, YOUNG, make_law
 
 
 def main(path: str) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Print and draw the convergence of shells over meshes and thickness, on regular and graded meshes: who locks.
 
-Run: python validation/shell_convergence.py docs/img (writes shell_convergence.png and shell_thickness.png)
+Run: python -m validation.shell_convergence docs/img (writes shell_convergence.png and shell_thickness.png)
 """
 
 from __future__ import annotations
@@ -14,10 +14,8 @@ from typing import Any
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-import shell_linear as linear
-
 from presswork.model import ElementName
+from tests.problems import shell_linear as linear
 
 ELEMENTS: dict[ElementName, str] = {
     "shell3_mitc": "C0", "shell3_mitc_plus": "C9", "shell6_mitc": "C4", "shell4": "0.6", "shell4_mitc": "C3",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How many points through the thickness: moment and springback of a bent strip by rule and number of points.
 
-Run: python validation/shell_points.py [picture.png]; 1 s.
+Run: python -m validation.shell_points [picture.png]; 1 s.
 
 The strip of tests/verification/bent_strip.py, linear hardening, bent to one to twenty times the curvature of first
 yield. Every layer is in uniaxial tension or compression, so the section can be summed without a mesh; that shells give
@@ -11,16 +11,12 @@ these sums is tested (test_shell_plastic.py). Springback is M/EI: its error is t
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-
-from bent_strip import FIRST_YIELD, MODULUS, THICKNESS, YIELD, YOUNG, moment_of
-
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import Section
+from tests.problems.bent_strip import FIRST_YIELD, MODULUS, THICKNESS, YIELD, YOUNG, moment_of
 
 NUMBERS = (2, 3, 4, 5, 7, 9, 11, 15, 21, 31, 51)
 CURVATURES = np.geomspace(1.0, 20.0, 2001) * FIRST_YIELD

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draw-in of the square cup by the explicit procedure beside the experiment of Cheng (1995), figure 4.9.
 
-    python validation/square_cup.py OUT [element_size] [key=value ...]
+    python -m validation.square_cup OUT [element_size] [key=value ...]
 
 runs the packaged example to full depth and prints draw-in at mid-side and along the diagonal: a minute with shells of
 1 mm, ten seconds with 2 mm.

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from blank_of_square_cup import TOLERANCE, draw_again, search
+
+from validation.blank_of_square_cup import TOLERANCE, draw_again, search
 
 pytestmark = pytest.mark.validation
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contact_stress import FORGINGS, SHOWN, compute
+
+from validation.contact_stress import FORGINGS, SHOWN, compute
 
 pytestmark = pytest.mark.validation
 

@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from curved_beams import FRICTION, read_reference, run
+
+from validation.curved_beams import FRICTION, read_reference, run
 
 pytestmark = pytest.mark.validation
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from draw_bending import bend_and_straighten, curl_by_theory, draw_strip, release_slowly
+
+from validation.draw_bending import bend_and_straighten, curl_by_theory, draw_strip, release_slowly
 
 pytestmark = pytest.mark.validation
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from earing import (
+
+from validation.earing import (
     ANGLES,
     ESAFORM,
     HILL,

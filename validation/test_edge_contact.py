@@ -2,7 +2,8 @@
 """Edges of shells keep a radius of half their length out of the sheet."""
 
 import pytest
-from edge_contact import draw
+
+from validation.edge_contact import draw
 
 pytestmark = pytest.mark.validation
 

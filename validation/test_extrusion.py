@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from extrusion import CASES, CURVED, PACKAGED, cone, extrude, run_case, theory, write_billet
-from extrusion_theory import avitzur, homogeneous_work_factor, slab_coulomb, slab_shear
+
+from validation.extrusion import CASES, CURVED, PACKAGED, cone, extrude, run_case, theory, write_billet
+from validation.extrusion_theory import avitzur, homogeneous_work_factor, slab_coulomb, slab_shear
 
 pytestmark = pytest.mark.validation
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from forging import FLOW, closing_pressure, fill_history, force_at, outline, run_example
+
+from validation.forging import FLOW, closing_pressure, fill_history, force_at, outline, run_example
 
 pytestmark = pytest.mark.validation
 

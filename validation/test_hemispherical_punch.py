@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hemispherical_punch import PUBLISHED, beside_solids, differences, explicit, implicit, travel_at_forces
-from punch_stretching import stretch_solids
+
+from tests.problems.punch_stretching import stretch_solids
+from validation.hemispherical_punch import PUBLISHED, beside_solids, differences, explicit, implicit, travel_at_forces
 
 pytestmark = pytest.mark.validation
 STRAINS = ("thickness_strain", "radial_strain")

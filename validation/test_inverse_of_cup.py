@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from inverse_of_cup import DEPTHS, draw_cup, find_blank
+
+from validation.inverse_of_cup import DEPTHS, draw_cup, find_blank
 
 pytestmark = pytest.mark.validation
 

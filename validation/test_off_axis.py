@@ -3,20 +3,15 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-
-from off_axis import GIVEN, POISSON, YOUNG, run_turned, sheet
-from shell_problems import RX, RY, RZ, X, Y, Z, fixing, patch, shell_model
-
 from presswork.case.material.yield_function import r_value
 from presswork.model import Mesh
+from tests.problems.off_axis import GIVEN, POISSON, YOUNG, run_turned, sheet
+from tests.problems.shells import RX, RY, RZ, X, Y, Z, fixing, patch, shell_model
 
 pytestmark = pytest.mark.validation
 

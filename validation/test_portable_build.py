@@ -17,14 +17,13 @@ pytestmark = pytest.mark.validation
 
 ROOT = Path(__file__).parents[1]
 LEVELS = range(2, _cpu.level() + 1)
-SCRIPT = f"""
+SCRIPT = """
 import sys
 # an editable install would come before PYTHONPATH
 sys.meta_path[:] = [finder for finder in sys.meta_path if not type(finder).__name__.startswith("ScikitBuild")]
-sys.path.insert(0, {str(ROOT / "tests" / "consistency")!r})
 import numpy as np
 from presswork import _core
-from test_explicit_shells import make_run
+from tests.consistency.test_explicit_shells import make_run
 precision, source, target = sys.argv[1:]
 run = make_run(precision)
 if source:
@@ -54,7 +53,7 @@ def advance(package: Path, level: int | None, precision: str, source: Path | str
     if level is not None:
         environment["PRESSWORK_SIMD"] = f"x86-64-v{level}"
     command = [sys.executable, "-c", SCRIPT, precision, str(source), str(target)]
-    return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+    return subprocess.run(command, cwd=ROOT, env=environment, check=True, capture_output=True, text=True).stdout
 
 
 def test_the_best_variant_is_taken_and_each_can_be_forced(package: Path, tmp_path: Path) -> None:

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import pytest
-from refinement import form_all, measure
+
+from validation.refinement import form_all, measure
 
 pytestmark = pytest.mark.validation
 

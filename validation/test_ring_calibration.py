@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ring_calibration import FRICTION, avitzur_at_half, compress, read_published
+
+from validation.ring_calibration import FRICTION, avitzur_at_half, compress, read_published
 
 pytestmark = pytest.mark.validation
 

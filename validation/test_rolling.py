@@ -2,7 +2,8 @@
 """Strip rolling against the slab theories, which know no elastic arcs and no redundant work."""
 
 import pytest
-import rolling
+
+from validation import rolling
 
 pytestmark = pytest.mark.validation
 

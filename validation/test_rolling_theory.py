@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rolling_theory import RollGap, bland_ford, inhomogeneity, mean_pressure_force, roll_by_slab
+
+from validation.rolling_theory import RollGap, bland_ford, inhomogeneity, mean_pressure_force, roll_by_slab
 
 pytestmark = pytest.mark.validation
 

@@ -3,19 +3,13 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verification"))
-
-from problems import elastic
-from shell_problems import CLAMPED, RX, X, Y, Z, fixing, patch, shell_model, symmetry
-from test_shell_large_rotation import TABLES, cylinder, deviation, follow, lines
-
 from presswork.implicit.arc_length import ArcLengthProcedure
+from tests.problems.plane_solids import elastic
+from tests.problems.shells import CLAMPED, RX, X, Y, Z, fixing, patch, shell_model, symmetry
+from tests.verification.test_shell_large_rotation import TABLES, cylinder, deviation, follow, lines
 
 pytestmark = pytest.mark.validation
 

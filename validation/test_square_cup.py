@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cup_influence import round_punch
-from square_cup import EXPERIMENT, STROKE, THESIS, draw_cup, draw_in
+
+from validation.cup_influence import round_punch
+from validation.square_cup import EXPERIMENT, STROKE, THESIS, draw_cup, draw_in
 
 pytestmark = pytest.mark.validation
 

@@ -7,7 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from solid_problems import measure_taylor_bar, taylor_bar
+
+from tests.problems.explicit_solids import measure_taylor_bar, taylor_bar
 
 pytestmark = pytest.mark.validation
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from upsetting import ELEMENTS, REFINED, upset
+
+from validation.upsetting import ELEMENTS, REFINED, upset
 
 pytestmark = pytest.mark.validation
 

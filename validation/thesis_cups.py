@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The cups of Cheng (1995), figures 4.6 to 4.8, at the depths shown there: pictures, and extremes of thickness strain.
 
-    python validation/thesis_cups.py OUT [element_size]
+    python -m validation.thesis_cups OUT [element_size]
 
 draws the square punch's cup with 3-node and 4-node shells and the cylindrical punch's with 3-node shells, to the
 thesis's full depth, and leaves OUT/thesis_cups.png. Two minutes of one core with shells of 2 mm.
@@ -14,10 +14,10 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from cup_influence import round_punch
-from square_cup import draw_cup
 
 from presswork.view.shell_plot import plot_shell
+from validation.cup_influence import round_punch
+from validation.square_cup import draw_cup
 
 TRIANGLES = ['blank.cells="triangles"']
 # name, keys, depths of the figure [mm], its extremes of thickness strain (none are printed for figure 4.8)

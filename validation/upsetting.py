@@ -2,7 +2,7 @@
 """Upsetting to 60 % with every element that does not lock: forces, volume change, and their convergence as a picture.
 
 The thesis's case (Cheng 1995, chapter 2, section 12-1) from the shipped example, on n x n blocks.
-Run: python validation/upsetting.py [--picture docs/img/upsetting_convergence.png]
+Run: python -m validation.upsetting [--picture docs/img/upsetting_convergence.png]
 """
 
 from __future__ import annotations

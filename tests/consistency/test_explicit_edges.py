@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_explicit_shells import SWIFT, results
 
 from presswork import _core
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells
+from tests.consistency.test_explicit_shells import SWIFT, results
 
 THICKNESS, SIDE = 0.8, 48.0
 

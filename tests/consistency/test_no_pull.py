@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,9 +17,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_contact import RELEASE as RELEASE_OF_SLOTS
 from presswork.model import FloatArray
 from presswork.process.implicit_stamping import make_shell_model
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "regression"))
-from test_implicit_stamping import CUP
+from tests.regression.test_implicit_stamping import CUP
 
 STEEL = {"young": 2e5, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 200}}
 LAWS: dict[str, dict[str, Any]] = {

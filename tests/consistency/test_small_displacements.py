@@ -3,10 +3,10 @@
 
 import numpy as np
 import pytest
-from test_shell_tangent import ELASTIC, PLASTIC, SHELLS, Shell, random_increment
-from test_tangent import ELEMENTS, make_law, reference_points
 
 from presswork import _core
+from tests.consistency.test_shell_tangent import ELASTIC, PLASTIC, SHELLS, Shell, random_increment
+from tests.consistency.test_tangent import ELEMENTS, make_law, reference_points
 
 
 def evaluate(element, law, points, increment, *, axisymmetric, stress=None, eqps=None):

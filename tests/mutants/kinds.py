@@ -11,8 +11,6 @@ from pathlib import Path
 import meshio
 import numpy as np
 import tomli_w
-from tests.unit.case.round_cup import CUP, changed
-from tests.unit.mesh.test_readers import FORMATS
 from typer.testing import CliRunner
 
 from presswork.case import CaseError, build_model, read_case
@@ -29,6 +27,8 @@ from presswork.process.begin import check_start
 from presswork.recorder import run_model
 from presswork.results import OutputError, Result
 from presswork.study.measured import read_measured
+from tests.unit.case.round_cup import CUP, changed
+from tests.unit.mesh.test_readers import FORMATS
 
 REFUSALS = (CaseError, StartError, OutputError, OneStepError)
 """What says in words that a file is refused."""

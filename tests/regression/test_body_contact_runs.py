@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, stop_after
 
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
+from tests.regression.whole_runs import assert_same_bits, stop_after
 
 SMALL = {
     "two_bodies": ["workpiece.mesh.cells=[6,10]", "bodies.ring.mesh.cells=[4,7]", "output.checkpoint_every=3"],

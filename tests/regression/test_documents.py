@@ -38,6 +38,20 @@ def test_links_in_the_documents_lead_somewhere() -> None:
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
+def test_programs_that_the_documents_run_are_there() -> None:
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
+    pages += [path for folder in ("validation", "benchmarks", "examples") for path in (ROOT / folder).glob("*.py")]
+    for page in pages:
+        text = page.read_text("utf-8")
+        named = [
+            f"{name.replace('.', '/')}.py" for name in re.findall(r"python -m ((?:validation|benchmarks)\.\w+)", text)
+        ]
+        named += re.findall(r"(?:python|pytest) ((?:validation|benchmarks|examples|tests)/[\w/]+\.py)", text)
+        for name in named:
+            assert (ROOT / name).exists(), f"{page.name}: {name}"
+        assert not re.search(r"python (validation|benchmarks)/", text), f"{page.name}: run it with python -m"
+
+
 def case_without_tools(**stage) -> Case:
     return Case(
         title="no tools",

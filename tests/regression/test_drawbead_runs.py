@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_in_two_parts, run_stamping
 
 from presswork import _core
 from presswork.case import StampingCase, build_model
 from presswork.explicit.shells import ExplicitShells
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.post.section import measure_draw_in
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping
 
 TOOL = {"shape": "rectangular", "mu": 0.1}
 CUP: dict[str, Any] = {

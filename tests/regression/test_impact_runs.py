@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_to_end, stop_after, stop_within_a_row
 
 from presswork.case import Case, CaseError, build_model
 from presswork.examples import copy_example
@@ -22,6 +21,7 @@ from presswork.recorder import StartError, run_model
 from presswork.results import OutputError, Result
 from presswork.view import plot_all
 from presswork.view.all_plots import default_fields
+from tests.regression.whole_runs import assert_same_bits, run_to_end, stop_after, stop_within_a_row
 
 DENSITY = 7.83e-9
 

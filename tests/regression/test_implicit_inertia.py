@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_implicit_stamping import CUP, STRIP
-from whole_runs import run_stamping
 
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.recorder import Outcome, run_model
+from tests.regression.test_implicit_stamping import CUP, STRIP
+from tests.regression.whole_runs import run_stamping
 
 DENSITY, WAY, DURATION, RISE = 7.85e-9, 40.0, 0.02, 0.5
 MASS = DENSITY * 10 * 4 * 0.8

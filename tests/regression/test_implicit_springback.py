@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_springback import CURVATURE, LENGTH, THICKNESS, YOUNG, bend, bend_model, curvature_of, moment
-from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.model import PrescribedDisplacement
 from presswork.model_stamping import StampingModel
+from tests.regression.test_springback import CURVATURE, LENGTH, THICKNESS, YOUNG, bend, bend_model, curvature_of, moment
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 
 def implicit_model() -> StampingModel:

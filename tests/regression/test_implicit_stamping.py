@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.mesh.tool_file import TriangulatedTool
 from presswork.recorder import StartError, run_model
 from presswork.view.all_plots import plot_all
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
 
 STEEL = {"young": "206 GPa", "poisson": 0.3, "hardening": {"law": "swift", "K": 565.32, "e0": 0.007117, "n": 0.2589}}
 STRIP: dict[str, Any] = {

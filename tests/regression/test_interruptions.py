@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faulty_runs import Ending, Fault, run_with_fault
-from whole_runs import assert_same_bits
 
 from presswork import Case, OutputError, Result, run
 from presswork.case import build_model, read_case
@@ -17,6 +15,8 @@ from presswork.examples import copy_example
 from presswork.recorder import fingerprint, run_model
 from presswork.results import load_checkpoint
 from presswork.results.folder import CHECKPOINT, HISTORY, RESULTS
+from tests.regression.faulty_runs import Ending, Fault, run_with_fault
+from tests.regression.whole_runs import assert_same_bits
 
 CASES = {
     "implicit": (

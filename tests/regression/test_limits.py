@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_implicit_stamping import CUP, STRIP
-from whole_runs import assert_same_bits
 
 from presswork.case import StampingCase, build_model, read_case
 from presswork.recorder import Outcome, run_model
+from tests.regression.test_implicit_stamping import CUP, STRIP
+from tests.regression.whole_runs import assert_same_bits
 
 # A billet of mild steel on a die with a rib 1 mm wide: edges of 2.5 mm do not see it.
 GEAR_BLANK = """

@@ -13,6 +13,7 @@ from random import Random
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
 from tests.mutants.kinds import KINDS
 from tests.mutants.mutate import mutate
 from tests.mutants.pool import Reader, write_seed

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """presswork onestep from a part's file to its folder; what it refuses, and with which status."""
 
-import sys
 from pathlib import Path
 
 import matplotlib.image
@@ -12,10 +11,7 @@ from typer.testing import CliRunner
 
 from presswork.cli import app
 from presswork.results import Result
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "verification"))
-
-from one_step_problems import cup_profile, fan, revolve
+from tests.problems.one_step import cup_profile, fan, revolve
 
 SHEET = ["--material", "numisheet93_mild_steel", "--thickness", "0.8 mm"]
 

@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import meshio
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
@@ -20,9 +18,8 @@ from presswork.post.section import cut_sheet, measure_draw_in
 from presswork.process.stamping import ExplicitStamping
 from presswork.recorder import run_model
 from presswork.view.shell_plot import plot_shell
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "case"))
-from round_cup import CUP, changed
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
+from tests.unit.case.round_cup import CUP, changed
 
 
 def stretch(blank: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:

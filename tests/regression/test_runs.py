@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, stop_after
 
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
@@ -21,6 +20,7 @@ from presswork.implicit.stepping import IncrementReport
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.recording import Row
 from presswork.results import load_checkpoint
+from tests.regression.whole_runs import assert_same_bits, stop_after
 
 SMALL = ["workpiece.mesh.cells=[6,6]", "output.checkpoint_every=3"]
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import build_model, read_case
@@ -16,6 +15,7 @@ from presswork.recorder import run_model
 from presswork.results import ResultError
 from presswork.results.checkpoint import load_checkpoint
 from presswork.view.all_plots import plot_all
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 
 @pytest.fixture(scope="module")

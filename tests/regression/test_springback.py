@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_to_end, stop_after
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
@@ -21,6 +20,7 @@ from presswork.process.springback import hold_rigidly, make_springback_model
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
 from presswork.view.style import is_let_go
+from tests.regression.whole_runs import assert_same_bits, run_to_end, stop_after
 
 YOUNG, YIELD, THICKNESS, LENGTH = 206e3, 200.0, 1.0, 20.0
 CURVATURE = 12 * YIELD / (YOUNG * THICKNESS)

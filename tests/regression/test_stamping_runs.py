@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, stop_after, stop_within_a_row
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
@@ -17,6 +16,7 @@ from presswork.explicit.shells import ExplicitShells
 from presswork.recorder import run_model
 from presswork.results import OutputError
 from presswork.view.all_plots import plot_all
+from tests.regression.whole_runs import assert_same_bits, stop_after, stop_within_a_row
 
 
 def pull(**changes: Any) -> dict[str, Any]:

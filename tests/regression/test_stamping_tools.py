@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_in_two_parts, run_to_end, stop_after
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model, read_case
@@ -18,6 +17,7 @@ from presswork.process.begin import check_start
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
 from presswork.view.shell_plot import plot_shell
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end, stop_after
 
 STROKE = 8.0
 

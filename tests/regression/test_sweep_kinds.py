@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import meshio
@@ -18,10 +17,7 @@ from presswork.cli import app
 from presswork.examples import copy_example
 from presswork.post import measure_draw_in
 from presswork.study import run_sweep
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "verification"))
-
-from one_step_problems import cup_profile, fan, revolve
+from tests.problems.one_step import cup_profile, fan, revolve
 
 STRIP = {
     "title": "strip in tension",

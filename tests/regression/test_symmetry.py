@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from whole_runs import run_stamping, run_to_end
 
 from presswork import Case, Result
 from presswork.case import build_model
+from tests.regression.whole_runs import run_stamping, run_to_end
 
 STEEL = {"young": "210 GPa", "poisson": 0.3, "hardening": {"law": "swift", "K": 565.32, "e0": 0.007117, "n": 0.2589}}
 TOOL = {"shape": "rectangular", "mu": 0.144}

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
@@ -17,6 +16,7 @@ from presswork.post import cut_sheet, judge_part, measure_draw_in, trace_outline
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
 from presswork.view.style import describe_step
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 TOOL = {"shape": "rectangular", "mu": 0.1}
 

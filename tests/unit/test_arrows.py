@@ -146,3 +146,16 @@ def test_names_of_the_model_have_one_import_path(path: Path) -> None:
     """From presswork.model, whichever of its files they stand in."""
     if "model" not in path.relative_to(ROOT / "src" / "presswork").parts:
         assert "presswork.model." not in path.read_text("utf-8")
+
+
+def test_programs_and_tests_import_each_other_by_their_packages() -> None:
+    """By `tests.problems.shells`, not by the bare name of a file, which is found only from its own folder."""
+    files = [p for folder in ("tests", "validation", "benchmarks") for p in sorted((ROOT / folder).rglob("*.py"))]
+    folders = {path.parent for path in files}
+    names = {path.stem for path in files} | {folder.name for folder in folders if folder.parent != ROOT}
+    for path in files:
+        nodes = list(ast.walk(ast.parse(path.read_text("utf-8"))))
+        imported = {(node.module or "").split(".")[0] for node in nodes if isinstance(node, ast.ImportFrom)}
+        imported |= {a.name.split(".")[0] for node in nodes if isinstance(node, ast.Import) for a in node.names}
+        bare = imported & names
+        assert not bare, f"{path.relative_to(ROOT)} imports {', '.join(sorted(bare))} without its package"

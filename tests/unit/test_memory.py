@@ -9,8 +9,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.unit.case.round_cup import CUP
-from tests.unit.case.test_magnitudes import IMPACT, SHELL, SOLID, STEEL
 from typer.testing import CliRunner
 
 from presswork import memory
@@ -23,6 +21,8 @@ from presswork.model import FloatArray
 from presswork.outcome import StartError
 from presswork.process.begin import check_start
 from presswork.recorder import run_model
+from tests.unit.case.round_cup import CUP
+from tests.unit.case.test_magnitudes import IMPACT, SHELL, SOLID, STEEL
 
 CASES = {
     "solid": lambda: Case(**SOLID, materials={"steel": STEEL}),

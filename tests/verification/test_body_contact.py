@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import block_mesh, distort, elastic, fixed_increments, linear_hardening, make_model, run
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import grade_line, mesh_rectangle
@@ -28,6 +27,15 @@ from presswork.model import (
     Tool,
 )
 from presswork.state import State
+from tests.problems.plane_solids import (
+    block_mesh,
+    distort,
+    elastic,
+    fixed_increments,
+    linear_hardening,
+    make_model,
+    run,
+)
 
 PRESSURE = 300.0
 

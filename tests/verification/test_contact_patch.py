@@ -11,10 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import ELEMENTS, block_mesh, distort, elastic, fixed_increments, run
 
 from presswork.fields.table import compute_fields
 from presswork.model import Analysis, ElementName, Mesh, Model, OutputSettings, Stage, Support, Tool, ToolMotion
+from tests.problems.plane_solids import ELEMENTS, block_mesh, distort, elastic, fixed_increments, run
 
 YOUNG, POISSON = 200e3, 0.3
 WIDTH, HEIGHT, STROKE = 8.0, 6.0, 0.3

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from sliding_arches import beams, slide
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import SolverSettings
+from tests.problems.sliding_arches import beams, slide
 
 FIRST_WAY = 0.315
 

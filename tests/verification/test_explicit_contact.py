@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from explicit_problems import DENSITY, elastic_options, grid, mises
 
 from presswork import _core
 from presswork.explicit.motion import SmoothStroke
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
 from presswork.geometry.swept_tool import SweptTool, draw_hemispherical_punch
+from tests.problems.explicit_shells import DENSITY, elastic_options, grid, mises
 
 THICKNESS = 0.8
 SWIFT = mises("swift", (565.0, 0.007, 0.26))

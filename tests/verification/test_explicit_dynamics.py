@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from explicit_problems import DENSITY, POISSON, YOUNG, elastic_options, grid, mises, triangles
 
 from presswork.explicit.shells import ExplicitShells, Precision, ShellOptions
+from tests.problems.explicit_shells import DENSITY, POISSON, YOUNG, elastic_options, grid, mises, triangles
 
 PRECISIONS: tuple[Precision, ...] = ("double", "single")
 MITC = {"element": "shell4_mitc_plus"}

@@ -5,7 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from explicit_problems import (
+
+from presswork import _core
+from presswork.explicit.shells import ExplicitShells
+from presswork.mesh.split import SplitMesh
+from tests.problems.explicit_shells import (
     DENSITY,
     POISSON,
     YOUNG,
@@ -17,12 +21,8 @@ from explicit_problems import (
     stiffness,
     triangles,
 )
-from test_explicit_dynamics import vibrate
-from test_explicit_patch import FIELDS, T, count_zero, rigid_motions
-
-from presswork import _core
-from presswork.explicit.shells import ExplicitShells
-from presswork.mesh.split import SplitMesh
+from tests.verification.test_explicit_dynamics import vibrate
+from tests.verification.test_explicit_patch import FIELDS, T, count_zero, rigid_motions
 
 
 def refined(n: int, *, every: int = 0, seed: int = 0, levels: int = 2) -> tuple[Array, SplitMesh]:

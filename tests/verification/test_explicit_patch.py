@@ -3,9 +3,9 @@
 
 import numpy as np
 import pytest
-from explicit_problems import DENSITY, elastic_options, grid, mises, solve_static, stiffness, triangles
 
 from presswork.explicit.shells import ExplicitShells
+from tests.problems.explicit_shells import DENSITY, elastic_options, grid, mises, solve_static, stiffness, triangles
 
 T = 0.7
 FIELDS = {

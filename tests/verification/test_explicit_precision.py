@@ -2,9 +2,9 @@
 """Single precision against double in a motion like deep drawing: many cycles, large strokes, plastic bending."""
 
 import numpy as np
-from explicit_problems import DENSITY, Array, grid, mises
 
 from presswork.explicit.shells import ExplicitShells, Precision
+from tests.problems.explicit_shells import DENSITY, Array, grid, mises
 
 
 def draw(

@@ -4,7 +4,12 @@
 import numpy as np
 import pytest
 from scipy.linalg import eigh
-from solid_problems import (
+
+from presswork import _core
+from presswork.explicit.solid_material import SolidMaterial
+from presswork.explicit.solids import ExplicitSolids
+from presswork.model import CellBlock, Hardening, Mesh
+from tests.problems.explicit_solids import (
     DENSITY,
     FLOOR,
     POISSON,
@@ -14,11 +19,6 @@ from solid_problems import (
     rectangle,
     taylor_bar,
 )
-
-from presswork import _core
-from presswork.explicit.solid_material import SolidMaterial
-from presswork.explicit.solids import ExplicitSolids
-from presswork.model import CellBlock, Hardening, Mesh
 
 ELEMENTS = ("quad4_1pt", "tri3")
 PLANE_WAVE = np.sqrt(YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / DENSITY)

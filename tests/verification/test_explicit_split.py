@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from explicit_problems import DENSITY, grid, mises
 
 from presswork.explicit.shells import ExplicitShells
 from presswork.mesh.split import SplitMesh
 from presswork.model import SheetBead
+from tests.problems.explicit_shells import DENSITY, grid, mises
 
 SWIFT = mises("swift", (565.0, 0.007, 0.26))
 

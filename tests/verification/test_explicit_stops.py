@@ -3,10 +3,10 @@
 
 import numpy as np
 import pytest
-from explicit_problems import DENSITY, elastic_options, grid, mises
 
 from presswork import _core
 from presswork.explicit.shells import ExplicitError, ExplicitShells
+from tests.problems.explicit_shells import DENSITY, elastic_options, grid, mises
 
 FACE = _core.ToolSurface.triangles(
     50.0 * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=float),

@@ -5,10 +5,10 @@ from itertools import product
 
 import numpy as np
 import pytest
-from explicit_problems import DENSITY, POISSON, YOUNG, grid, mises
 
 from presswork.explicit.shells import ExplicitShells, Precision, ShellOptions
 from presswork.model import ExplicitElement
+from tests.problems.explicit_shells import DENSITY, POISSON, YOUNG, grid, mises
 
 K, E0, N = 565.0, 0.02, 0.6  # hardens fast enough not to neck before a strain of one half (Considere)
 SIDE, THICKNESS, STRAIN = 4.0, 0.8, 0.5

@@ -7,9 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from problems import DATA
 from scipy.optimize import brentq
-from sheet_paths import VON_MISES
 
 from presswork import _core
 from presswork.case.material.forming_limit.curves import keeler_curve, swift_hill_curve
@@ -17,6 +15,8 @@ from presswork.case.material.forming_limit.marciniak import marciniak_kuczynski_
 from presswork.case.material.forming_limit.proportional import find_stress, turn_stress
 from presswork.case.material.yield_function import Barlat1989, Hill1948
 from presswork.material.stress_limit import find_stress_limit
+from tests.problems.plane_solids import DATA
+from tests.problems.sheet_paths import VON_MISES
 
 TABLE = np.loadtxt(DATA / "mk_flc_mises.csv", delimiter=",", skiprows=2)
 SETS = json.loads((DATA / "yld2000.json").read_text())

@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from punch_stretching import stretch
+
+from tests.problems.punch_stretching import stretch
 
 FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.01")
 

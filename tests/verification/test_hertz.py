@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from hertz import RADIUS, press
+
+from tests.problems.hertz import RADIUS, press
 
 EDGES = {"tri3": 16, "quad4": 16, "quad4_fbar": 16, "quad8_2x2": 8}
 """Edges across the half-width; a quadratic edge counts for two in the number of nodes."""

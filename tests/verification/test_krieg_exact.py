@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from problems import DATA, fit_rate
 
 from presswork import _core
+from tests.problems.plane_solids import DATA, fit_rate
 
 YOUNG, POISSON, YIELD = 200e3, 0.3, 700.0
 G = YOUNG / (2 * (1 + POISSON))

@@ -15,12 +15,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-from problems import linear_hardening, make_model
 from scipy.optimize import brentq
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import grade_line, mesh_rectangle
 from presswork.model import Material, PrescribedDisplacement, SolverSettings, Support
+from tests.problems.plane_solids import linear_hardening, make_model
 
 YIELD, YOUNG, EXTENT = 1.0, 1e7, 10.0
 LIMIT = (2 + np.pi) * YIELD / np.sqrt(3)

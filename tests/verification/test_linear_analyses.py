@@ -11,13 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import shell_linear
-from problems import linear_hardening, make_model, run
-from test_limit_loads import COARSE, LIMIT, MIDDLE, graded_body
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import mesh_rectangle
 from presswork.model import Material, Model, PrescribedDisplacement, Pressure, SolverSettings, Support
+from tests.problems import shell_linear
+from tests.problems.plane_solids import linear_hardening, make_model, run
+from tests.verification.test_limit_loads import COARSE, LIMIT, MIDDLE, graded_body
 
 BORE, OUTSIDE, YIELD, POISSON = 100.0, 200.0, 240.0, 0.499
 SHEAR = YIELD * 2 / np.sqrt(3)

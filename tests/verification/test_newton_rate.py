@@ -13,10 +13,10 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from problems import ELEMENTS
 
 from presswork.case import Case, build_model
 from presswork.implicit.stepping import ImplicitProcedure
+from tests.problems.plane_solids import ELEMENTS
 
 EXAMPLE = files("presswork.examples") / "upsetting_4cst.toml"
 FLOOR = 1e-11

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from off_axis import GIVEN, MODULUS, POISSON, YIELD, YOUNG, run_turned, sheet
-from shell_problems import RX, RY, RZ, X, Y, Z, fixing, patch, shell_model
 
 from presswork.case.material.yield_function import r_value, tension
+from tests.problems.off_axis import GIVEN, MODULUS, POISSON, YIELD, YOUNG, run_turned, sheet
+from tests.problems.shells import RX, RY, RZ, X, Y, Z, fixing, patch, shell_model
 
 LENGTH, WIDTH, P = 4.0, 2.0, 1e-3
 

@@ -4,7 +4,13 @@
 import meshio
 import numpy as np
 import pytest
-from one_step_problems import (
+
+from presswork.mesh.part_file import read_part, refine_edges
+from presswork.mesh.remesh import POOR
+from presswork.mesh.triangles import triangle_quality
+from presswork.onestep import solve_one_step
+from presswork.onestep.part import OneStepError
+from tests.problems.one_step import (
     NO_QUADS,
     NO_TRIANGLES,
     cup_profile,
@@ -15,12 +21,6 @@ from one_step_problems import (
     solve_of_revolution,
     steel,
 )
-
-from presswork.mesh.part_file import read_part, refine_edges
-from presswork.mesh.remesh import POOR
-from presswork.mesh.triangles import triangle_quality
-from presswork.onestep import solve_one_step
-from presswork.onestep.part import OneStepError
 
 
 def grid(nx: int, ny: int) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from problems import (
+
+from tests.problems.plane_solids import (
     ELEMENTS,
     block_mesh,
     distort,

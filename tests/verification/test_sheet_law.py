@@ -7,11 +7,11 @@ import json
 
 import numpy as np
 import pytest
-from problems import DATA, fit_rate
-from sheet_paths import VON_MISES, follow, integrate_rates, integrate_yoshida_uemori, pull
 
 from presswork import _core
 from presswork.case.material.yield_function import Barlat1989, Hill1948, tension
+from tests.problems.plane_solids import DATA, fit_rate
+from tests.problems.sheet_paths import VON_MISES, follow, integrate_rates, integrate_yoshida_uemori, pull
 
 SETS = json.loads((DATA / "yld2000.json").read_text())
 YOUNG, POISSON = 70e3, 0.33

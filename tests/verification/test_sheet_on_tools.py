@@ -3,7 +3,6 @@
 
 import numpy as np
 import pytest
-from shell_problems import CLAMPED, RX, RZ, X, Y, fixing, patch, symmetry
 
 from presswork.geometry.swept_tool import draw_hemispherical_punch, draw_punch
 from presswork.implicit.stepping import ImplicitProcedure
@@ -21,6 +20,7 @@ from presswork.model import (
     Stage,
     Support,
 )
+from tests.problems.shells import CLAMPED, RX, RZ, X, Y, fixing, patch, symmetry
 
 YOUNG = 210000.0
 

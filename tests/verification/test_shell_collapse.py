@@ -8,13 +8,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plates import SIZE, THICKNESS, collapse_load, plastic_moment, pressed_plate, quarter_disc, quarter_square
-from problems import linear_hardening
 from scipy.integrate import solve_ivp
-from shell_problems import X, Y, Z, fixing, patch, shell_model, symmetry
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Material
+from tests.problems.plane_solids import linear_hardening
+from tests.problems.plates import (
+    SIZE,
+    THICKNESS,
+    collapse_load,
+    plastic_moment,
+    pressed_plate,
+    quarter_disc,
+    quarter_square,
+)
+from tests.problems.shells import X, Y, Z, fixing, patch, shell_model, symmetry
 
 ROOF = Path(__file__).parents[1] / "data" / "roof_elastic_plastic.csv"
 

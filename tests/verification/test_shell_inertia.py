@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_shell_large_rotation import TABLES
-from test_shell_snap_through import hinged_roof
 
 from presswork.case import CaseError, ShellCase, build_model
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.supports import NotHeldError
+from tests.verification.test_shell_large_rotation import TABLES
+from tests.verification.test_shell_snap_through import hinged_roof
 
 LENGTH, WIDTH, THICKNESS, DENSITY = 20.0, 10.0, 0.8, 7.85e-9
 VELOCITY, DAMPING, DURATION, INCREMENTS = 100.0, 1e5, 0.01, 20

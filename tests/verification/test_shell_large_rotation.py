@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from problems import DATA, elastic
-from shell_problems import CLAMPED, X, Y, Z, fixing, patch, shell_model, symmetry
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Mesh, Model
+from tests.problems.plane_solids import DATA, elastic
+from tests.problems.shells import CLAMPED, X, Y, Z, fixing, patch, shell_model, symmetry
 
 TABLES = json.loads((DATA / "shell_nonlinear.json").read_text())
 

@@ -10,8 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import elastic
-from shell_linear import (
+
+from tests.problems.plane_solids import elastic
+from tests.problems.shell_linear import (
     CLOSED_HEMISPHERE,
     CYLINDER,
     HEMISPHERE,
@@ -34,7 +35,7 @@ from shell_linear import (
     straight_beam,
     twisted_beam,
 )
-from shell_problems import CLAMPED, X, Y, Z, fixing, patch, shell_model, solve_linear, symmetry
+from tests.problems.shells import CLAMPED, X, Y, Z, fixing, patch, shell_model, solve_linear, symmetry
 
 PROBLEMS = {
     "roof": (scordelis_lo, ROOF), "cylinder": (pinched_cylinder, CYLINDER), "hemisphere": (hemisphere, HEMISPHERE),

@@ -7,11 +7,11 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from problems import elastic
-from shell_problems import CLAMPED, RX, RY, RZ, X, Y, Z, fixing, patch, shell_model, solve_linear
 
 from presswork import _core
 from presswork.model import Mesh, PrescribedDisplacement, ShellElement, Stage
+from tests.problems.plane_solids import elastic
+from tests.problems.shells import CLAMPED, RX, RY, RZ, X, Y, Z, fixing, patch, shell_model, solve_linear
 
 ELEMENTS = get_args(ShellElement)
 YOUNG, POISSON, THICKNESS = 7e4, 0.3, 0.5

@@ -7,7 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bent_strip import (
+from scipy.integrate import solve_ivp
+
+from presswork import case
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.model import EdgeForce, Mesh, PrescribedDisplacement, Rate, Stage
+from tests.problems.bent_strip import (
     FIRST_YIELD,
     INERTIA,
     LENGTH,
@@ -21,12 +26,7 @@ from bent_strip import (
     steel,
     strip,
 )
-from scipy.integrate import solve_ivp
-from shell_problems import RX, RY, RZ, X, Y, Z, fixing, patch, run, shell_model
-
-from presswork import case
-from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import EdgeForce, Mesh, PrescribedDisplacement, Rate, Stage
+from tests.problems.shells import RX, RY, RZ, X, Y, Z, fixing, patch, run, shell_model
 
 
 def test_moment_of_an_elastic_plastic_strip() -> None:

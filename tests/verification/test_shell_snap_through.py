@@ -9,15 +9,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import elastic
-from shell_problems import X, Y, Z, fixing, patch, shell_model, symmetry
-from test_shell_large_rotation import TABLES, cylinder, lines
 
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.remedy import find_remedy
 from presswork.implicit.stepping import FRACTION, ImplicitProcedure
 from presswork.model import ElementName, Model, PrescribedDisplacement
 from presswork.outcome import GaveUpError
+from tests.problems.plane_solids import elastic
+from tests.problems.shells import X, Y, Z, fixing, patch, shell_model, symmetry
+from tests.verification.test_shell_large_rotation import TABLES, cylinder, lines
 
 
 def hinged_roof(thickness: float, n: int, element: ElementName = "shell4_mitc_plus", **solver: object) -> Model:

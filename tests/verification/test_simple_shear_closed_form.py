@@ -13,10 +13,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from problems import DATA, ELEMENTS, block_mesh, drive_boundary, elastic, fit_rate, fixed_increments, run
 
 from presswork import _core
 from presswork.post.strain_measures import measure_strains
+from tests.problems.plane_solids import (
+    DATA,
+    ELEMENTS,
+    block_mesh,
+    drive_boundary,
+    elastic,
+    fit_rate,
+    fixed_increments,
+    run,
+)
 
 TABLE = np.loadtxt(DATA / "simple_shear_rates.csv", delimiter=",", skiprows=2)
 YOUNG, POISSON = 200e3, 0.3

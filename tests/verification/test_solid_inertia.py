@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import block_mesh, elastic, make_model, map_points, run
 
 from presswork import Case, CaseError, build_model
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.supports import NotHeldError
 from presswork.model import FloatArray, Mesh, Model, PointForce, PrescribedDisplacement, SolverSettings, Stage, Support
 from presswork.outcome import GaveUpError
+from tests.problems.plane_solids import block_mesh, elastic, make_model, map_points, run
 
 DENSITY = 7.85e-9
 RADIUS, HEIGHT, VELOCITY, DAMPING = 4.0, 6.0, 100.0, 1e5

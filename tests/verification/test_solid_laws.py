@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from problems import block_mesh, fit_rate, fixed_increments, make_model, run
 from scipy.optimize import brentq
 
 from presswork import build_model
@@ -27,6 +26,7 @@ from presswork.model import (
     YieldFunction,
 )
 from presswork.recorder import run_model
+from tests.problems.plane_solids import block_mesh, fit_rate, fixed_increments, make_model, run
 
 YOUNG, POISSON, DENSITY = 200e3, 0.3, 7.85e-9
 LENGTH = 10.0

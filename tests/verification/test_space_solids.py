@@ -6,21 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from space_problems import (
-    STEEL,
-    SYMMETRY,
-    box,
-    compute,
-    cook_in_space,
-    cook_mesh,
-    cook_plane_stress,
-    cook_plastic,
-    make_model,
-    mean_rise,
-    middle_rise,
-    thick_cylinder,
-    upper_rise,
-)
 
 from presswork import model
 from presswork.implicit.stepping import ImplicitProcedure
@@ -36,6 +21,21 @@ from presswork.model import (
     PrescribedDisplacement,
     Stage,
     Support,
+)
+from tests.problems.space_solids import (
+    STEEL,
+    SYMMETRY,
+    box,
+    compute,
+    cook_in_space,
+    cook_mesh,
+    cook_plane_stress,
+    cook_plastic,
+    make_model,
+    mean_rise,
+    middle_rise,
+    thick_cylinder,
+    upper_rise,
 )
 
 ELEMENTS = ["hex8", "hex8_fbar"]

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from explicit_problems import DENSITY, POISSON, YOUNG, grid, mises, triangles
-from test_explicit_contact import flat
 
 from presswork import _core
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
+from tests.problems.explicit_shells import DENSITY, POISSON, YOUNG, grid, mises, triangles
+from tests.verification.test_explicit_contact import flat
 
 THICKNESS, SIDE = 0.8, 8.0
 K, E0, N = 565.0, 0.007, 0.26

@@ -11,7 +11,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from problems import (
+
+from presswork.model import Material
+from presswork.state import State
+from tests.problems.plane_solids import (
     ELEMENTS,
     block_mesh,
     distort,
@@ -22,9 +25,6 @@ from problems import (
     run,
     with_node_sets,
 )
-
-from presswork.model import Material
-from presswork.state import State
 
 STEEL = Material("steel", 200e3, 0.3, linear_hardening(400.0, 500.0))
 TURN = np.radians(60.0)

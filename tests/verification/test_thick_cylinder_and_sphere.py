@@ -15,10 +15,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from problems import DATA, fit_rate, linear_hardening, make_model, map_points, run
 
 from presswork.mesh import mesh_rectangle
 from presswork.model import Material, PrescribedDisplacement, Pressure, SolverSettings, Support
+from tests.problems.plane_solids import DATA, fit_rate, linear_hardening, make_model, map_points, run
 
 A, B, YOUNG, SCALE = 100.0, 200.0, 210e3, 1e-2
 YIELD = 240.0 * SCALE  # [MPa]

@@ -7,9 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bent_strip import INERTIA, YOUNG, bend, moment_of, steel, strip
-from problems import linear_hardening
-from shell_problems import patch, shell_model
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Material, Mesh, Stage
@@ -24,6 +21,9 @@ from presswork.process.transfer import (
     sheet_of_implicit,
 )
 from presswork.process.trim import TrimmedSheet, trim_sheet
+from tests.problems.bent_strip import INERTIA, YOUNG, bend, moment_of, steel, strip
+from tests.problems.plane_solids import linear_hardening
+from tests.problems.shells import patch, shell_model
 
 BEYOND = 100.0
 CURVATURE = 0.006

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from problems import block_mesh, drive_boundary, fixed_increments, make_model, run
 
 from presswork import _core, build_model
 from presswork.case import read_case
@@ -17,6 +16,7 @@ from presswork.implicit.stepping import GaveUpError
 from presswork.law.umat import compile_law
 from presswork.model import Material, PrescribedDisplacement, Stage, Support, Umat
 from presswork.recorder import run_model
+from tests.problems.plane_solids import block_mesh, drive_boundary, fixed_increments, make_model, run
 
 YOUNG, POISSON = 200e3, 0.3
 SWIFT = (700.0, 0.01, 0.2)

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from problems import ELEMENTS, block_mesh, distort, fit_rate, fixed_increments, make_model, run
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
 from presswork.model import Hardening, Material, PrescribedDisplacement, SolverSettings, Support
+from tests.problems.plane_solids import ELEMENTS, block_mesh, distort, fit_rate, fixed_increments, make_model, run
 
 YOUNG, POISSON = 200e3, 0.3
 R0, H0 = 10.0, 15.0

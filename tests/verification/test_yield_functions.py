@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 import pytest
-from problems import DATA
 
 from presswork import _core
 from presswork.case.material.yield_function import Barlat1989, Hill1948
 from presswork.material.predict import predict_biaxial, predict_plane_strain, predict_shear, predict_tension
+from tests.problems.plane_solids import DATA
 
 SETS = {name: data for name, data in json.loads((DATA / "yld2000.json").read_text()).items() if name[0] != "_"}
 EVERY_15_DEGREES = np.arange(0.0, 91.0, 15.0)

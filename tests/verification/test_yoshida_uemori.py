@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from problems import fit_rate
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from sheet_paths import VON_MISES, pull
 
 from presswork import _core
 from presswork.material import find_sheet
+from tests.problems.plane_solids import fit_rate
+from tests.problems.sheet_paths import VON_MISES, pull
 
 YOUNG = 197e3
 

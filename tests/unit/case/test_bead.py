@@ -13,8 +13,7 @@ from presswork.case import CaseError, StampingCase, build_model, describe
 from presswork.case.stamping.bead import Bead
 from presswork.case.stamping.beads import cut_line
 from presswork.process.stamping_tools import tabulate_force, tabulate_share
-
-from .round_cup import CUP
+from tests.unit.case.round_cup import CUP
 
 SQUARE = [[-30, -30], [30, -30], [30, 30], [-30, 30]]
 

@@ -14,8 +14,7 @@ from presswork.case import CaseError, StampingCase, build_model
 from presswork.case.errors import Problem
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.results import write_outline
-
-from .test_stamping_case import CUP
+from tests.unit.case.test_stamping_case import CUP
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
 CIRCLE = 50.0 * np.stack([np.cos(ANGLE), np.sin(ANGLE)], axis=1)

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.unit.case.round_cup import CUP
 
 from presswork.case import Case, CaseError, build_model, read_case
 from presswork.case.onestep.schema import OneStepCase
 from presswork.case.shell.schema import ShellCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.units import LENGTH, unit_factor
+from tests.unit.case.round_cup import CUP
 
 STEEL = {"young": 206e3, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 200, "modulus": 500}}
 SHELL = {

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.unit.case.test_magnitudes import SOLID, STEEL
 
 from presswork.case import Case, CaseError, build_model
 from presswork.model import Model
 from presswork.recorder import run_model
+from tests.unit.case.test_magnitudes import SOLID, STEEL
 
 
 def billet(*, analysis: str = "plane_strain", motion: dict[str, Any] | None = None, **punch: Any) -> Model:

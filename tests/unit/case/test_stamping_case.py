@@ -14,9 +14,8 @@ from presswork.case import CaseError, StampingCase, build_model, describe, read_
 from presswork.case.description.stamping import describe_stamping
 from presswork.geometry.polygon import polygon_area
 from presswork.model_stamping import StampingModel
-
-from . import round_cup
-from .round_cup import changed
+from tests.unit.case import round_cup
+from tests.unit.case.round_cup import changed
 
 CUP: dict[str, Any] = changed(
     round_cup.CUP,

@@ -10,8 +10,7 @@ import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe
 from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch
-
-from .round_cup import CUP, changed
+from tests.unit.case.round_cup import CUP, changed
 
 DRAW = {"name": "draw", "tools": {"punch": {"stroke": 20}}}
 

@@ -3,9 +3,9 @@
 
 import numpy as np
 import pytest
-from tests.unit.contact.shapes import FloatArray, box_distance, clockwise, counter_clockwise, line
 
 from presswork import _core
+from tests.unit.contact.shapes import FloatArray, box_distance, clockwise, counter_clockwise, line
 
 INF = float("inf")
 

@@ -3,9 +3,9 @@
 
 import numpy as np
 import pytest
-from tests.unit.contact.shapes import box_distance, box_triangles, distance_to_triangles, height_field
 
 from presswork import _core
+from tests.unit.contact.shapes import box_distance, box_triangles, distance_to_triangles, height_field
 
 INF = float("inf")
 HALF = (20.0, 15.0, 10.0)

@@ -3,11 +3,11 @@
 
 import numpy as np
 import pytest
-from two_shells import CELLS, LAW, POINTS, STEEL
 
 from presswork import _core
 from presswork.explicit.motion import SmoothStroke, VelocityCurve
 from presswork.explicit.shells import ExplicitError, ExplicitShells
+from tests.unit.explicit.two_shells import CELLS, LAW, POINTS, STEEL
 
 CORNERS = 10.0 * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=float)
 TABLE = _core.ToolSurface.triangles(CORNERS, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))

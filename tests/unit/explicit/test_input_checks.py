@@ -3,9 +3,9 @@
 
 import numpy as np
 import pytest
-from two_shells import CELLS, LAW, POINTS, STEEL
 
 from presswork.explicit.shells import ExplicitError, ExplicitShells, ShellOptions
+from tests.unit.explicit.two_shells import CELLS, LAW, POINTS, STEEL
 
 
 def build(**changes: object) -> ExplicitShells:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.unit.case.round_cup import CUP, changed
 from typer.testing import CliRunner
 
 from presswork import Case, ShellCase, StampingCase, build_model, run_model
@@ -28,6 +27,7 @@ from presswork.fields.table import (
 )
 from presswork.model import FloatArray
 from presswork.study.measures import measure_run, parse_column
+from tests.unit.case.round_cup import CUP, changed
 
 STEEL = {"young": 200e3, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 500}}
 BILLET: dict[str, Any] = {

@@ -3,20 +3,14 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "verification"))
-
-from problems import elastic
-from shell_problems import CLAMPED, RY, Z, patch, shell_model
-
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import EdgeForce, PrescribedDisplacement, ShellPressure, Stage
+from tests.problems.plane_solids import elastic
+from tests.problems.shells import CLAMPED, RY, Z, patch, shell_model
 
 
 def procedure_of(*stages: Stage, thickness: float = 0.5) -> ImplicitProcedure:

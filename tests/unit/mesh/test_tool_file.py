@@ -6,11 +6,11 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from tests.unit.contact.shapes import box_distance, box_triangles
 
 from presswork.geometry.swept_tool import draw_die, draw_punch
 from presswork.mesh.checks import MeshError
 from presswork.mesh.tool_file import read_tool
+from tests.unit.contact.shapes import box_distance, box_triangles
 
 HALF = (20.0, 15.0, 10.0)
 POINTS, BOX = box_triangles(HALF)

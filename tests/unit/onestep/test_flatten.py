@@ -1,19 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheets laid flat: what can be unrolled is, holes stay, nothing folds."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from presswork.mesh.triangles import find_rims
 from presswork.onestep import flatten as module
 from presswork.onestep.flatten import flatten
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "verification"))
-
-from one_step_problems import cup_profile, fan, revolve
+from tests.problems.one_step import cup_profile, fan, revolve
 
 
 def sheet(n: int, m: int) -> tuple[np.ndarray, np.ndarray]:

@@ -3,9 +3,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -13,10 +10,7 @@ from presswork.mesh.tool_file import read_tool
 from presswork.model import FloatArray
 from presswork.model_onestep import OneStepModel
 from presswork.onestep.offset_tools import CLEARANCE, OffsetTool, OffsetTools, offset_tools, write_stl
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "verification"))
-
-from one_step_problems import NO_TRIANGLES, cup_profile, fan, make_model, revolve
+from tests.problems.one_step import NO_TRIANGLES, cup_profile, fan, make_model, revolve
 
 T, RADIUS, CORNER, DEPTH, FLANGE = 0.8, 25.0, 5.0, 20.0, 42.0
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.upset_output import write_upset_output
 
 from presswork.post import measure_die_fill
 from presswork.results import Result, ResultError
+from tests.unit.results.upset_output import write_upset_output
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 from presswork.post import order_along_boundary, trace_interface
 from presswork.results import Result, ResultError, append_step
+from tests.unit.results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 
 @pytest.mark.parametrize("element", ["tri3", "tri6_6pt", "quad4", "quad8", "quad9"])

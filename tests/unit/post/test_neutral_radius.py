@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.upset_output import make_fields, make_mesh
 
 from presswork import Case, Result, run
 from presswork.examples import copy_example
 from presswork.post import find_neutral_radius
 from presswork.results import ResultError, append_step
 from presswork.study import measure_ring
+from tests.unit.results.upset_output import make_fields, make_mesh
 
 PLATEN = np.array([[24.0, 15.0, -2.0, 15.0, 0.0, 0.0, 0.0]])
 

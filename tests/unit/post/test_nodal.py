@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from results.upset_output import make_mesh
 
 from presswork.post import average_to_nodes, cell_areas
+from tests.unit.results.upset_output import make_mesh
 
 ELEMENTS = ["tri3", "tri6_6pt", "quad4", "quad8", "quad9"]
 

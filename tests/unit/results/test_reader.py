@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from presswork.results import Result, ResultError
-from results.upset_output import make_fields, make_mesh, upset, write_upset_output
+from tests.unit.results.upset_output import make_fields, make_mesh, upset, write_upset_output
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from presswork.results import OutputError, Result, ResultError, append_step, count_steps, truncate_steps, vtkhdf
-from results.upset_output import DIE, make_fields, make_mesh, write_upset_output
+from tests.unit.results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 ELEMENTS = {"tri3": 5, "tri6_7pt": 22, "tri6_6pt": 22, "quad4_fbar": 9, "quad8_2x2": 23, "quad9": 28}
 MIXED = [("tri3", "quad4", "quad4_fbar"), ("tri6_6pt", "quad8", "quad9")]
@@ -25,7 +25,7 @@ MIXED = [("tri3", "quad4", "quad4_fbar"), ("tri6_6pt", "quad8", "quad9")]
 _APPEND_FOR_EVER = """
 import sys
 from presswork.results import append_step, count_steps
-from results.upset_output import make_fields, make_mesh
+from tests.unit.results.upset_output import make_fields, make_mesh
 mesh = make_mesh(("quad4",), 40)
 for k in range(10**6):
     append_step(sys.argv[1], mesh, float(k), *make_fields(mesh, 1.0))

@@ -20,7 +20,7 @@ import resource, signal, sys
 from pathlib import Path
 import numpy as np
 from presswork.results import OutputError, append_step, count_steps, load_checkpoint, save_checkpoint
-from results.upset_output import make_fields, make_mesh
+from tests.unit.results.upset_output import make_fields, make_mesh
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 folder = Path(sys.argv[1])

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.upset_output import write_upset_output
 
 from presswork.model import FloatArray
 from presswork.results import Result
 from presswork.view.cells import outline_cells, triangulate
+from tests.unit.results.upset_output import write_upset_output
 
 ELEMENTS = ["tri3", "tri6_7pt", "quad4", "quad8", "quad9"]
 

@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from results.upset_output import write_upset_output
 from typer.testing import CliRunner
 
 from presswork.cli import app
@@ -16,6 +15,7 @@ from presswork.results import Result
 from presswork.view import overlay_plot
 from presswork.view.shell_plot import DIVERGING_COLOURS, _scale
 from presswork.view.style import _describe_load, bare_figure, begin_at_zero, describe_step, find_working_tool
+from tests.unit.results.upset_output import write_upset_output
 
 pytest.importorskip("matplotlib")
 

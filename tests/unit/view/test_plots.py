@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 from presswork.post import average_to_nodes
 from presswork.results import OutputError, Result, ResultError, append_step
@@ -22,6 +21,7 @@ from presswork.view import (
     plot_mesh_and_contours,
 )
 from presswork.view.extremes import describe_extremes
+from tests.unit.results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 matplotlib = pytest.importorskip("matplotlib")
 

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from problems import linear_hardening
-from shell_problems import RY, RZ, X, Y, Z, fixing, patch, shell_model
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Kinematic, Material, Mesh, PrescribedDisplacement, Stage
+from tests.problems.plane_solids import linear_hardening
+from tests.problems.shells import RY, RZ, X, Y, Z, fixing, patch, shell_model
 
 YOUNG, YIELD, MODULUS, THICKNESS, LENGTH = 2e5, 200.0, 1000.0, 1.0, 20.0
 POISSON = 0.4999

@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from problems import linear_hardening, make_model
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import mesh_rectangle
@@ -31,6 +30,7 @@ from presswork.model import (
     Support,
 )
 from presswork.state import State
+from tests.problems.plane_solids import linear_hardening, make_model
 
 LOWER, UPPER, WALL, HEIGHT, WAY = 12.0, 10.0, 2.0, 17.0, 31.5
 """Outer radii, wall thickness, height of the upper beam's feet over the lower's, way of the upper beam [mm]."""

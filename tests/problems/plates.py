@@ -9,12 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from problems import linear_hardening
-from shell_problems import RX, RY, X, Y, Z, fixing, patch, shell_model, symmetry
 
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import CellBlock, ElementName, FloatArray, Material, Mesh, Model, Section
+from tests.problems.plane_solids import linear_hardening
+from tests.problems.shells import RX, RY, X, Y, Z, fixing, patch, shell_model, symmetry
 
 YOUNG, YIELD, THICKNESS, SIZE = 2e9, 200.0, 1.0, 50.0
 """SIZE: radius, or half the side."""

@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from problems import N_CORNERS, elastic, fixed_increments, run
 
 from presswork.fields.contact_stress import ContactSurface
 from presswork.fields.tool_stress import recover_tool_stress
@@ -30,6 +29,7 @@ from presswork.model import (
     Tool,
     ToolMotion,
 )
+from tests.problems.plane_solids import N_CORNERS, elastic, fixed_increments, run
 
 RADIUS, YOUNG, POISSON = 10.0, 200e3, 0.3
 MODULUS = YOUNG / (1 - POISSON**2)

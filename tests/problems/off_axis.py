@@ -6,11 +6,11 @@ from __future__ import annotations
 import json
 
 import numpy as np
-from problems import DATA, linear_hardening
 
 from presswork.case.material.yield_function import Barlat1989, Hill1948, Yld2000
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Material, Model, YieldFunction
+from tests.problems.plane_solids import DATA, linear_hardening
 
 SETS = json.loads((DATA / "yld2000.json").read_text())
 YOUNG, POISSON, YIELD, MODULUS = 2e5, 0.3, 200.0, 1000.0

@@ -14,8 +14,10 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
-from problems import elastic
-from shell_problems import (
+
+from presswork.model import ElementName, FloatArray, Mesh
+from tests.problems.plane_solids import elastic
+from tests.problems.shells import (
     CLAMPED,
     RX,
     RY,
@@ -31,8 +33,6 @@ from shell_problems import (
     straighten,
     symmetry,
 )  # fmt: skip
-
-from presswork.model import ElementName, FloatArray, Mesh
 
 ROOF = 0.3024
 """Free edge's middle (B); theory without transverse shear: 0.3086 (MH)."""
