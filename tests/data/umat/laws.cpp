@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // UMATs for the tests, in the calling convention of compiled Fortran; PROPS(1) says which:
 //   1  von Mises with Swift hardening K (e0 + p)^n: PROPS 1, E, nu, K, e0, n; one state variable p
-//   2  neo-Hookean of the whole deformation gradient: PROPS 2, mu, kappa; DDSDDE of the Jaumann rate of Kirchhoff stress
-//   3  von Mises with Prager's back stress, which it turns by ROTSIG: PROPS 3, E, nu, yield stress, H; six state
+//   2  neo-Hookean of the whole deformation gradient: PROPS 2, mu, kappa; DDSDDE of the Jaumann rate of Kirchhoff
+//   stress 3  von Mises with Prager's back stress, which it turns by ROTSIG: PROPS 3, E, nu, yield stress, H; six state
 //      variables: back stress 11, 22, 33, 12, plastic strain, and 1 at the first call
-//   4  elastic, and asks for PNEWDT = PROPS(4) where a strain increment is above PROPS(5): PROPS 4, E, nu, factor, limit
-//   5  elastic; writes what it is called with into twelve state variables
-//   6  elastic; calls XIT where PROPS(4) is negative, gives no number where STRAN(2) is below -PROPS(5)
-//   7  elastic, writes one state variable more than it has
+//   4  elastic, and asks for PNEWDT = PROPS(4) where a strain increment is above PROPS(5): PROPS 4, E, nu, factor,
+//   limit 5  elastic; writes what it is called with into twelve state variables 6  elastic; calls XIT where PROPS(4) is
+//   negative, gives no number where STRAN(2) is below -PROPS(5) 7  elastic, writes one state variable more than it has
 #include <algorithm>
 #include <cmath>
 
@@ -117,8 +116,9 @@ extern "C" void umat_(double* stress, double* statev, double* ddsdde, double* ss
   } else if (law == 5) {
     double mean, mises;
     sinv_(stress, &mean, &mises, ndi, nshr);
-    const double told[12] = {time[0], time[1],      *dtime,          double(*noel), double(*npt),   double(jstep[0]),
-                             double(*kinc), coords[0], coords[1], *celent, mises, double(*ntens * 1000 + *nstatv)};
+    const double told[12] = {time[0],      time[1],          *dtime,        double(*noel),
+                             double(*npt), double(jstep[0]), double(*kinc), coords[0],
+                             coords[1],    *celent,          mises,         double(*ntens * 1000 + *nstatv)};
     if (length == 80 && cmname[79] == ' ') std::copy_n(told, 12, statev);
     *sse = 1.0;
   } else if (law == 6) {
