@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from dataclasses import dataclass, fields
-from typing import TypeVar
+from dataclasses import dataclass, fields, replace
+from typing import ClassVar, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,52 @@ SLIDING = 1
 STUCK = 2
 EXTERNAL, PLASTIC, FRICTION, INERTIA, CONTACT = range(5)
 """Places in State.work."""
+
+
+@dataclass
+class Arrays:
+    """What one owner keeps in the State: a subclass names each array, with shape and unit.
+
+    A value is an array, a list of arrays (one for each block of cells) or a number.
+    """
+
+    owner: ClassVar[str]
+    """Their prefix in a checkpoint."""
+
+    def duplicate(self) -> Self:
+        """Return a deep copy."""
+        return replace(self, **{f.name: _copy(getattr(self, f.name)) for f in fields(self)})
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array under a name of its own, numbers as arrays without dimension."""
+        listed: dict[str, NDArray[np.generic]] = {}
+        for f in fields(self):
+            name, value = f"{self.owner}.{f.name}", getattr(self, f.name)
+            if isinstance(value, list):
+                listed.update({f"{name}.{i}": a for i, a in enumerate(value)})
+            else:
+                listed[name] = np.asarray(value)
+        return listed
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+        """Take up what to_arrays() gave."""
+        for f in fields(self):
+            name, value = f"{self.owner}.{f.name}", getattr(self, f.name)
+            if isinstance(value, list):
+                setattr(self, f.name, [arrays[f"{name}.{i}"].copy() for i in range(len(value))])
+            elif isinstance(value, np.ndarray):
+                setattr(self, f.name, arrays[name].copy())
+            else:
+                setattr(self, f.name, type(value)(arrays[name]))
+
+
+Owned = TypeVar("Owned", bound=Arrays)
+
+
+def _copy(value: NDArray[np.generic] | list[NDArray[np.generic]] | float) -> object:
+    if isinstance(value, list):
+        return [a.copy() for a in value]
+    return value.copy() if isinstance(value, np.ndarray) else value
 
 
 @dataclass
@@ -63,10 +109,6 @@ class State:
     [N mm]."""
     external_force: FloatArray
     """Applied loads, in the same form."""
-    velocity: FloatArray
-    """Mean of the last increment (n_points, 2), of a shell (n_points, 3) [mm/s]; no rows without inertia."""
-    inertia_force: FloatArray
-    """Resistance of the nodes to their acceleration, in the same form [N]."""
     tool_displacement: FloatArray
     """(n_tools, 2)."""
     tool_angle: FloatArray
@@ -133,8 +175,8 @@ class State:
     """Volume of each integration point per block (n_cells, n_points) [mm3]."""
     shells: ShellArrays
     """What shells have besides; of solids empty."""
-    own: dict[str, dict[str, NDArray[np.generic]]]
-    """Arrays of interactions that a model does not name, by the interaction's name and theirs."""
+    owned: dict[type[Arrays], Arrays]
+    """Arrays by their owner; state[kind] finds them."""
     progress: FloatArray
     """[time, stage, fraction of stage, increments, last increment, next size, iterations, cut-backs]."""
     work: FloatArray
@@ -148,7 +190,6 @@ class State:
         """Return the State before the first increment; the arrays of shells and of laws are left empty."""
         n = len(model.mesh.points)
         n_coupled = n if model.contacts else 0
-        n_moving = n if model.solver.inertia else 0
         solids = () if model.analysis == "shell" else model.mesh.blocks
         sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in solids]
         d, components = model.dimension, 6 if model.dimension == 3 else 4
@@ -159,8 +200,6 @@ class State:
             increment=np.zeros((n, d)),
             reaction=np.zeros((n, d)),
             external_force=np.zeros((n, d)),
-            velocity=np.zeros((n_moving, d)),
-            inertia_force=np.zeros((n_moving, d)),
             tool_displacement=np.zeros((n_tools, 2)),
             tool_angle=np.zeros(n_tools),
             tool_restart=np.zeros((n_tools, 2)),
@@ -192,11 +231,21 @@ class State:
             hourglass=[np.zeros((s[0], 2)) for s in sizes],
             volume=[np.zeros(s) for s in sizes],
             shells=ShellArrays.none(),
-            own={},
+            owned={},
             progress=np.zeros(8),
             work=np.zeros(5),
             peak_force=np.zeros(1),
         )
+
+    def __getitem__(self, kind: type[Owned]) -> Owned:
+        """Return the arrays of an owner."""
+        return cast(Owned, self.owned[kind])
+
+    def add(self, arrays: Arrays) -> None:
+        """Take in the arrays of an owner. Raises ValueError if there are others of this name."""
+        if arrays.owner in {a.owner for a in self.owned.values()}:
+            raise ValueError(f"two owners of arrays in the State have the name {arrays.owner!r}")
+        self.owned[type(arrays)] = arrays
 
     def duplicate(self) -> State:
         """Return a deep copy."""
@@ -204,7 +253,10 @@ class State:
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array under a name of its own, for a checkpoint."""
-        return _list_arrays(self, "")
+        listed = _list_arrays(self, "")
+        for owned in self.owned.values():
+            listed |= owned.to_arrays()
+        return listed
 
     def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
         """Fill this State from a checkpoint's arrays.
@@ -214,8 +266,10 @@ class State:
         own = self.to_arrays()
         if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh and these tools")
-        for name, target in own.items():
+        for name, target in _list_arrays(self, "").items():
             target[...] = arrays[name]
+        for owned in self.owned.values():
+            owned.load_arrays(arrays)
 
 
 _Arrays = TypeVar("_Arrays", State, ShellArrays)
@@ -229,7 +283,7 @@ def _duplicate(arrays: _Arrays) -> _Arrays:
         if isinstance(value, ShellArrays):
             copied: object = _duplicate(value)
         elif isinstance(value, dict):
-            copied = {owner: {name: a.copy() for name, a in arrays.items()} for owner, arrays in value.items()}
+            copied = {kind: owned.duplicate() for kind, owned in value.items()}
         else:
             copied = [a.copy() for a in value] if isinstance(value, list) else value.copy()
         setattr(other, f.name, copied)
@@ -244,7 +298,7 @@ def _list_arrays(arrays: State | ShellArrays, prefix: str) -> dict[str, NDArray[
         if isinstance(value, ShellArrays):
             listed.update(_list_arrays(value, f"{prefix}{f.name}."))
         elif isinstance(value, dict):
-            listed.update({f"{owner}.{name}": a for owner, own in value.items() for name, a in own.items()})
+            continue
         elif isinstance(value, list):
             listed.update({f"{prefix}{f.name}.{i}": a for i, a in enumerate(value)})
         else:

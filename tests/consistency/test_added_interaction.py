@@ -7,6 +7,7 @@ Springs of stiffness k [N/mm] a node stand under the bottom of a block that a fo
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.contract import Forces, Guess, Interaction
 from presswork.interaction.supports import NotHeldError
 from presswork.model import FloatArray, IntArray
-from presswork.state import State
+from presswork.state import Arrays, State
 
 STIFFNESS, FORCE, CELLS = 50.0, 300.0, 4
 
@@ -42,16 +43,21 @@ BLOCK: dict[str, Any] = {
 }
 
 
+@dataclass
+class FoundationArrays(Arrays):
+    owner = "foundation"
+    force: FloatArray
+    """Of each spring on its node, along y (n_springs,) [N]."""
+
+
 class SpringFoundation(Interaction):
     """Springs between nodes and the ground, along y."""
-
-    name = "foundation"
 
     def __init__(self, nodes: IntArray, n_points: int, stiffness: float) -> None:
         self._nodes, self._n_points, self._stiffness = nodes, n_points, stiffness
 
-    def at_rest(self) -> Mapping[str, FloatArray]:
-        return {"force": np.zeros(len(self._nodes))}
+    def at_rest(self) -> tuple[Arrays, ...]:
+        return (FoundationArrays(np.zeros(len(self._nodes))),)
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces:
         force = np.zeros((self._n_points, 2))
@@ -61,10 +67,10 @@ class SpringFoundation(Interaction):
         return Forces(force, np.column_stack([self._nodes, self._nodes]).astype(np.int32), blocks)
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
-        trial.own[self.name]["force"] = own.force[self._nodes, 1]
+        trial[FoundationArrays].force = own.force[self._nodes, 1]
 
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
-        mean = 0.5 * (state_n.own[self.name]["force"] + trial.own[self.name]["force"])
+        mean = 0.5 * (state_n[FoundationArrays].force + trial[FoundationArrays].force)
         return {"contact_energy": -float(mean @ trial.increment[self._nodes, 1])}
 
 
@@ -81,7 +87,7 @@ def test_springs_take_their_share_of_the_force() -> None:
     for _ in procedure.advance():
         pass
     state = procedure.state
-    on_springs = float(state.own["foundation"]["force"].sum())
+    on_springs = float(state[FoundationArrays].force.sum())
     assert on_springs == pytest.approx(-STIFFNESS * state.displacement[bottom, 1].sum(), rel=1e-12)
     top = float(state.reaction[procedure.model.mesh.node_sets["top"], 1].sum())
     assert top + on_springs == pytest.approx(FORCE, rel=1e-6), "top and springs carry the force together"
@@ -96,7 +102,8 @@ def test_its_arrays_are_part_of_a_checkpoint() -> None:
     for _ in procedure.advance():
         pass
     other.state.load_arrays(procedure.state.to_arrays())
-    np.testing.assert_array_equal(other.state.own["foundation"]["force"], procedure.state.own["foundation"]["force"])
+    found, wanted = (p.state[FoundationArrays].force for p in (other, procedure))
+    np.testing.assert_array_equal(found, wanted)
 
 
 def test_iteration_is_quadratic_with_it() -> None:

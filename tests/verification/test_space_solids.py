@@ -9,6 +9,7 @@ import pytest
 
 from presswork import model
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.inertia import InertiaArrays
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import (
     EdgeForce,
@@ -186,5 +187,5 @@ def test_a_free_block_that_is_pushed_gains_its_impulse() -> None:
     ).state
     mass, parts = 7.85e-9 * 24.0, np.arange(1, 6) / 5.0  # the force grows linearly
     np.testing.assert_allclose(
-        state.velocity.mean(axis=0), [(parts * 3.0 * 2e-4).sum() / mass, 0.0, 0.0], rtol=1e-3, atol=1.0
+        state[InertiaArrays].velocity.mean(axis=0), [(parts * 3.0 * 2e-4).sum() / mass, 0.0, 0.0], rtol=1e-3, atol=1.0
     )

@@ -68,7 +68,9 @@ class ImplicitProcedure:
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
         tools, bodies = self.interactions.tools, self.interactions.bodies
         self.state = self.mechanics.at_rest(len(tools.contact.nodes), bodies.n_slots)
-        self.state.own.update({i.name: dict(i.at_rest()) for i in others})
+        for interaction in self.interactions.all:
+            for arrays in interaction.at_rest():
+                self.state.add(arrays)
         self.state.progress[SIZE] = model.solver.initial_increment
         self._start, self._lets_go = self.state, False
         tools.contact.begin(self.state, self.interactions.supports.fixed(0))

@@ -15,8 +15,8 @@ Newton's method asks every interaction of a run the same questions, in this orde
     settle            the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
 
-An interaction overrides what it needs and inherits the rest, which does nothing. Whatever persists lies in the State:
-in arrays that the interaction declares, under its own name.
+An interaction overrides what it needs and inherits the rest, which does nothing. Whatever persists lies in the State,
+in Arrays that the interaction declares and returns from at_rest(): `state[InertiaArrays].velocity`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ import scipy
 from presswork import _core
 from presswork.model import FloatArray, IntArray, MaskArray
 from presswork.outcome import BadGuess, Step
-from presswork.state import State
+from presswork.state import Arrays, State
 
 
 @dataclass(frozen=True)
@@ -131,8 +131,6 @@ class Factors(Protocol):
 class Interaction:
     """Acts on nodes; by itself it does nothing."""
 
-    name: ClassVar[str] = ""
-    """Owner of its arrays in the State."""
     is_driving: ClassVar[bool] = False
     """Whether residuals are measured against its forces too."""
     softness: float = 1.0
@@ -150,9 +148,9 @@ class Interaction:
         """Whether Newton's method may be expected to converge quadratically."""
         return True
 
-    def at_rest(self) -> Mapping[str, np.ndarray[Any, Any]]:
-        """Return the arrays that it owns in the State, by name, before the first increment."""
-        return {}
+    def at_rest(self) -> tuple[Arrays, ...]:
+        """Return what it owns in the State, before the first increment."""
+        return ()
 
     def begin_stage(self, state: State, stage: int) -> bool:
         """Prepare a copy of the converged state for a stage that begins; return whether it lets go of what it held."""

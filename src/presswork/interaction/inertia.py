@@ -21,10 +21,21 @@ from presswork.interaction.sheet_contact import share_surface
 from presswork.mesh.box import node_volumes
 from presswork.mesh.topology import count_corners
 from presswork.model import CellBlock, FloatArray, Model
-from presswork.state import State
+from presswork.state import Arrays, State
 
 SHARES = {3: (1 / 3,), 4: (1 / 4,), 6: (3 / 57, 16 / 57), 8: (3 / 76, 16 / 76), 9: (1 / 36, 4 / 36, 16 / 36)}
 """Of a cell's mass, by its number of nodes: at a corner, a mid-side, the middle."""
+
+
+@dataclass
+class InertiaArrays(Arrays):
+    """What the next increment needs to know of the motion."""
+
+    owner = "inertia"
+    velocity: FloatArray
+    """Mean of the last increment (n_points, 2), in space (n_points, 3) [mm/s]."""
+    force: FloatArray
+    """Resistance of the nodes to their acceleration, in the same form [N]."""
 
 
 @dataclass(frozen=True)
@@ -50,22 +61,28 @@ class Inertia(Interaction):
         nodes = np.arange(len(self._mass), dtype=np.int32)
         self._pairs = np.column_stack([nodes, nodes])
 
+    def at_rest(self) -> tuple[Arrays, ...]:
+        """Return velocities and forces of zero."""
+        shape = (len(self._mass), self._moving)
+        return (InertiaArrays(np.zeros(shape), np.zeros(shape)),)
+
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> InertiaForces:
         """Return the resistance to an increment."""
         d, dt = self._moving, guess.dt
-        velocity = guess.increment[:, :d] / dt
-        resistance = self._mass[:, None] * ((velocity - state_n.velocity) / dt + self._damping * velocity)
+        velocity, velocity_n = guess.increment[:, :d] / dt, state_n[InertiaArrays].velocity
+        resistance = self._mass[:, None] * ((velocity - velocity_n) / dt + self._damping * velocity)
         blocks = np.zeros((len(self._mass), self._freedoms, self._freedoms))
         blocks[:, :d, :d] = (self._mass * (1.0 / dt + self._damping) / dt)[:, None, None] * np.eye(d)
         return InertiaForces(-resistance, self._pairs, blocks, velocity)
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep velocity and resistance."""
-        trial.velocity, trial.inertia_force = own.velocity, -own.force
+        moving = trial[InertiaArrays]
+        moving.velocity, moving.force = own.velocity, -own.force
 
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return the work against inertia and damping [N mm]."""
-        resistance = state_n.inertia_force + trial.inertia_force
+        resistance = state_n[InertiaArrays].force + trial[InertiaArrays].force
         moved = trial.increment[:, : resistance.shape[1]]
         return {"inertia_work": 0.5 * float((resistance * moved).sum())}
 

@@ -66,11 +66,14 @@ def test_missing_checkpoint_is_an_error(tmp_path: Path) -> None:
         load_checkpoint(tmp_path / "c.h5")
 
 
-def test_format_of_another_version_is_named(tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", [3, 99])
+def test_format_of_another_version_is_named(tmp_path: Path, version: int) -> None:
     save_checkpoint(tmp_path / "c.h5", ARRAYS, META)
     with h5py.File(tmp_path / "c.h5", "r+") as file:
-        file.attrs["format_version"] = 99
-    with pytest.raises(OutputError, match=r"written by presswork \S+ in format 99.*--overwrite"):
+        file.attrs["format_version"] = version
+    with pytest.raises(
+        OutputError, match=rf"written by presswork \S+ in format {version}; .*reads format 4.*--overwrite"
+    ):
         load_checkpoint(tmp_path / "c.h5")
 
 
