@@ -31,7 +31,7 @@ ShellSection make_section(const Owned<SheetLaw>& law, double density, std::vecto
       section.law = GeneralSheet{looked_up.view}, section.law_data = std::move(looked_up.data);
     }
   }
-  section.control = {1.0, hourglass[0], hourglass[1], hourglass[2], viscous, density};
+  section.control = {hourglass[0], hourglass[1], hourglass[2], viscous, density};
   return section;
 }
 
@@ -141,6 +141,17 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
            nb::arg("tabulate") = true, nb::arg("treatment") = Treatment::plain, nb::arg("viscous") = false,
            nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
            "Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.")
+      .def(
+          "set_temperature",
+          [](Loop& self, int block, Doubles degrees) {
+            require(block >= 0 && std::size_t(block) < self.blocks.size(), "there is no block of this number");
+            const auto& rows = self.blocks[block]->rows();
+            require(degrees.size() == std::size_t(self.blocks[block]->n()) * rows.in_plane * rows.across,
+                    "temperature must have shape (n, points in the plane, layers)");
+            self.blocks[block]->set_temperature(degrees.data());
+          },
+          nb::arg("block"), nb::arg("temperature"),
+          "Give the layers of a block temperatures (n, points in the plane, layers) [degrees C] from now on.")
       .def("set_hanging", &set_hanging<Real>, nb::arg("hanging"),
            "Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the "
            "whole side and two of those that have half of it.")

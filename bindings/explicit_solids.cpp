@@ -256,6 +256,14 @@ void bind_explicit_solids(nb::module_& m) {
             self.prescribe(fixed.data(), velocity.data());
           },
           nb::arg("fixed"), nb::arg("velocity"), "Prescribe velocities of the freedoms marked in fixed (n_nodes, 2).")
+      .def(
+          "set_temperature",
+          [](SolidLoop& self, Doubles degrees) {
+            require(degrees.size() == count_cells(self), "temperature must have shape (n)");
+            const double* from = degrees.data();
+            for (auto& b : self.blocks) b.set_temperature(from), from += b.n();
+          },
+          nb::arg("temperature"), "Give the cells temperatures (n) [degrees C] from now on.")
       .def("weigh", &SolidLoop::weigh, "Sum up the nodes' masses after a change of mass_factor.")
       .def_prop_ro(
           "mass", [](const SolidLoop& self) { return copy(self.mass, {std::size_t(self.n_nodes)}); },

@@ -28,7 +28,8 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
               Doubles increment, Doubles director, Doubles layer_position, Doubles layer_weight,
               const Owned<SheetLaw>& owned, double dt, double penalty, const std::vector<Doubles>& state_n,
               const std::vector<MutableDoubles>& state, MutableDoubles volume, MutableDoubles force,
-              std::optional<MutableDoubles> stiffness, bool symmetric, bool small_displacements) {
+              std::optional<MutableDoubles> stiffness, bool symmetric, bool small_displacements,
+              std::optional<Doubles> temperature) {
   const auto shell = shell_named(name);
   const SheetLaw& law = owned.view;
   const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width, freedoms = 6 * shell.nodes;
@@ -48,6 +49,7 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
             "state must have shapes (n_cells, q), (n_cells, q, k, 3), (.., history_size), (.., 2), (n_cells, q, 2), "
             "(n_cells, internal)");
   require(volume.size() == q * k, "volume must have shape (n_cells, q, k)");
+  require(!temperature || temperature->size() == q * k, "temperature must have shape (n_cells, q, k)");
   require(force.size() == packs * freedoms * pack_width, "force must have shape (n_packs, freedoms, pack_width)");
   require(!stiffness || stiffness->size() == packs * freedoms * freedoms * pack_width,
           "stiffness must have shape (n_packs, freedoms, freedoms, pack_width)");
@@ -80,7 +82,8 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
                        force.data(),
                        stiffness ? stiffness->data() : nullptr,
                        symmetric,
-                       small_displacements};
+                       small_displacements,
+                       temperature ? temperature->data() : nullptr};
   ShellFailure failure;
   {
     nb::gil_scoped_release release;
@@ -109,15 +112,17 @@ void bind_shell(nb::module_& m) {
   m.def("shell_shape", &tabulate, nb::arg("element"),
         "Shape functions (q, nodes), their slopes (q, nodes, 2) and weights (q) at a shell's points, and the slopes at "
         "its nodes (nodes, nodes, 2).");
-  m.def("evaluate_shells", &evaluate, nb::arg("element"), nb::arg("connectivity"), nb::arg("director_of"),
-        nb::arg("undeformed"), nb::arg("points"), nb::arg("increment"), nb::arg("director"), nb::arg("layer_position"),
-        nb::arg("layer_weight"), nb::arg("law"), nb::kw_only(), nb::arg("dt"), nb::arg("penalty"), nb::arg("state_n"),
-        nb::arg("state"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(), nb::arg("symmetric"),
-        nb::arg("small_displacements") = false,
-        "Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness "
-        "(n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear "
-        "(n_cells, q, 2)]. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and "
-        "why.");
+  m.def(
+      "evaluate_shells", &evaluate, nb::arg("element"), nb::arg("connectivity"), nb::arg("director_of"),
+      nb::arg("undeformed"), nb::arg("points"), nb::arg("increment"), nb::arg("director"), nb::arg("layer_position"),
+      nb::arg("layer_weight"), nb::arg("law"), nb::kw_only(), nb::arg("dt"), nb::arg("penalty"), nb::arg("state_n"),
+      nb::arg("state"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(), nb::arg("symmetric"),
+      nb::arg("small_displacements") = false, nb::arg("temperature") = nb::none(),
+      "Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness "
+      "(n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear "
+      "(n_cells, q, 2)]. temperature (n_cells, q, k) [degrees C] is given at the end of the increment, without it that "
+      "of the law's start. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and "
+      "why.");
 }
 
 }  // namespace presswork::bindings

@@ -43,7 +43,7 @@ void update_range(const FastMises& law, std::size_t n, const double* strain, con
       for (int j = 0; j < 3; ++j) e[j].set(lane, static_cast<Real>(sums[j]));
       for (int j = 0; j < 4; ++j) state[j].set(lane, static_cast<Real>(kept[j]));
     }
-    const P across = law.advance(e[0], e[1], e[2], 0.0, state);
+    const P across = law.advance(e[0], e[1], e[2], LayerConditions<P>{0.0}, 0, state);
     for (std::size_t i = first; i < std::min(first + P::width, n); ++i) {
       const int lane = static_cast<int>(i - first);
       new_stress[3 * i] = 0.5 * (state[0][lane] + state[1][lane]);

@@ -4,7 +4,8 @@
 // In-plane tensors are kept as sum xx + yy, difference xx - yy and shear xy (of strain: engineering shear), in which
 // isotropic laws are diagonal. A law has
 //   rows()                                     values that a point keeps: sum, difference, shear of stress, then others
-//   advance(sum, difference, shear, dt, state) updates them by increments of strain; gives that of thickness strain
+//   advance(sum, difference, shear, now, k, state) updates those of layer k by increments of strain; gives that of
+//                                              thickness strain
 //   young_at(state)                            Young's modulus at present
 //   young, poisson                             elasticity, for transverse shear, stable step and hourglass control
 //   can_fail                                   whether it may find no stress: its sum is then NaN
@@ -14,6 +15,17 @@
 #include "material/tabulated_mises.hpp"
 
 namespace presswork {
+
+// What acts on the layers of a point in a step, beside strain.
+template <class T>
+struct LayerConditions {
+  double dt;                       // [s]
+  const T* temperature = nullptr;  // given to each layer [degrees C]; null: that of the law's start
+
+  T temperature_or(double start, int layer) const { return temperature ? temperature[layer] : T(start); }
+  // those of another point in the plane
+  LayerConditions from_layer(int first) const { return {dt, temperature ? temperature + first : nullptr}; }
+};
 
 // Any SheetLaw, always in double precision. x of its frame is the frame's first axis.
 struct GeneralSheet {
@@ -35,9 +47,10 @@ struct GeneralSheet {
   }
 
   template <class T>
-  T advance(T sum, T difference, T shear, double dt, T* state) const {
-    const LawInput<3, T> in{
-        {T(0.5) * (sum + difference), T(0.5) * (sum - difference), shear}, dt, T(law.flow.thermal.start)};
+  T advance(T sum, T difference, T shear, const LayerConditions<T>& now, int layer, T* state) const {
+    const LawInput<3, T> in{{T(0.5) * (sum + difference), T(0.5) * (sum - difference), shear},
+                            now.dt,
+                            now.temperature_or(law.flow.thermal.start, layer)};
     const T xx = T(0.5) * (state[0] + state[1]), yy = T(0.5) * (state[0] - state[1]);
     T across;
     state[0] = xx, state[1] = yy;
@@ -48,12 +61,16 @@ struct GeneralSheet {
     return across;
   }
 
-  FloatPack advance(FloatPack sum, FloatPack difference, FloatPack shear, double dt, FloatPack* state) const {
+  FloatPack advance(FloatPack sum, FloatPack difference, FloatPack shear, const LayerConditions<FloatPack>& now,
+                    int layer, FloatPack* state) const {
     Pack wide[most_rows];
+    const FloatPack degrees = now.temperature_or(law.flow.thermal.start, layer);
     FloatPack across;
     for (int half = 0; half < 2; ++half) {
       for (int i = 0; i < rows(); ++i) wide[i] = widen(state[i], half);
-      narrow(advance(widen(sum, half), widen(difference, half), widen(shear, half), dt, wide), half, across);
+      const Pack given = widen(degrees, half);
+      const LayerConditions<Pack> own{now.dt, &given};
+      narrow(advance(widen(sum, half), widen(difference, half), widen(shear, half), own, 0, wide), half, across);
       for (int i = 0; i < rows(); ++i) narrow(wide[i], half, state[i]);
     }
     return across;
@@ -70,7 +87,7 @@ struct FastMises : TabulatedMises {
   }
 
   template <class T>
-  T advance(T sum, T difference, T shear, double, T* state) const {
+  T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state) const {
     return TabulatedMises::advance(sum, difference, shear, state);
   }
 };
@@ -102,8 +119,8 @@ template <class T>
 // Mises' stress after the step over the elastic trial's, for membrane and for bending; 1 in elastic steps.
 template <class T, class Law>
 [[gnu::always_inline]] inline void advance_section(const Law& law, const LayerRule& rule, const T membrane[3],
-                                                   const T curvature[3], T thickness, double dt, T* layers,
-                                                   Resultants<T>& out, T* retained = nullptr) {
+                                                   const T curvature[3], T thickness, const LayerConditions<T>& now,
+                                                   T* layers, Resultants<T>& out, T* retained = nullptr) {
   T half = T(0.5) * thickness, bend[3], mean[3], turn[3], work(0.0), across(0.0);
   T found[2] = {T(negligible_square), T(negligible_square)}, trial[2] = {T(negligible_square), T(negligible_square)};
   for (int i = 0; i < 3; ++i) bend[i] = half * curvature[i], mean[i] = turn[i] = T(0.0);
@@ -114,7 +131,7 @@ template <class T, class Law>
     T shear = membrane[2] + height * bend[2];
     T before[3] = {layers[0], layers[1], layers[2]};
     const T young = retained ? law.young_at(layers) : T(0.0);
-    across += weight * law.advance(sum, difference, shear, dt, layers);
+    across += weight * law.advance(sum, difference, shear, now, k, layers);
     if (retained) {
       T s = before[0] + young * T(1.0 / (1.0 - law.poisson)) * sum, d = young * T(1.0 / (1.0 + law.poisson));
       T tried = weight * mises_square(s, before[1] + d * difference, before[2] + T(0.5) * d * shear);

@@ -17,6 +17,7 @@
 
 #include "kinematics/increment.hpp"
 #include "material/elastic_plastic.hpp"
+#include "material/umat.hpp"
 #include "material/von_mises.hpp"
 
 namespace presswork {
@@ -151,22 +152,20 @@ int kept_values(const ElasticPlastic<N>& law) {
   return law.history_size() - 1 + axes_values<N>;
 }
 
-// Temperature given to a point from outside, and the whole of it at the start.
+// Temperature of a point that nobody gives one, and the whole of it at the start of an increment: what is given, and
+// the rise that the law makes itself.
+inline double start_temperature(const VonMises&) { return 0.0; }
+inline double start_temperature(const Umat&) { return 0.0; }
+template <int N>
+double start_temperature(const ElasticPlastic<N>& law) {
+  return law.flow.thermal.start;
+}
 template <class T>
-T given_temperature(const VonMises&) {
-  return T(0.0);
+T point_temperature(const VonMises&, T given, const T*) {
+  return given;
 }
 template <class T, int N>
-T given_temperature(const ElasticPlastic<N>& law) {
-  return T(law.flow.thermal.start);
-}
-template <class T>
-T point_temperature(const VonMises&, const T*) {
-  return T(0.0);
-}
-template <class T, int N>
-T point_temperature(const ElasticPlastic<N>& law, const T* s0) {
-  const T given = given_temperature<T>(law);
+T point_temperature(const ElasticPlastic<N>& law, T given, const T* s0) {
   return law.flow.thermal.heats() ? given + s0[N + 1] : given;
 }
 
@@ -206,15 +205,16 @@ void turn_axes(const PlaneLaw& law, T c, T s, const T* s0, T* s1) {
 
 }  // namespace point
 
-// Advance a point by F over the time dt and, unless settings.tangent is none, give its spatial modulus. F must have a
-// positive determinant; s0 goes to s1, the stress turned with the material. Gives the lanes in which the law failed.
+// Advance a point by F over the time dt, at a temperature given from outside, and, unless settings.tangent is none,
+// give its spatial modulus. F must have a positive determinant; s0 goes to s1, the stress turned with the material.
+// Gives the lanes in which the law failed.
 template <class T, class Law>
-Mask<T> respond(const PointSettings& settings, const Law& law, const T F[5], double dt, const T* s0, T* s1,
-                PointResponse<T>& response) {
+Mask<T> respond(const PointSettings& settings, const Law& law, const T F[5], double dt, T temperature, const T* s0,
+                T* s1, PointResponse<T>& response) {
   const bool with_tangent = settings.tangent != TangentKind::none;
   T D[4][4];
   LawInput<4, T> in;
-  in.dt = dt, in.temperature = given_temperature<T>(law);
+  in.dt = dt, in.temperature = temperature;
   if (settings.small_displacements) {
     point::small_strain(F, in.strain);
     const Mask<T> failed = point::call_law(law, in, s0, s1, with_tangent ? D : nullptr);

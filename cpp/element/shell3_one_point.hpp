@@ -90,8 +90,10 @@ T bound_frequency(double young, double poisson, const Sides<T>& s, T thickness, 
 
 // Advance one shell (or pack) by dt; arguments as those of shell4::advance, for three nodes.
 template <class T, class Law>
-[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, double dt, const T x[3][3],
-                                           const T v[3][3], const T w[3][3], const T* room, T* state, T* force) {
+[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const LayerConditions<T>& now,
+                                           const T x[3][3], const T v[3][3], const T w[3][3], const T* room, T* state,
+                                           T* force) {
+  const double dt = now.dt;
   using namespace shell4;
   // 1. strains, in the middle of the step
   T membrane[3], curvature[3], shear_strain[2], curl;
@@ -119,7 +121,7 @@ template <class T, class Law>
   // 2. layers
   const T t = state[thickness];
   Resultants<T> r;
-  advance_section(law, rule, membrane, curvature, t, dt, state + head_rows, r);
+  advance_section(law, rule, membrane, curvature, t, now, state + head_rows, r);
   squeeze_between_tools<3>(law, rule, room, state[spring] / s.area, t, membrane, state + head_rows, state[pressure], r);
   T n[3], N[3], M[3];
   from_sums(r.force, n), from_frame(s.contra, s.area, n, N);

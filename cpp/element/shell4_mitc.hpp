@@ -156,8 +156,10 @@ T bound_frequency(double young, double poisson, const T x[4][3], const T* state,
 
 // Advance one shell (or pack) by dt; arguments as those of shell4::advance.
 template <class T, class Law>
-[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, double dt, const T x[4][3],
-                                           const T v[4][3], const T w[4][3], const T* room, T* state, T* force) {
+[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const LayerConditions<T>& now,
+                                           const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
+                                           T* force) {
+  const double dt = now.dt;
   using namespace shell4;
   const T none[3] = {T(0.0), T(0.0), T(0.0)};
   // 1. strains of the cell, in the middle of the step
@@ -209,7 +211,8 @@ template <class T, class Law>
 
     const T area = place_frame(metric, r, s, point + reference, contra), t = point[point_thickness];
     Resultants<T> found;
-    advance_section(law, rule, membrane, curvature, t, dt, layers, found);
+    advance_section(law, rule, membrane, curvature, t, now.from_layer(q * static_cast<int>(rule.height.size())), layers,
+                    found);
     squeeze_between_tools<4>(law, rule, room, T(0.25) * state[spring] / area, t, membrane, layers, point[pressure],
                              found);
     T n[3], on[3];

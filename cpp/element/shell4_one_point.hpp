@@ -30,7 +30,6 @@
 namespace presswork {
 
 struct ShellControl {
-  double dt;               // [s]
   double membrane = 0.03;  // hourglass coefficients r_m, r_w, r_theta
   double deflection = 0.03;
   double rotation = 0.03;
@@ -237,10 +236,10 @@ template <class T>
   k[0] = k[1] = membrane, k[2] = deflection, k[3] = k[4] = bending;
 }
 template <class T>
-void hourglass_viscosities(const ShellControl& control, double young, double poisson, const Geometry<T>& g, T thickness,
-                           T k[5]) {
+void hourglass_viscosities(const ShellControl& control, double dt, double young, double poisson, const Geometry<T>& g,
+                           T thickness, T k[5]) {
   const double wave = std::sqrt(young / (control.density * (1.0 - poisson * poisson)));
-  T base = T(0.25 * control.density * wave / control.dt) * thickness * square_root(g.area);
+  T base = T(0.25 * control.density * wave / dt) * thickness * square_root(g.area);
   T squared = thickness * thickness;
   k[0] = k[1] = T(control.membrane) * base;
   k[2] = T(control.deflection) * base * smaller(squared / g.area, T(1.0));
@@ -331,10 +330,10 @@ template <bool warped, class T>
 // room: between tools at the nodes (4), or null. state: rows as above, in place. force: (4, 6), the internal force.
 template <bool warped, class T, class Law>
 [[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const ShellControl& control,
-                                           const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
-                                           T* force) {
+                                           const LayerConditions<T>& now, const T x[4][3], const T v[4][3],
+                                           const T w[4][3], const T* room, T* state, T* force) {
   // 1. kinematics, in the middle of the step
-  const T dt(control.dt);
+  const T dt(now.dt);
   Strain<T> strain;
   {
     T middle[4][3];
@@ -354,7 +353,7 @@ template <bool warped, class T, class Law>
   // 2. layers
   T t = state[thickness];
   Resultants<T> r;
-  advance_section(law, rule, strain.membrane, strain.curvature, t, control.dt, state + head_rows, r);
+  advance_section(law, rule, strain.membrane, strain.curvature, t, now, state + head_rows, r);
   squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, strain.membrane, state + head_rows,
                            state[pressure], r);
   // 3. transverse shear
@@ -369,7 +368,7 @@ template <bool warped, class T, class Law>
   // 4. hourglass control
   T k[5], Q[5], lost(0.0);
   if (control.viscous) {
-    hourglass_viscosities(control, law.young, law.poisson, g, t, k);
+    hourglass_viscosities(control, now.dt, law.young, law.poisson, g, t, k);
   } else {
     T sizes(0.0);
     for (int i = 0; i < 2; ++i) sizes += g.bx[i] * g.bx[i] + g.by[i] * g.by[i];

@@ -134,9 +134,10 @@ template <class T>
 
 // Advance one shell (or pack) by dt; arguments as those of `advance` in shell4_one_point.hpp.
 template <class T, class Law>
-[[gnu::always_inline]] inline void advance_stabilized(const Law& law, const LayerRule& rule, double dt, const T x[4][3],
-                                                      const T v[4][3], const T w[4][3], const T* room, T* state,
-                                                      T* force) {
+[[gnu::always_inline]] inline void advance_stabilized(const Law& law, const LayerRule& rule,
+                                                      const LayerConditions<T>& now, const T x[4][3], const T v[4][3],
+                                                      const T w[4][3], const T* room, T* state, T* force) {
+  const double dt = now.dt;
   // 1. strains, in the middle of the step
   Forms<T> strain;
   T membrane[3], curvature[3], shear_strain[2];
@@ -159,7 +160,7 @@ template <class T, class Law>
   const T t = state[thickness];
   Resultants<T> r;
   T retained[2];
-  advance_section(law, rule, membrane, curvature, t, dt, state + head_rows, r, retained);
+  advance_section(law, rule, membrane, curvature, t, now, state + head_rows, r, retained);
   squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, membrane, state + head_rows, state[pressure], r);
   Forms<T> out;
   T n[3];

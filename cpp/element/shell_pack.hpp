@@ -29,17 +29,18 @@ struct ShellView {
   const double* layer_weight;    // (k), sums to 2
   double dt, penalty;
   const double *thickness_n, *stress_n, *history_n, *direction_n, *shear_n, *internal_n;
-  double* thickness;   // (n_cells, q) [mm]
-  double* stress;      // (n_cells, q, k, 3) [MPa]
-  double* history;     // (n_cells, q, k, h)
-  double* direction;   // (n_cells, q, k, 2)
-  double* shear;       // (n_cells, q, 2)
-  double* internal;    // (n_cells, internal_values)
-  double* volume;      // (n_cells, q, k) [mm3] at t+dt
-  double* force;       // (n_packs, 6 nodes, pack_width)
-  double* stiffness;   // (n_packs, 6 nodes, 6 nodes, pack_width), or null
-  bool symmetric;      // keep the symmetric part of the stiffness
-  bool small = false;  // displacements: points and directors are the undeformed ones
+  double* thickness;                    // (n_cells, q) [mm]
+  double* stress;                       // (n_cells, q, k, 3) [MPa]
+  double* history;                      // (n_cells, q, k, h)
+  double* direction;                    // (n_cells, q, k, 2)
+  double* shear;                        // (n_cells, q, 2)
+  double* internal;                     // (n_cells, internal_values)
+  double* volume;                       // (n_cells, q, k) [mm3] at t+dt
+  double* force;                        // (n_packs, 6 nodes, pack_width)
+  double* stiffness;                    // (n_packs, 6 nodes, 6 nodes, pack_width), or null
+  bool symmetric;                       // keep the symmetric part of the stiffness
+  bool small = false;                   // displacements: points and directors are the undeformed ones
+  const double* temperature = nullptr;  // (n_cells, q, k) given [degrees C]; null: that of the law's start
 };
 
 struct ShellFailure {
@@ -169,8 +170,10 @@ struct ShellPack {
       T least = view.small ? T(1.0) : smaller(c11, c11 * c22 - E[2] * E[2]);
       if (auto bad = find(!(least > T(1e-6)), ShellFault::inside_out); bad.cell >= 0) return bad;
       StressSquares<T> squares;
+      T given(law.flow.thermal.start);
+      if (view.temperature) load(view.temperature, rows, row, 1, &given);
       const auto respond = view.small ? &respond_layer_linearly<T> : &respond_layer<T>;
-      auto failed = respond(law, view.dt, E, with_modulus, at, end, response, retained ? &squares : nullptr);
+      auto failed = respond(law, view.dt, given, E, with_modulus, at, end, response, retained ? &squares : nullptr);
       if (retained) retained->add(squares, Q, 0.5 * view.layer_weight[k], view.layer_position[k], z);
       if (auto bad = find(failed, ShellFault::law); bad.cell >= 0) return bad;
       T weight = T(0.5 * table.shape.weight[q] * view.layer_weight[k]) * area * h;

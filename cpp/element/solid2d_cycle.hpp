@@ -32,7 +32,10 @@ struct CyclePlace {
   int first = 0, used = pack_width;  // lanes beyond repeat the last cell
   double time = 0.0;                 // at the start [s]
   LawFault fault = {};
-  Pack at[2] = {}, length = {};  // for laws from shared libraries: centre and size of the cell [mm]
+  const Pack* temperature = nullptr;  // given to the cells [degrees C]; null: that of the law's start
+  Pack at[2] = {}, length = {};       // for laws from shared libraries: centre and size of the cell [mm]
+
+  Pack temperature_or(double start) const { return temperature ? *temperature : Pack(start); }
 };
 
 inline int extra_rows(const AdiabaticMises&) { return 0; }
@@ -52,9 +55,11 @@ inline IsotropicModuli moduli_of(const CycleUmat& law) {
 
 template <class Forces>
 [[gnu::always_inline]] inline void advance_stress(const AdiabaticMises& law, const Pack*, const Increment<Pack>& inc,
-                                                  double dt, CyclePlace&, Pack* state, Pack stress[4], Pack& modulus) {
+                                                  double dt, CyclePlace& place, Pack* state, Pack stress[4],
+                                                  Pack& modulus) {
   using T = Pack;
-  LawInput<4, T> in{{inc.strain[0], inc.strain[1], inc.strain[2], inc.strain[3]}, dt, T(law.thermal.start)};
+  LawInput<4, T> in{
+      {inc.strain[0], inc.strain[1], inc.strain[2], inc.strain[3]}, dt, place.temperature_or(law.thermal.start)};
   T s1[6];
   const HardeningPoint<T> hard(law.hardening, state[CycleRow::eqps]);
   modulus = Forces::hourglass_modulus(T(law.mises.shear_modulus()), state[CycleRow::eqps], hard.flow, hard.slope);
@@ -67,14 +72,15 @@ template <class Forces>
 void advance_stress(const PlaneLaw& law, const Pack*, const Increment<Pack>& inc, double dt, CyclePlace& place,
                     Pack* state, Pack stress[4], Pack& modulus) {
   using T = Pack;
-  const LawInput<4, T> in{{inc.strain[0], inc.strain[1], inc.strain[2], inc.strain[3]}, dt, given_temperature<T>(law)};
+  const LawInput<4, T> in{
+      {inc.strain[0], inc.strain[1], inc.strain[2], inc.strain[3]}, dt, place.temperature_or(start_temperature(law))};
   const bool heats = law.flow.thermal.heats();
   const int extra = extra_rows(law), behind = heats ? 6 : 5;
   T s0[most_point_values<4>], s1[most_point_values<4>], flow, slope;
   for (int i = 0; i < 5; ++i) s0[i] = state[i];
   if (heats) s0[5] = state[CycleRow::rise];
   for (int i = 0; i < extra; ++i) s0[behind + i] = state[CycleRow::count + i];
-  law.flow_at_rest(s0[4], point_temperature(law, s0), flow, slope);
+  law.flow_at_rest(s0[4], point_temperature(law, in.temperature, s0), flow, slope);
   modulus = Forces::hourglass_modulus(T(law.shear_modulus()), s0[4], flow, slope);
   const auto failed = point::call_law(law, in, s0, s1, static_cast<T(*)[4]>(nullptr));
   for (int lane = 0; any(failed) && lane < place.used; ++lane)

@@ -49,10 +49,18 @@ struct BlockPoints {
     if constexpr (is_umat)
       respond(settings, law, find_lanes(x, du, g, q), first, F, s0, s1, response, b.fault[pack]);
     else
-      note_failed(b, pack, count, respond(settings, law, F, b.dt, s0, s1, response));
+      note_failed(b, pack, count, respond(settings, law, F, b.dt, temperature_at(q), s0, s1, response));
   }
   [[gnu::always_inline]] inline void keep(int q, T volume) {
     save_point<components>(b, law, cells, count, n_points, q, s1, volume);
+  }
+
+  // Given to point q.
+  T temperature_at(int q) const {
+    T given(start_temperature(law));
+    if (b.temperature)
+      for (int lane = 0; lane < pack_width; ++lane) given.set(lane, b.temperature[cells[lane] * n_points + q]);
+    return given;
   }
 
   void begin_hourglass(T Q[2], T& modulus) const {
@@ -61,7 +69,7 @@ struct BlockPoints {
       for (int i = 0; i < 2; ++i) Q[i].set(lane, b.hourglass_n[2 * cells[lane] + i]);
     T flow, slope;
     const T eqps_n = s0[4], modulus_n = T(law.shear_modulus());
-    law.flow_at_rest(eqps_n, point_temperature(law, s0), flow, slope);
+    law.flow_at_rest(eqps_n, point_temperature(law, temperature_at(0), s0), flow, slope);
     modulus = Body::Forces::hourglass_modulus(modulus_n, eqps_n, flow, slope);
   }
   void keep_hourglass(const T Q[2]) {

@@ -29,7 +29,7 @@ struct CellPoints {
                typename Body::Response& response) {
     for (int i = 0; i < components; ++i) s0[i] = T(state.stress[components * q + i]);
     s0[components] = T(state.eqps[q]);
-    respond(settings, law, F, 1.0, s0, s1, response);
+    respond(settings, law, F, 1.0, T(0.0), s0, s1, response);
   }
   void keep(int, T) {}
   void begin_hourglass(T Q[2], T& modulus) const {

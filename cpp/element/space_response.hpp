@@ -133,15 +133,16 @@ void small_strain(const T F[9], T strain[6]) {
   }
 }
 
-// Advance a point by F over the time dt and, unless settings.tangent is none, give its spatial modulus. F must have a
-// positive determinant; s0 goes to s1, the stress turned with the material. Gives the lanes in which the law failed.
+// Advance a point by F over the time dt, at a temperature given from outside, and, unless settings.tangent is none,
+// give its spatial modulus. F must have a positive determinant; s0 goes to s1, the stress turned with the material.
+// Gives the lanes in which the law failed.
 template <class T, class Law>
-Mask<T> respond(const PointSettings& settings, const Law& law, const T F[9], double dt, const T* s0, T* s1,
-                SpaceResponse<T>& response) {
+Mask<T> respond(const PointSettings& settings, const Law& law, const T F[9], double dt, T temperature, const T* s0,
+                T* s1, SpaceResponse<T>& response) {
   const bool with_tangent = settings.tangent != TangentKind::none;
   T(&C)[6][6] = response.modulus;
   LawInput<6, T> in;
-  in.dt = dt, in.temperature = given_temperature<T>(law);
+  in.dt = dt, in.temperature = temperature;
   response.with_initial_stress = false;
   if (settings.small_displacements) {
     small_strain(F, in.strain);

@@ -70,6 +70,16 @@ class ElementBlock {
       for (int copy = n_; copy < n_packs() * lanes; ++copy) state_.data()[index(copy, row)] = static_cast<Real>(x);
   }
 
+  // Temperatures (n, points in the plane, across) given to the layers [degrees C] from now on.
+  void set_temperature(const double* degrees) {
+    const int points = rows_.in_plane * rows_.across;
+    if (temperature_.size() == 0) temperature_ = AlignedArray<Real>(std::size_t(n_packs()) * points * lanes);
+    for (int slot = 0; slot < n_packs() * lanes; ++slot)
+      for (int k = 0; k < points; ++k)
+        temperature_.data()[(std::size_t(slot / lanes) * points + k) * lanes + slot % lanes] =
+            static_cast<Real>(degrees[std::size_t(std::min(slot, n_ - 1)) * points + k]);
+  }
+
   // Take over the state of an element of a like block, or, of a share of it below one, that of the child that it has
   // been split into: work by the share, no hourglass forces, the undeformed shape its own.
   void inherit(int element, const ElementBlock& from, int parent, double share) {
@@ -105,6 +115,11 @@ class ElementBlock {
     return reinterpret_cast<PackOf<Real>*>(state_.data() + std::size_t(pack) * rows_.count() * lanes);
   }
   const PackOf<Real>* pack_state(int pack) const { return const_cast<ElementBlock*>(this)->pack_state(pack); }
+  // Given to the layers of a pack's elements, or null.
+  const PackOf<Real>* pack_temperature(int pack) const {
+    if (temperature_.size() == 0) return nullptr;
+    return reinterpret_cast<const PackOf<Real>*>(temperature_.data()) + pack * rows_.in_plane * rows_.across;
+  }
   // The nodes of a pack's elements, [node][lane].
   const int* pack_nodes(int pack) const { return &packed_[std::size_t(pack) * nodes_each_ * lanes]; }
 
@@ -114,6 +129,7 @@ class ElementBlock {
   std::vector<int> packed_;        // [pack][node][lane]
   std::vector<double> mass_, inertia_ratio_, stiffest_spring_;
   AlignedArray<Real> state_;
+  AlignedArray<Real> temperature_;  // [pack][layer][lane]; none: that of the law's start
 
  private:
   std::size_t index(int element, int row) const {

@@ -48,9 +48,10 @@ struct Mitc {
   }
 
   template <class T, class Law>
-  [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, double dt, const T x[4][3],
-                                             const T v[4][3], const T w[4][3], const T* room, T* state, T* force) {
-    shell4_mitc::advance(law, section.rule, dt, x, v, w, room, state, force);
+  [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, const LayerConditions<T>& now,
+                                             const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
+                                             T* force) {
+    shell4_mitc::advance(law, section.rule, now, x, v, w, room, state, force);
   }
 
   template <class T>

@@ -52,9 +52,10 @@ struct Triangle : OnePoint<3> {
   }
 
   template <class T, class Law>
-  [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, double dt, const T x[3][3],
-                                             const T v[3][3], const T w[3][3], const T* room, T* state, T* force) {
-    shell3::advance(law, section.rule, dt, x, v, w, room, state, force);
+  [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, const LayerConditions<T>& now,
+                                             const T x[3][3], const T v[3][3], const T w[3][3], const T* room, T* state,
+                                             T* force) {
+    shell3::advance(law, section.rule, now, x, v, w, room, state, force);
   }
 
   template <class T>
@@ -80,14 +81,14 @@ struct Quadrilateral : OnePoint<4> {
   }
 
   template <class T, class Law>
-  [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, double dt, const T x[4][3],
-                                             const T v[4][3], const T w[4][3], const T* room, T* state, T* force) {
+  [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, const LayerConditions<T>& now,
+                                             const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
+                                             T* force) {
     if constexpr (treatment == Treatment::stabilized) {
-      shell4::advance_stabilized(law, section.rule, dt, x, v, w, room, state, force);
+      shell4::advance_stabilized(law, section.rule, now, x, v, w, room, state, force);
     } else {
-      ShellControl control = section.control;
-      control.dt = dt;
-      shell4::advance<treatment == Treatment::warped>(law, section.rule, control, x, v, w, room, state, force);
+      shell4::advance<treatment == Treatment::warped>(law, section.rule, section.control, now, x, v, w, room, state,
+                                                      force);
     }
   }
 

@@ -7,7 +7,7 @@
 //   inertia_ratio(area, thickness)                  rotary inertia over mass [mm2]
 //   begin(x, axis, thickness, area, set)            area and state at the start, by set(row, value); false where the
 //                                                   element has no area or the axis of its law is normal to it
-//   advance(law, section, dt, x, v, w, room, state, force)  one step of a pack; room between tools at its nodes, or
+//   advance(law, section, now, x, v, w, room, state, force)  one step of a pack; room between tools at its nodes, or
 //   null bound_frequency(young, poisson, x, state, mass, ratio)  bound of the highest frequency squared [1/s2]
 #pragma once
 
@@ -80,7 +80,8 @@ class ShellBlock final : public ElementBlock<Real> {
       gather_motion<each>(nodes, this->pack_nodes(pack), v, w);
       P room[each];
       if (nodes.room) gather_room<each>(nodes, this->pack_nodes(pack), room);
-      Kind::advance(law, section_, dt, x, v, w, nodes.room ? room : nullptr, this->pack_state(pack), nodal);
+      const LayerConditions<P> now{dt, this->pack_temperature(pack)};
+      Kind::advance(law, section_, now, x, v, w, nodes.room ? room : nullptr, this->pack_state(pack), nodal);
       Real* to[lanes];
       for (int lane = 0; lane < lanes; ++lane) to[lane] = force + forces * (std::size_t(pack - first) * lanes + lane);
       if constexpr (forces % (lanes / 2) == 0)

@@ -93,6 +93,11 @@ void SolidBlock::start_law() {
     for (const auto& [row, value] : first) set_value(e, row, value);
 }
 
+void SolidBlock::set_temperature(const double* degrees) {
+  if (temperature_.size() == 0) temperature_ = AlignedArray<double>(std::size_t(n_packs()) * lanes);
+  for (int slot = 0; slot < n_packs() * lanes; ++slot) temperature_.data()[slot] = degrees[std::min(slot, n_ - 1)];
+}
+
 template <class Cell, class Law>
 int SolidBlock::advance_packs(const double* nodes, double dt, double time, int first, int last, double* force) {
   constexpr int count = Cell::nodes;
@@ -105,6 +110,7 @@ int SolidBlock::advance_packs(const double* nodes, double dt, double time, int f
     Pack* state = reinterpret_cast<Pack*>(state_.data() + index(pack * lanes, 0));
     CyclePlace place;
     place.first = pack * lanes, place.used = std::min(lanes, n_ - pack * lanes), place.time = time;
+    if (temperature_.size() > 0) place.temperature = reinterpret_cast<const Pack*>(temperature_.data()) + pack;
     Pack::Mask bad;
     if constexpr (std::is_same_v<Law, CycleUmat>)
       bad = OnePointSolid<Cell>::advance(view(own), section_, dt, x, du, place, state, nodal);

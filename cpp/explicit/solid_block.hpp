@@ -51,6 +51,9 @@ class SolidBlock {
       state_.data()[index(copy, row)] = x;
   }
 
+  // Temperatures (n) given to the cells [degrees C] from now on.
+  void set_temperature(const double* degrees);
+
   const std::vector<int> cells;     // (n, nodes)
   std::vector<double> mass;         // (n, nodes) of its nodes [t]: density times int N_a dV
   std::vector<double> mass_factor;  // (n) of mass scaling, from 1
@@ -82,6 +85,7 @@ class SolidBlock {
   // no assembly.
   std::vector<int> packed_;
   AlignedArray<double> state_;
+  AlignedArray<double> temperature_;  // [pack][lane]; none: that of the law's start
   int (SolidBlock::*advance_)(const double*, double, double, int, int, double*) = nullptr;
   void (SolidBlock::*bound_)(const double*, double*) const = nullptr;
 };

@@ -410,9 +410,9 @@ def kept_values(law: PlaneLaw | SolidLaw) -> int:
     Values that a point of a solid keeps for a law besides stress and eqps; at the end the directions of its axes: x in the plane (2), x and y in space (6).
     """
 
-def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | PlaneLaw | SolidLaw | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, history_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, dt: float = 0.0, first_cell: int = 0, when: UmatPlace | None = None, fault: LawFault | None = None) -> int:
+def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | PlaneLaw | SolidLaw | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, history_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, dt: float = 0.0, first_cell: int = 0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, when: UmatPlace | None = None, fault: LawFault | None = None) -> int:
     """
-    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. history (n_cells, points, n_history) is what the law keeps besides stress and eqps. Returns the index of a cell turned inside out, or -1; what the law told is in fault.
+    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. history (n_cells, points, n_history) is what the law keeps besides stress and eqps; temperature (n_cells, points) [degrees C] is given at the end of the increment, without it that of the law's start. Returns the index of a cell turned inside out, or -1; what the law told is in fault.
     """
 
 def differentiate_cell(element: str, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], along: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
@@ -443,9 +443,9 @@ def shell_shape(element: str) -> tuple[NDArray[numpy.float64], NDArray[numpy.flo
     Shape functions (q, nodes), their slopes (q, nodes, 2) and weights (q) at a shell's points, and the slopes at its nodes (nodes, nodes, 2).
     """
 
-def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], director_of: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], director: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, *, dt: float, penalty: float, state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], state: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool, small_displacements: bool = False) -> tuple[int, ShellFault]:
+def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], director_of: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], director: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw, *, dt: float, penalty: float, state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], state: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool, small_displacements: bool = False, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[int, ShellFault]:
     """
-    Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness (n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear (n_cells, q, 2)]. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and why.
+    Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness (n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear (n_cells, q, 2)]. temperature (n_cells, q, k) [degrees C] is given at the end of the increment, without it that of the law's start. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and why.
     """
 
 def touch_profile(segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.int32]]:
@@ -861,6 +861,11 @@ class ShellLoop:
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
+    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Give the layers of a block temperatures (n, points in the plane, layers) [degrees C] from now on.
+        """
+
     def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
         """
         Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the whole side and two of those that have half of it.
@@ -1068,6 +1073,11 @@ class ShellLoopSingle:
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.
         """
 
+    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Give the layers of a block temperatures (n, points in the plane, layers) [degrees C] from now on.
+        """
+
     def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
         """
         Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the whole side and two of those that have half of it.
@@ -1214,6 +1224,9 @@ class SolidLoop:
 
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Prescribe velocities of the freedoms marked in fixed (n_nodes, 2)."""
+
+    def set_temperature(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Give the cells temperatures (n) [degrees C] from now on."""
 
     def weigh(self) -> None:
         """Sum up the nodes' masses after a change of mass_factor."""

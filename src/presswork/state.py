@@ -169,6 +169,10 @@ class State:
     """What a solid's law keeps besides, per block (n_cells, n_points, n_history): of von Mises with isotropic hardening
     nothing; of other laws the rise of temperature where they heat, back stresses, and the directions of the law's axes;
     of one from a shared library its state variables, then deformation gradient, strain, energies and work."""
+    temperature: list[FloatArray]
+    """Given to the points from outside at the end of the increment, per block in the shape of eqps [degrees C]; what a
+    law heats itself comes on top. At rest that of the start; no rows where the material does not know of temperature.
+    """
     hourglass: list[FloatArray]
     """Hourglass forces per block (n_cells, 2) [N]; zero but for quad4_1pt."""
     volume: list[FloatArray]
@@ -228,6 +232,7 @@ class State:
             stress=[np.zeros((*s, components)) for s in sizes],
             eqps=[np.zeros(s) for s in sizes],
             history=[np.zeros((*s, 0)) for s in sizes],
+            temperature=[np.zeros((0, s[1])) for s in sizes],
             hourglass=[np.zeros((s[0], 2)) for s in sizes],
             volume=[np.zeros(s) for s in sizes],
             shells=ShellArrays.none(),

@@ -178,14 +178,19 @@ def build(feature: str, family: str, library: Path) -> Any:
     return case.materials["metal"].to_model("metal")
 
 
-def error_of_tangent(model: Any, freedoms: int, size: float) -> tuple[float, float]:
-    """Largest error of a cell's stiffness over its largest entry, after flow; and the plastic strain."""
+def error_of_tangent(model: Any, freedoms: int, size: float, *, hottest: float | None = None) -> tuple[float, float]:
+    """Largest error of a cell's stiffness over its largest entry, after flow; and the plastic strain.
+
+    hottest: temperature of the last point, to which that of the points rises from 40 degrees C.
+    """
     model = replace(model, solver=replace(model.solver, symmetric=False))
     mechanics = ImplicitProcedure(model).mechanics
     cell = model.mesh.blocks[0].connectivity[0]
     n = len(model.mesh.points)
     rng = np.random.default_rng(3)
     state = mechanics.at_rest(0, 0)
+    if hottest is not None:
+        state.temperature[0][:] = np.linspace(40, hottest, state.eqps[0].size).reshape(state.eqps[0].shape)
     increment = np.zeros((n, freedoms))
 
     def force(by: np.ndarray, start: Any, *, with_stiffness: bool = False) -> np.ndarray:

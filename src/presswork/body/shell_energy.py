@@ -53,6 +53,7 @@ def plastic_work(model: Model, laws: list[_core.SheetLaw], state_n: State, trial
             after.reshape(-1, n_history),
             trial.stress[i].reshape(-1, 3),
             dt,
+            (state_n.temperature[i], trial.temperature[i]),
         )
         total += float((work.reshape(trial.eqps[i].shape) * trial.volume[i]).sum())
         if block.element == "shell4_1pt":

@@ -17,7 +17,7 @@ from presswork.fields.shell_fields import (
     sheet_effective_stress,
     shell_cell_fields,
 )
-from presswork.law.elastic_plastic import make_sheet_law, temperature
+from presswork.law.elastic_plastic import make_sheet_law, temperature, temperature_at_rest
 from presswork.mesh.directors import Directors, find_directors
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import CellBlock, FloatArray, IntArray, MaskArray, Model
@@ -130,6 +130,8 @@ class ShellMechanics:
             shells.internal.append(np.zeros((cells, internal)))
             state.stress.append(np.zeros((cells, q * k, 3)))
             state.eqps.append(np.zeros((cells, q * k)))
+            material = self._model.materials[self._model.mesh.blocks[i].material]
+            state.temperature.append(temperature_at_rest(material, (cells, q * k)))
             state.volume.append(np.zeros((cells, q * k)))
             state.hourglass.append(np.zeros((cells, 2)))
         state.shells = shells
@@ -157,7 +159,9 @@ class ShellMechanics:
     ) -> FloatArray | ShellFailed:
         """Return the internal nodal force (n_points, 6) [N, N mm] after `increment` (n_points, 6) from state_n.
 
-        dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically.
+        dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically. Given
+        temperatures are those of the trial state.
+
         Fills the trial state's stress, history, thickness and volumes and, if asked, the element stiffnesses. Does not
         touch state_n.
         """
@@ -185,6 +189,7 @@ class ShellMechanics:
                 stiffness=self._stiffness[i] if with_stiffness else None,
                 symmetric=model.solver.symmetric,
                 small_displacements=is_small,
+                temperature=trial.temperature[i] if trial.temperature[i].size else None,
             )
             if cell >= 0:
                 self._timing.add("assembly", started)
@@ -235,7 +240,7 @@ class ShellMechanics:
         """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points)."""
         history = state.shells.history[block].reshape(-1, state.shells.history[block].shape[-1])
         material = self._model.materials[self._model.mesh.blocks[block].material]
-        eqps, heat = np.ascontiguousarray(history[:, 0]), temperature(material, history)
+        eqps, heat = np.ascontiguousarray(history[:, 0]), temperature(material, history, state.temperature[block])
         flow, _ = self._laws[block].flow_stress(eqps, temperature=heat)
         result: FloatArray = flow.reshape(state.eqps[block].shape)
         return result

@@ -22,6 +22,7 @@ from presswork.law.elastic_plastic import (
     plastic_work_density,
     present_young,
     temperature,
+    temperature_at_rest,
 )
 from presswork.law.umat import TOLD, open_umat
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
@@ -167,6 +168,7 @@ class Mechanics:
         state.history = [
             _history_at_rest(law, (e.shape[0], e.shape[1])) for law, e in zip(self._laws, state.eqps, strict=True)
         ]
+        state.temperature = [temperature_at_rest(self._material(i), e.shape) for i, e in enumerate(state.eqps)]
         return state
 
     def begin_increment(self, state_n: State, step: Step) -> None:
@@ -198,7 +200,8 @@ class Mechanics:
     ) -> FloatArray | TurnedInsideOut | LawFailed:
         """Return the internal nodal force (n_points, 2) [N] after `increment` (n_points, 2) [mm] from state_n.
 
-        dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically.
+        dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically. Given
+        temperatures are those of the trial state.
 
         Fills the trial state's stress, history and volumes and, if asked, the element stiffnesses. Does not touch
         state_n.
@@ -233,6 +236,7 @@ class Mechanics:
                 history_n=state_n.history[i],
                 history=trial.history[i],
                 first_cell=int(self._first_cell[i]),
+                temperature=trial.temperature[i] if trial.temperature[i].size else None,
                 when=self._when,
                 dt=dt,
                 fault=fault,
@@ -277,7 +281,7 @@ class Mechanics:
         if isinstance(law, _core.VonMises):
             flow, _ = law.flow_stress(flat)
         else:
-            flow, _ = law.flow_stress(flat, temperature=temperature(self._material(block), _law_history(state, block)))
+            flow, _ = law.flow_stress(flat, temperature=self._temperature_at_points(state, block))
         result: FloatArray = flow.reshape(eqps.shape)
         return result
 
@@ -310,11 +314,15 @@ class Mechanics:
         if all(material.heating is None for material in materials):
             return None
         parts = []
-        for i, material in enumerate(materials):
+        for i in range(len(materials)):
             weight = state.volume[i] / state.volume[i].sum(axis=1, keepdims=True)
-            degrees = temperature(material, _law_history(state, i)).reshape(weight.shape)
+            degrees = self._temperature_at_points(state, i).reshape(weight.shape)
             parts.append((weight * degrees).sum(axis=1))
         return np.concatenate(parts)
+
+    def _temperature_at_points(self, state: State, block: int) -> FloatArray:
+        """Return the temperature of a block's points (n,) [degrees C], the rise by the law's own heat included."""
+        return temperature(self._material(block), _law_history(state, block), state.temperature[block])
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""
@@ -364,7 +372,8 @@ class Mechanics:
             else:
                 before, after = (_law_history(state, i) for state in (state_n, trial))
                 stress = _stress_in_axes(trial, i)
-                work = plastic_work_density(self._material(i), law, before, after, stress, dt)
+                given = (state_n.temperature[i], trial.temperature[i])
+                work = plastic_work_density(self._material(i), law, before, after, stress, dt, given)
                 work = work.reshape(trial.eqps[i].shape)
             total += float((work * trial.volume[i]).sum())
         return total

@@ -23,6 +23,7 @@ class LayersOfRun:
     _counts: list[int]
     """Shells of each block."""
     _fixed: npt.NDArray[np.uint8]
+    _given_temperature: Array | None = None
     _young: float
     _poisson: float
 
@@ -83,6 +84,33 @@ class LayersOfRun:
     def history_at_points(self) -> Array:
         """What the law keeps at the q points in the plane (n, q, n_points, n_history)."""
         return self._by_element(self._of_blocks(self._loop.history))
+
+    @property
+    def given_temperature(self) -> Array | None:
+        """Temperature given from outside at the layers (n, q, n_points) [degrees C], from the bottom up.
+
+        None, which cannot be set: that of the law's start. Set by an array of this shape, by one for all points in the
+        plane (n, n_points), or by what broadcasts to that, such as a profile (n_points,) for all shells. It holds until
+        it is set again; what the law heats itself comes on top.
+        """
+        return self._given_temperature
+
+    @given_temperature.setter
+    def given_temperature(self, value: npt.ArrayLike) -> None:
+        degrees, shape = np.asarray(value, dtype=float), self.history_at_points.shape[:3]
+        if not np.isfinite(degrees).all():
+            raise ExplicitError("given_temperature: every value must be a finite number [degrees C]")
+        try:
+            at_points = np.broadcast_to(degrees if degrees.ndim == 3 else np.atleast_2d(degrees)[:, None], shape)
+        except ValueError:
+            raise ExplicitError(
+                f"given_temperature has shape {degrees.shape}: these shells have layers {shape}"
+            ) from None
+        for block, part in enumerate(np.split(at_points[self._elements], np.cumsum(self._counts)[:-1])):
+            own = self._loop.history(block).shape[1]
+            of_block = part.mean(axis=1, keepdims=True) if own == 1 else part
+            self._loop.set_temperature(block, np.ascontiguousarray(of_block))
+        self._given_temperature = np.array(at_points)
 
     def set_layers(self, stress: npt.ArrayLike, history: npt.ArrayLike) -> None:
         """Begin with stress and history in the form of these properties; internal forces follow from them.

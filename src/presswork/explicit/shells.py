@@ -304,6 +304,8 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
             share[self._elements],
             other.dt,
         )
+        if other.given_temperature is not None:
+            self.given_temperature = other.given_temperature[parent]
         self.cycle, self.time = other.cycle, other.time
         self.dt = min(other.dt, SAFETY * self.stable_step())
         self._contact_step, self._new_tools = other._contact_step, []
@@ -335,6 +337,7 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
             "state": np.concatenate([state.ravel() for state in states]),
             "forces": forces,
             "element_mass": self._loop.element_mass,
+            "temperature": np.zeros(0) if self.given_temperature is None else self.given_temperature,
             "contact": self._loop.dump_contact(),
             "beads": self._loop.dump_beads(),
             "scalars": scalars,
@@ -350,5 +353,7 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
         parts = np.split(dump["state"], np.cumsum([n * rows for n, rows in sizes])[:-1])
         states = [part.reshape(size) for part, size in zip(parts, sizes, strict=True)]
         self._loop.restore(dump["position"], dump["velocity"], states, dump["forces"], external, damping)
+        if dump["temperature"].size:
+            self.given_temperature = dump["temperature"]
         self._restore_tools(dump["contact"], step)
         self._restore_beads(dump["beads"])

@@ -109,7 +109,9 @@ class ExplicitSolids:
             cells = np.ascontiguousarray(block.connectivity, dtype=np.int32)
             elastic = {"young": material.young, "poisson": material.poisson}
             self._loop.add(block.element, cells, material.make_law(), material.density, **elastic)
-        self._start = np.concatenate([np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks])
+        self._given_temperature = np.concatenate(
+            [np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks]
+        )
         self._fastest = max(materials[b.material].wave_speed for b in mesh.blocks)
         self._fixed = np.zeros((n, 2), dtype=np.uint8)
         self._prescribed = np.zeros((n, 2))
@@ -178,8 +180,21 @@ class ExplicitSolids:
 
     @property
     def temperature(self) -> Array:
-        """Temperature (n_cells) [degrees C]."""
-        return self._start + self._loop.rise
+        """Temperature (n_cells) [degrees C]: what is given from outside, and the rise by plastic work."""
+        return self._given_temperature + self._loop.rise
+
+    @property
+    def given_temperature(self) -> Array:
+        """What is given from outside (n_cells) [degrees C]; at first that of the materials' start."""
+        return self._given_temperature.copy()
+
+    @given_temperature.setter
+    def given_temperature(self, value: npt.ArrayLike) -> None:
+        degrees = np.array(np.broadcast_to(np.asarray(value, dtype=float), self._given_temperature.shape))
+        if not np.isfinite(degrees).all():
+            raise ExplicitError("given_temperature: every value must be a finite number [degrees C]")
+        self._loop.set_temperature(degrees)
+        self._given_temperature = degrees
 
     def _shaped(self, value: npt.ArrayLike, name: str) -> Array:
         return check_nodal(value, name, self._fixed.shape)
@@ -379,6 +394,7 @@ class ExplicitSolids:
             "stress": loop.stress,
             "eqps": loop.eqps,
             "rise": loop.rise,
+            "given_temperature": self._given_temperature,
             "hourglass": loop.hourglass,
             "kept": loop.kept,
             "cell_work": loop.cell_work,
@@ -397,7 +413,8 @@ class ExplicitSolids:
         loop.work = rest[:4]
         self._reference = None if np.isnan(rest[4]) else (rest[4], rest[5])
         self._scales = (rest[6], rest[7], rest[8])
-        for name in dump.keys() - {"walls", "scalars"}:
+        self.given_temperature = dump["given_temperature"]
+        for name in dump.keys() - {"walls", "scalars", "given_temperature"}:
             setattr(loop, name, np.ascontiguousarray(dump[name]))
         loop.weigh()
         if len(dump["walls"]) != len(self._walls):

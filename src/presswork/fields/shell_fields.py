@@ -50,7 +50,7 @@ def shell_cell_fields(state: State, geometry: list[ShellGeometry]) -> dict[str, 
     parts = [
         _block_fields(state, i, g)
         | _back_stress_fields(state, i, g)
-        | temperature_field(g.material, state.shells.history[i])
+        | temperature_field(g.material, state.shells.history[i], state.temperature[i])
         for i, g in enumerate(geometry)
     ]
     names = max(parts, key=len)  # not every block has back stresses and a temperature
@@ -60,11 +60,16 @@ def shell_cell_fields(state: State, geometry: list[ShellGeometry]) -> dict[str, 
     }
 
 
-def temperature_field(material: Material | None, history: FloatArray) -> dict[str, FloatArray]:
-    """Return the temperature of the hottest layer [degrees C], if any; history: of a law (n_cells, q, k, n)."""
+def temperature_field(
+    material: Material | None, history: FloatArray, given: FloatArray | None = None
+) -> dict[str, FloatArray]:
+    """Return the temperature of the hottest layer [degrees C], if any; history: of a law (n_cells, q, k, n).
+
+    given: temperatures from outside (n_cells, q k); None: that of the start.
+    """
     if material is None or material.heating is None:
         return {}
-    return {"temperature": temperature(material, history).max(axis=2).mean(axis=1)}
+    return {"temperature": temperature(material, history, given).max(axis=2).mean(axis=1)}
 
 
 def sheet_effective_stress(stress: FloatArray) -> FloatArray:

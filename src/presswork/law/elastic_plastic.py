@@ -94,12 +94,24 @@ def back_stress(material: Material, history: FloatArray, components: int) -> Flo
     return np.asarray(parts.sum(axis=-2))
 
 
-def temperature(material: Material, history: FloatArray) -> FloatArray:
-    """Return the temperature [degrees C] of points (...) from what their law keeps behind the stress (..., n)."""
-    start = material.heating.start if material.heating else 0.0
-    if not heats(material):
-        return np.full(history.shape[:-1], start)
-    return np.asarray(start + history[..., 1])
+def temperature_at_rest(material: Material, shape: tuple[int, ...]) -> FloatArray:
+    """Return the given temperature of points (n_cells, n) at the start [degrees C]; no rows if the law does not ask."""
+    if material.heating is None:
+        return np.zeros((0, *shape[1:]))
+    return np.full(shape, material.heating.start)
+
+
+def temperature(material: Material, history: FloatArray, given: FloatArray | None = None) -> FloatArray:
+    """Return the temperature [degrees C] of points (...) from what their law keeps behind the stress (..., n).
+
+    given: from outside (as many values) [degrees C]; None or no values: that of the start.
+    """
+    shape = history.shape[:-1]
+    if given is None or given.size == 0:
+        base = np.full(shape, material.heating.start if material.heating else 0.0)
+    else:
+        base = given.reshape(shape)
+    return np.asarray(base + history[..., 1]) if heats(material) else base
 
 
 def plastic_work_density(
@@ -109,17 +121,18 @@ def plastic_work_density(
     history: FloatArray,
     stress: FloatArray,
     dt: float,
+    given: tuple[FloatArray, FloatArray],
 ) -> FloatArray:
     """Return the plastic work of an increment over dt [s] per volume (n,) [MPa], by the trapezoidal rule.
 
     With dp the increment of equivalent plastic strain and g the gradient of the yield function at its end: the mean
     flow stress times dp, and the mean back stress times g dp. history (n, n_history): what the law keeps behind the
-    stress; stress (n, components): at the end, in the law's axes.
+    stress; stress (n, components): at the end, in the law's axes; given: temperatures (n,) before and after.
     """
     components = stress.shape[-1]
     ends = [
-        law.flow_stress(np.ascontiguousarray(h[:, 0]), temperature=temperature(material, h))[0]
-        for h in (history_n, history)
+        law.flow_stress(np.ascontiguousarray(h[:, 0]), temperature=temperature(material, h, t))[0]
+        for h, t in zip((history_n, history), given, strict=True)
     ]
     dp = history[:, 0] - history_n[:, 0]
     flow = 0.5 * (ends[0] + ends[1])

@@ -262,7 +262,7 @@ class ExplicitStamping(RowRecording):
         fields = self._fields.cell_fields(
             shells.position, shells.thickness, shells.flow_stress_at_points, shells.pressure_at_points, history[..., 0]
         )
-        return fields | temperature_field(self.model.sheet[1], history)
+        return fields | temperature_field(self.model.sheet[1], history, self.shells.given_temperature)
 
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
         """Return the verdict on the sheet by its cell fields."""
