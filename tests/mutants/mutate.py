@@ -89,7 +89,7 @@ def _change_toml(content: bytes, random: Random) -> bytes:
         else:
             here[key] = random.choice(VALUES)
         return tomli_w.dumps(data).encode()
-    except (ValueError, IndexError, TypeError):  # no TOML any more
+    except (ValueError, IndexError, TypeError, OverflowError):  # no TOML any more
         return _change_text(content, random)
 
 

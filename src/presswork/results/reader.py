@@ -169,7 +169,10 @@ class Result:
         """The saved fields, each with "point" or "cell"."""
         with self._open() as file:
             kinds = (("point", "PointData"), ("cell", "CellData"))
-            return {name: kind for kind, group in kinds for name in find_body(file)[group]}
+            found = {name: kind for kind, group in kinds for name in find_body(file)[group]}
+            if not all(isinstance(name, str) for name in found):  # HDF5 gives bytes where it cannot decode a name
+                raise ValueError("the name of a field is not text")
+        return found
 
     def tool_displacement(self, tool: str, step: int = -1) -> FloatArray:
         """Return a tool's displacement since the start [mm], shape (2,)."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswork.results import Result, ResultError
+from presswork.results import OutputError, Result, ResultError
 from tests.unit.results.upset_output import make_fields, make_mesh, upset, write_upset_output
 
 
@@ -76,3 +76,12 @@ def test_run_without_summary_or_with_a_damaged_one(result: Result) -> None:
         _ = result.summary
     (result.folder / "summary.json").unlink()
     assert result.summary == {}
+
+
+def test_a_field_whose_name_is_damaged_is_told(result: Result) -> None:
+    path = result.folder / "results.vtkhdf"
+    data = path.read_bytes()
+    assert data.count(b"effective_stress\0") > 0
+    path.write_bytes(data.replace(b"effective_stress\0", b"effective_stres\xff\0"))
+    with pytest.raises(OutputError, match="damaged.*not text"):
+        Result(result.folder).field("equivalent_plastic_strain")
