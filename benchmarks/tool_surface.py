@@ -14,7 +14,8 @@ import time
 import numpy as np
 
 from presswork import _core
-from presswork.geometry.swept_tool import draw_die, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_punch, triangulate
+from presswork.geometry.tool_surface import make_surface
 
 
 def time_calls(surface: _core.ToolSurface, points: np.ndarray, reach: float, *, warm: bool = True) -> float:
@@ -50,10 +51,10 @@ def main() -> None:
     punch = draw_punch((25.5, 25.5), 10.0, 4.0, 40.0)
     die = draw_die((27.0, 27.0), 11.5, 4.0, width=40.0, depth=40.0)
     for name, tool in (("punch", punch), ("die", die)):
-        smooth = tool.surface(2.0)
+        smooth = make_surface(tool, 2.0)
         kinds = [(0, smooth)]
         for tolerance, size in ((0.01, float("inf")), (0.05, 1.35)):
-            points, triangles = tool.triangulate(tolerance, size=size)
+            points, triangles = triangulate(tool, tolerance, size=size)
             kinds.append((len(triangles), _core.ToolSurface.triangles(points, triangles, depth=2.0)))
         sheets = [lay_sheet(smooth, gap, 100) for gap in (1e-4, 0.4, 2.0)]
         far = sheets[0] - [0.0, 0.0, 30.0 if name == "punch" else -30.0]

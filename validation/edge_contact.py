@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.case import StampingCase, build_model
+from presswork.geometry.tool_surface import make_surface
 from presswork.process.stamping import ExplicitStamping
 
 
@@ -62,7 +63,7 @@ def draw(radius: float, side: float, points: str) -> Drawn:
     for report in process.advance():
         half = np.bincount(cells.ravel(), 0.5 * process.shells.thickness.repeat(4)) / np.bincount(cells.ravel())
         places = np.einsum("eik,ip->epk", process.shells.position[edges], weights).reshape(-1, 3)
-        gap = die.shape.surface().nearest(places - np.asarray(die.position))[0]
+        gap = make_surface(die.shape).nearest(places - np.asarray(die.position))[0]
         sunk = max(sunk, float(((half[edges] @ weights).ravel() - gap).max()))
         force.append(float(process.tools.row()["punch.force"]) / (4 * side))
         error = max(error, abs(report.energies.error_percent))

@@ -13,7 +13,6 @@ import sys
 import numpy as np
 
 from presswork.case import StampingCase, build_model
-from presswork.model_stamping import StampingModel
 from presswork.process.stamping import ExplicitStamping
 from tests.problems.punch_stretching import EXAMPLE, Profile, stretch, stretch_solids
 
@@ -48,7 +47,6 @@ def travel_at_forces(size: float = SIZE) -> np.ndarray:
     keys = ["tools.punch.mu=0", "tools.die.mu=0", f"blank.element_size={size}", "stages.0.tools.punch.stroke=42",
             "output.rows=200", "output.steps=1"]  # fmt: skip
     model = build_model(StampingCase.from_toml(EXAMPLE, keys))  # type: ignore[arg-type]
-    assert isinstance(model, StampingModel)
     run = ExplicitStamping(model, threads=1)
     rows = [run.row(report) for report in run.advance()]  # type: ignore[arg-type]
     force = np.array([row["punch.force"] for row in rows[:-1]], float)

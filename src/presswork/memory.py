@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from presswork import model
-from presswork.model_stamping import AnyModel, StampingModel
 
 _BYTES_PER_POINT = 4 * 8 * 16
 """Four copies of about 16 numbers at a quadrature point: converged, trial, and work arrays."""
@@ -28,16 +27,13 @@ class TooLargeError(Exception):
     """A problem that the machine's memory does not hold; says so, and the remedy."""
 
 
-def estimate_memory(problem: AnyModel) -> float:
+def estimate_memory(problem: model.Model) -> float:
     """Estimate the bytes for mesh, state, matrix and factors."""
-    freedoms = problem.freedoms if isinstance(problem, model.Model) else 6
-    with_matrix = problem.procedure == "implicit" if isinstance(problem, StampingModel) else problem.explicit is None
-    if isinstance(problem, StampingModel) and problem.springback is not None:
-        with_matrix = True
+    with_matrix = problem.explicit is None or problem.springback is not None
     blocks = [(len(b.connectivity), b.element, b.section.points if b.section else 0) for b in problem.mesh.blocks]
     nodes_per_cell = len(problem.mesh.points) / sum(cells for cells, _, _ in blocks)
     return sum(
-        _estimate_block(cells, element, layers, nodes_per_cell * cells, freedoms, with_matrix)
+        _estimate_block(cells, element, layers, nodes_per_cell * cells, problem.freedoms, with_matrix)
         for cells, element, layers in blocks
     )
 
@@ -69,7 +65,7 @@ def estimate_box(cells: int, element: str) -> float:
     return _estimate_block(cells, element, 0, float(cells), 3, with_matrix=True)
 
 
-def check_memory(problem: AnyModel) -> None:
+def check_memory(problem: model.Model) -> None:
     """Raise TooLargeError where the problem needs more memory than there is."""
     needed, there = estimate_memory(problem), available_memory()
     if needed > there:

@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from presswork import __version__, stop
-from presswork.model_stamping import AnyModel, StampingModel
+from presswork.model import Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
 from presswork.process.recording import Recording, Report
@@ -71,14 +71,14 @@ class Outcome:
 
 
 def run_model(
-    model: AnyModel,
+    model: Model,
     folder: Path | str,
     *,
     overwrite: bool = False,
     resume: bool = False,
     threads: int = 0,
     on_increment: Callable[[Progress], None] | None = None,
-    procedure: Callable[[AnyModel, int], Recording] = begin,
+    procedure: Callable[[Model, int], Recording] = begin,
 ) -> Outcome:
     """Compute the whole process and write it to the folder.
 
@@ -103,7 +103,7 @@ def run_model(
             return run.complete(on_increment)
 
 
-def fingerprint(model: AnyModel) -> str:
+def fingerprint(model: Model) -> str:
     """Return a digest of what a checkpoint depends on: everything but the title and what is saved."""
     digest = hashlib.sha256()
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
@@ -120,10 +120,8 @@ def fingerprint(model: AnyModel) -> str:
     return digest.hexdigest()
 
 
-def _save_points(model: AnyModel) -> object:
+def _save_points(model: Model) -> object:
     """Return what the output settings say of the implicit procedure's increments, which end where a step is saved."""
-    if isinstance(model, StampingModel):
-        return model.output.steps if model.procedure == "implicit" else None
     if model.explicit is not None:
         return None
     steps = 0 if model.output.every else model.output.steps

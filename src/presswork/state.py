@@ -197,8 +197,8 @@ class State:
         solids = () if model.analysis == "shell" else model.mesh.blocks
         sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in solids]
         d, components = model.dimension, 6 if model.dimension == 3 else 4
-        n_tools, n_sheet_tools = len(model.tools), len(model.sheet_tools)
-        n_bead_points = sum(len(b.place) for b in model.sheet_beads)
+        n_tools, n_sheet_tools = len(model.plane_tools), len(model.sheet_tools)
+        n_bead_points = sum(len(b.place) for b in model.beads)
         return cls(
             displacement=np.zeros((n, d)),
             increment=np.zeros((n, d)),

@@ -7,7 +7,8 @@ import pytest
 from presswork import _core
 from presswork.explicit.motion import SmoothStroke
 from presswork.explicit.shells import ExplicitShells
-from presswork.geometry.swept_tool import draw_die, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_punch, triangulate
+from presswork.geometry.tool_surface import make_surface
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
@@ -27,7 +28,7 @@ def draw(
     die = draw_die((11.0, 11.0), 11.0, radius, width=40.0, depth=20.0)
     punch = draw_punch((10.0, 10.0), 10.0, radius, 30.0)
     for name, tool in (("die", die), ("punch", punch)):
-        surface = _core.ToolSurface.triangles(*tool.triangulate(0.01)) if triangles else tool.surface()
+        surface = _core.ToolSurface.triangles(*triangulate(tool, 0.01)) if triangles else make_surface(tool)
         sheet.add_tool(name, surface, **({"mu": 0.1} | grip))  # type: ignore[arg-type]
     down = np.array([[0, 2, 1], [0, 3, 2]], dtype=np.int32)
     sheet.add_tool("holder", _core.ToolSurface.triangles(PLATE, down), **({"mu": 0.1} | grip))  # type: ignore[arg-type]

@@ -13,6 +13,7 @@ import pytest
 from presswork import Case, build_model
 from presswork.case import StampingCase
 from presswork.case import build_model as build_any_model
+from presswork.geometry.tool_surface import make_surface
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_contact import RELEASE as RELEASE_OF_SLOTS
 from presswork.model import FloatArray
@@ -141,7 +142,7 @@ def pulls_of_sheet_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, floa
     ):
         touched = np.linalg.norm(force, axis=1) > 0.0
         place = procedure.model.mesh.points + state.displacement[:, :3] - np.array(tool.position) - moved
-        surface = tool.shape.surface(10.0, smooth=True)
+        surface = make_surface(tool.shape, 10.0, smooth=True)
         _, normal, _, _ = surface.nearest(np.ascontiguousarray(place[touched]), 10.0)
         pushes.append((force[touched] * normal).sum(axis=1))
     return np.concatenate(pushes), 0.0

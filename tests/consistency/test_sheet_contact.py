@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
+from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.sheet_contact import ROUNDING, SheetNodes, touch_tool
 
 THICKNESS = 0.8
@@ -19,7 +20,7 @@ SURFACES = {
 
 def press(name: str, deep: float, n: int = 300) -> tuple[SheetNodes, np.ndarray, np.ndarray]:
     """Return nodes pressed into a tool by `deep` thicknesses here, by up to twice that there; areas differ."""
-    surface = SURFACES[name].surface()
+    surface = make_surface(SURFACES[name])
     rng = np.random.default_rng(3)
     around = np.column_stack([rng.uniform(-35.0, 35.0, (n, 2)), rng.uniform(-8.0, 12.0, n)])
     _, normal, place, _ = surface.nearest(around)
@@ -32,7 +33,7 @@ def press(name: str, deep: float, n: int = 300) -> tuple[SheetNodes, np.ndarray,
 @pytest.mark.parametrize("state", ["frictionless", "sticks", "slides"])
 @pytest.mark.parametrize("name", SURFACES)
 def test_tangent_is_the_derivative_of_the_forces(name: str, state: str, deep: float) -> None:
-    tool = SURFACES[name].surface(), {"frictionless": 0.0, "sticks": 10.0, "slides": 0.1}[state]
+    tool = make_surface(SURFACES[name]), {"frictionless": 0.0, "sticks": 10.0, "slides": 0.1}[state]
     sheet, x, _ = press(name, deep)
     rng = np.random.default_rng(4)
     way = rng.normal(size=x.shape) * THICKNESS * (1e-3 if state == "sticks" else 1.0)
@@ -56,7 +57,7 @@ def test_friction_lies_in_the_tangent_plane_and_obeys_coulomb(name: str) -> None
     mu = 0.1
     sheet, x, normal = press(name, 1e-2)
     way = 100.0 * np.random.default_rng(5).normal(size=x.shape)
-    found = touch_tool(SURFACES[name].surface(), mu, sheet, x, way, np.zeros_like(x))
+    found = touch_tool(make_surface(SURFACES[name]), mu, sheet, x, way, np.zeros_like(x))
     push = (found.force * normal).sum(axis=1)
     along = way - (way * normal).sum(axis=1)[:, None] * normal
     np.testing.assert_allclose((found.friction * normal).sum(axis=1), 0.0, atol=1e-9 * push.max())
@@ -67,7 +68,7 @@ def test_friction_lies_in_the_tangent_plane_and_obeys_coulomb(name: str) -> None
 
 def test_push_is_that_of_the_sheet_across_its_thickness() -> None:
     sheet, x, normal = press("punch", 1e-2)
-    tool = SURFACES["punch"].surface(), 0.0
+    tool = make_surface(SURFACES["punch"]), 0.0
     found = touch_tool(*tool, sheet, x, np.zeros_like(x), np.zeros_like(x))
     gap = tool[0].nearest(x)[0] - 0.5 * THICKNESS
     stress = (found.force * normal).sum(axis=1) / sheet.area

@@ -21,9 +21,11 @@ from presswork.model import (
     Analysis,
     ElementName,
     FloatArray,
+    Friction,
     Mesh,
     Model,
     OutputSettings,
+    Profile,
     Stage,
     Support,
     Tool,
@@ -124,7 +126,7 @@ def press(
     a_over_r = half_width / RADIUS
     approach = RADIUS * a_over_r**2 if analysis == "axisymmetric" else _approach_of_cylinder(half_width)
     line = np.array([[-RADIUS, -RADIUS, 2 * RADIUS, -RADIUS, 0, 0, 0]], dtype=float)
-    plane = Tool("plane", line, "frictionless", np.zeros(1), np.zeros(1))
+    plane = Tool("plane", Profile(line), friction=Friction("frictionless"))
     model = Model(
         title="Hertz",
         analysis=analysis,

@@ -15,11 +15,22 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
+from presswork import model as data
 from presswork.case import StampingCase, build_model
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import mesh_rectangle
-from presswork.model import Hardening, Material, Model, OutputSettings, SolverSettings, Stage, Support, Tool, ToolMotion
-from presswork.model_stamping import StampingModel
+from presswork.model import (
+    Friction,
+    Hardening,
+    Material,
+    Model,
+    OutputSettings,
+    SolverSettings,
+    Stage,
+    Support,
+    Tool,
+    ToolMotion,
+)
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.stamping import ExplicitStamping
 
@@ -53,7 +64,6 @@ def stretch(procedure: str, mu: float, size: float = 5.0, *more: str, thickness:
             f"stages.0.tools.punch.stroke={DEPTH}", f"blank.thickness={thickness}", "output.rows=20", "output.steps=1",
             *more]  # fmt: skip
     model = build_model(StampingCase.from_toml(EXAMPLE, keys))  # type: ignore[arg-type]
-    assert isinstance(model, StampingModel)
     run = ImplicitStamping(model, threads=1) if procedure == "implicit" else ExplicitStamping(model, threads=1)
     row = {}
     for report in run.advance():
@@ -101,7 +111,9 @@ def stretch_solids(mu: float, thickness: float = 1.0, columns: int = 120) -> Pro
         depth=1.0,
         mesh=mesh,
         materials=(sheet,),
-        tools=tuple(Tool(n, np.array(p, float), law, np.zeros(2), np.full(2, mu)) for n, p in profiles.items()),
+        tools=tuple(
+            Tool(n, data.Profile(np.array(p, float)), friction=Friction(law, mu=mu)) for n, p in profiles.items()
+        ),
         supports=(Support("left", (True, False)), Support("right", (True, True))),
         stages=(Stage("stretch", tool_motion={"punch": ToolMotion(move=(0.0, -DEPTH))}),),
         solver=SolverSettings(symmetric=mu == 0, initial_increment=0.001, max_increment=0.01, max_iterations=30),

@@ -75,7 +75,7 @@ def test_a_resumed_run_gives_the_same_bits(tmp_path, procedure) -> None:
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_two_threads_give_the_same_bits(precision) -> None:
     """1200 shells: enough for a second thread to be woken."""
-    bead = build_model(StampingCase.model_validate(STRIP)).beads[0].line
+    bead = build_model(StampingCase.model_validate(STRIP)).beads[0]
     x, y = np.meshgrid(np.linspace(-30, 30, 61), np.linspace(-5, 5, 21), indexing="ij")
     points = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     corner = (21 * np.arange(60)[:, None] + np.arange(20)).ravel()

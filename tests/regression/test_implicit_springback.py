@@ -11,13 +11,12 @@ import pytest
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
-from presswork.model import PrescribedDisplacement
-from presswork.model_stamping import StampingModel
+from presswork.model import Model, PrescribedDisplacement
 from tests.regression.test_springback import CURVATURE, LENGTH, THICKNESS, YOUNG, bend, bend_model, curvature_of, moment
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 
-def implicit_model() -> StampingModel:
+def implicit_model() -> Model:
     """The strip of test_springback, bent implicitly: nothing but its mass holds it, as in explicit dynamics."""
     settings = {"inertia": 1.0, "damping": 2e3, "max_increment": 0.05}
     model = build_model(StampingCase.model_validate(bend(procedure="implicit", implicit=settings)))

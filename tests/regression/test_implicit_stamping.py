@@ -11,7 +11,8 @@ import pytest
 
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
-from presswork.mesh.tool_file import TriangulatedTool
+from presswork.geometry.swept_tool import triangulate
+from presswork.model import Triangulation
 from presswork.recorder import StartError, run_model
 from presswork.view.all_plots import plot_all
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
@@ -113,7 +114,7 @@ def test_one_key_changed_gives_the_same_cup(cup, tmp_path) -> None:
 def test_tools_of_coarse_triangles_draw_the_same_cup(cup, tmp_path) -> None:
     """Chords 0.2 mm off the tools: draw-in within 0.01 mm, force 0.2 %, thickness strain 0.001, few more iterations."""
     model = build_model(StampingCase.model_validate(CUP))
-    tools = [replace(t, shape=TriangulatedTool(*t.shape.triangulate(0.2), is_closed=False)) for t in model.tools]
+    tools = [replace(t, shape=Triangulation(*triangulate(t.shape, 0.2), is_closed=False)) for t in model.tools]
     other = run_to_end(replace(model, tools=tuple(tools)), tmp_path / "out")
     edge = np.argmax(cup.mesh.points[:, 0] - cup.mesh.points[:, 1])
     draw_in = [-r.field("displacement")[edge, 0] for r in (cup, other)]
@@ -176,7 +177,7 @@ def test_a_resumed_run_gives_the_same_bits(cup, tmp_path) -> None:
 
 def test_giving_up_leaves_results_and_says_why(tmp_path) -> None:
     model = build_model(StampingCase.model_validate(CUP))
-    strict = replace(model, implicit=replace(model.implicit, max_iterations=4, min_increment=5e-4))
+    strict = replace(model, solver=replace(model.solver, max_iterations=4, min_increment=5e-4))
     outcome = run_model(strict, tmp_path / "out", threads=1)
     assert outcome.status == "gave_up"
     assert "finds no equilibrium" in outcome.reason

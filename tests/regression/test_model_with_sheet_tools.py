@@ -17,10 +17,11 @@ from presswork.model import (
     Model,
     OutputSettings,
     Section,
-    SheetTool,
     SolverSettings,
     Stage,
     Support,
+    Tool,
+    ToolMotion,
 )
 from presswork.recorder import Progress, fingerprint
 
@@ -39,17 +40,16 @@ def make_model() -> Model:
         depth=1.0,
         mesh=mesh,
         materials=(Material("steel", 210000.0, 0.3, Hardening("linear", np.array([250.0, 1000.0]))),),
-        tools=(),
         supports=(
             Support("left", (True, False, False, False, True, True)),
             Support("bottom", (False, True, False, True, False, True)),
             Support("right", clamped),
             Support("top", clamped),
         ),
-        stages=(Stage("press", sheet_tool_move={"ball": (0.0, 0.0, -DEEP)}),),
+        stages=(Stage("press", tool_motion={"ball": ToolMotion((0.0, 0.0, -DEEP))}),),
         solver=SolverSettings(symmetric=False, initial_increment=0.1, max_increment=0.2),
         output=OutputSettings(steps=2, checkpoint_every=1),
-        sheet_tools=(SheetTool("ball", draw_hemispherical_punch(5.0, 10.0), (0.0, 0.0, 0.5 * thickness)),),
+        tools=(Tool("ball", draw_hemispherical_punch(5.0, 10.0), (0.0, 0.0, 0.5 * thickness)),),
     )
 
 

@@ -13,7 +13,7 @@ import pytest
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.case.description.stamping import describe_stamping
-from presswork.geometry.swept_tool import draw_die, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_punch, triangulate
 from presswork.post.section import cut_sheet, measure_draw_in
 from presswork.process.stamping import ExplicitStamping
 from presswork.recorder import run_model
@@ -99,7 +99,7 @@ def test_contact_of_a_split_blank_holds_nothing_more_once_its_tools_open(tmp_pat
     changes += [("blank.element_size", 4), ("blank.refine", {"levels": 1, "angle": 15})]
     for name, surface in tools.items():
         path = tmp_path / f"{name}.stl"
-        points, triangles = surface.triangulate(0.05)
+        points, triangles = triangulate(surface, 0.05)
         meshio.Mesh(points, [("triangle", triangles)]).write(path, file_format="stl")
         changes.append((f"tools.{name}", {"kind": name, "shape": "file", "path": str(path)}))
     history = run_to_end(build_model(StampingCase.model_validate(changed(CUP, *changes))), tmp_path / "out").history

@@ -14,8 +14,7 @@ from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.case.errors import CaseError
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import PrescribedDisplacement
-from presswork.model_stamping import StampingModel
+from presswork.model import Model, PrescribedDisplacement
 from presswork.process.springback import hold_rigidly, make_springback_model
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
@@ -46,7 +45,7 @@ def bend(**changes: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def bend_model() -> StampingModel:
+def bend_model() -> Model:
     """Its Model, with the turn of the end, which no case file has words for."""
     model = build_model(StampingCase.model_validate(bend()))
     turn = PrescribedDisplacement("right", 4, CURVATURE * LENGTH)

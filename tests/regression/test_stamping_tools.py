@@ -12,6 +12,7 @@ import pytest
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model, read_case
 from presswork.examples import copy_example
+from presswork.geometry.swept_tool import triangulate
 from presswork.post.section import cut_sheet, cut_tool, measure_draw_in
 from presswork.process.begin import check_start
 from presswork.recorder import run_model
@@ -171,7 +172,7 @@ def test_a_punch_from_a_file_does_what_the_drawn_one_does(drawn, tmp_path) -> No
     """Its STL file in inches, high above the blank: it is brought down to it, and forces differ by its facets alone."""
     case = cup("x", "y")
     model = build_model(case)
-    points, triangles = model.tools[0].shape.triangulate(0.02)
+    points, triangles = triangulate(model.tools[0].shape, 0.02)
     write_stl(tmp_path / "punch.stl", (points + np.array([0, 0, 100])) / 25.4, triangles)
     file = {"kind": "punch", "shape": "file", "path": str(tmp_path / "punch.stl"), "unit": "inch"}
     data = case.model_dump(exclude_none=True)

@@ -11,7 +11,7 @@ import pytest
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
-from presswork.model_stamping import StampingModel
+from presswork.model import Model
 from presswork.post import cut_sheet, judge_part, measure_draw_in, trace_outline
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
@@ -21,7 +21,7 @@ from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_
 TOOL = {"shape": "rectangular", "mu": 0.1}
 
 
-def cup(**changes: Any) -> StampingModel:
+def cup(**changes: Any) -> Model:
     """A shallow square pan, its flange trimmed to a circle and its bottom pierced."""
     return build_model(StampingCase.model_validate({
         "title": "pan",

@@ -13,7 +13,7 @@ import pytest
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
-from presswork.model_stamping import AnyModel
+from presswork.model import Model
 from presswork.recorder import Outcome, run_model
 from presswork.results import load_checkpoint
 
@@ -24,7 +24,7 @@ def run_stamping(data: dict[str, Any], folder: Path, **changes: Any) -> Result:
     return run_to_end(build_model(case), folder)
 
 
-def run_to_end(model: AnyModel, folder: Path) -> Result:
+def run_to_end(model: Model, folder: Path) -> Result:
     """Run a model on one thread."""
     outcome = run_model(model, folder, threads=1)
     assert outcome.status == "completed", outcome.reason
@@ -42,7 +42,7 @@ def stop_after(reports: int) -> Callable[[object], None]:
     return stop
 
 
-def run_in_two_parts(model: AnyModel, folder: Path, reports: int, *, threads: int = 1) -> Result:
+def run_in_two_parts(model: Model, folder: Path, reports: int, *, threads: int = 1) -> Result:
     """Run a model that is stopped after so many rows or increments, and resume it."""
     assert run_model(model, folder, threads=threads, on_increment=stop_after(reports)).status == "interrupted"
     outcome = run_model(model, folder, threads=threads, resume=True)
@@ -50,9 +50,7 @@ def run_in_two_parts(model: AnyModel, folder: Path, reports: int, *, threads: in
     return outcome.result
 
 
-def stop_within_a_row(
-    model: AnyModel, folder: Path, monkeypatch: pytest.MonkeyPatch, loop: type, calls: int
-) -> Outcome:
+def stop_within_a_row(model: Model, folder: Path, monkeypatch: pytest.MonkeyPatch, loop: type, calls: int) -> Outcome:
     """Run a model on one thread; it is stopped, as Ctrl-C does, when the loop has been advanced so many times."""
     advance, left = loop.advance, iter(range(calls - 1, -1, -1))
 

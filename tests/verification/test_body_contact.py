@@ -16,11 +16,13 @@ from presswork.model import (
     Body,
     BodyContact,
     FloatArray,
+    Friction,
     Material,
     Mesh,
     Model,
     PrescribedDisplacement,
     Pressure,
+    Profile,
     SolverSettings,
     Stage,
     Support,
@@ -276,9 +278,8 @@ def close_slot(n: int, *, whole: bool) -> tuple[float, ImplicitProcedure]:
         body = Body("workpiece", range(len(mesh.points)), range(1))
         model = replace(model, bodies=(body,), contacts=(BodyContact("slot", (0, 0), 0, "frictionless"),))
     else:
-        plane = Tool(
-            "plane", np.array([[-5.0, 0.0, 20.0, 0.0, 0.0, 0.0, 0.0]]), "frictionless", np.zeros(1), np.zeros(1)
-        )
+        line = Profile(np.array([[-5.0, 0.0, 20.0, 0.0, 0.0, 0.0, 0.0]]))
+        plane = Tool("plane", line, friction=Friction("frictionless"))
         model = replace(model, tools=(plane,))
     procedure, _ = run(model)
     return float(procedure.state.reaction[mesh.node_sets["top"], 1].sum()), procedure

@@ -13,7 +13,19 @@ import numpy as np
 import pytest
 
 from presswork.fields.table import compute_fields
-from presswork.model import Analysis, ElementName, Mesh, Model, OutputSettings, Stage, Support, Tool, ToolMotion
+from presswork.model import (
+    Analysis,
+    ElementName,
+    Friction,
+    Mesh,
+    Model,
+    OutputSettings,
+    Profile,
+    Stage,
+    Support,
+    Tool,
+    ToolMotion,
+)
 from tests.problems.plane_solids import ELEMENTS, block_mesh, distort, elastic, fixed_increments, run
 
 YOUNG, POISSON = 200e3, 0.3
@@ -47,8 +59,9 @@ def patch(element: ElementName, analysis: Analysis, degrees: float) -> Model:
     mesh = replace(mesh, points=turn(mesh.points, degrees))
     far = 3 * WIDTH
     floor = [(0.0, far), (0.0, 0.0), (far, 0.0)] if analysis == "plane_strain" else [(-1.0, 0.0), (far, 0.0)]
-    corner = Tool("corner", line(*floor, degrees=degrees), "frictionless", *np.zeros((2, len(floor) - 1)))
-    punch = Tool("punch", line((far, HEIGHT), (-1.0, HEIGHT), degrees=degrees), "frictionless", *np.zeros((2, 1)))
+    corner = Tool("corner", Profile(line(*floor, degrees=degrees)), friction=Friction("frictionless"))
+    above = Profile(line((far, HEIGHT), (-1.0, HEIGHT), degrees=degrees))
+    punch = Tool("punch", above, friction=Friction("frictionless"))
     move = turn(np.array([0.0, -STROKE]), degrees)
     return Model(
         title="contact patch test",

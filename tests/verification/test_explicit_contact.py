@@ -10,7 +10,9 @@ from presswork import _core
 from presswork.explicit.motion import SmoothStroke
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
-from presswork.geometry.swept_tool import SweptTool, draw_hemispherical_punch
+from presswork.geometry.swept_tool import draw_hemispherical_punch
+from presswork.geometry.tool_surface import make_surface
+from presswork.model import SweptProfile
 from tests.problems.explicit_shells import DENSITY, elastic_options, grid, mises
 
 THICKNESS = 0.8
@@ -180,8 +182,8 @@ def capstan(mu: float, quarter_turns: int = 1) -> float:
     cells = np.stack([first, first + 1, first + 1 + n, first + n], axis=1)
     law = mises(poisson=0.0)
     strip = ExplicitShells(points, cells, thickness, law, DENSITY, axis=(0, 0, 1), options=elastic_options())
-    wall = SweptTool((radius, radius), radius, np.array([[0.0, 50.0, 0.0, -50.0, 0.0, 0.0, 0.0]]))
-    roll = strip.add_tool("roll", wall.surface(), mu=mu)
+    wall = SweptProfile((radius, radius), radius, np.array([[0.0, 50.0, 0.0, -50.0, 0.0, 0.0, 0.0]]))
+    roll = strip.add_tool("roll", make_surface(wall), mu=mu)
     strip.scale_mass(3.0 * strip.dt)
     strip.fix(np.arange(2 * n), "wpq")
     ends = [0, n], [n - 1, 2 * n - 1]
@@ -220,7 +222,9 @@ def dome() -> tuple[ExplicitShells, RigidTool]:
     turned = tool.segments.copy()  # metal below: heights change sign, and with them the way along the profile
     turned[:, [0, 1, 2, 3]] = tool.segments[:, [2, 3, 0, 1]]
     turned[:, [1, 3, 5]] *= -1.0
-    punch = sheet.add_tool("punch", SweptTool(tool.half_widths, tool.corner_radius, turned[::-1]).surface(), mu=0.1)
+    punch = sheet.add_tool(
+        "punch", make_surface(SweptProfile(tool.half_widths, tool.corner_radius, turned[::-1])), mu=0.1
+    )
     punch.position = [0.0, 0.0, -0.5 * THICKNESS]
     rim = np.flatnonzero(np.abs(points[:, :2]).max(axis=1) > 29.9)
     sheet.fix(rim, "uvwpqr")

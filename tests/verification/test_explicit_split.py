@@ -8,7 +8,7 @@ import pytest
 
 from presswork.explicit.shells import ExplicitShells
 from presswork.mesh.split import SplitMesh
-from presswork.model import SheetBead
+from presswork.model import Drawbead
 from tests.problems.explicit_shells import DENSITY, grid, mises
 
 SWIFT = mises("swift", (565.0, 0.007, 0.26))
@@ -124,7 +124,7 @@ def test_a_bead_holds_a_sheet_that_is_split_under_it() -> None:
     mesh, force = SplitMesh.begin(cells, len(points)), 30.0
     y = np.linspace(0.25, 7.75, 16)
     place = np.stack([np.full(16, 9.9), y], axis=1)
-    bead = SheetBead("bead", place, np.tile([1.0, 0.0], (16, 1)), np.full(16, 0.5), force)
+    bead = Drawbead("bead", place, np.tile([1.0, 0.0], (16, 1)), np.full(16, 0.5), force)
     shells = ExplicitShells(points, cells, 0.8, SWIFT, DENSITY)
 
     def pull(run: ExplicitShells) -> None:

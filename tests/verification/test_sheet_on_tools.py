@@ -9,16 +9,18 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.supports import NotHeldError
 from presswork.model import (
     EdgeForce,
+    Friction,
     Hardening,
     Material,
     Mesh,
     Model,
     OutputSettings,
     PrescribedDisplacement,
-    SheetTool,
     SolverSettings,
     Stage,
     Support,
+    Tool,
+    ToolMotion,
 )
 from tests.problems.shells import CLAMPED, RX, RZ, X, Y, fixing, patch, symmetry
 
@@ -26,21 +28,19 @@ YOUNG = 210000.0
 
 
 def sheet_model(
-    mesh: Mesh, supports: tuple[Support, ...], stages: tuple[Stage, ...], tools: tuple[SheetTool, ...], poisson: float
+    mesh: Mesh, supports: tuple[Support, ...], stages: tuple[Stage, ...], tools: tuple[Tool, ...], poisson: float
 ) -> Model:
     elastic = Material("elastic", YOUNG, poisson, Hardening("linear", np.array([1e9, 0.0])))
     return Model(
         title="sheet on tools",
         analysis="shell",
-        depth=1.0,
         mesh=mesh,
         materials=(elastic,),
-        tools=(),
         supports=supports,
         stages=stages,
         solver=SolverSettings(symmetric=False, initial_increment=0.1, max_increment=0.25, force_tolerance=1e-6),
         output=OutputSettings(steps=1),
-        sheet_tools=tools,
+        tools=tools,
     )
 
 
@@ -62,8 +62,8 @@ def test_clamped_square_plate_under_a_small_ball_bends_as_under_a_point_force() 
         Support("right", CLAMPED),
         Support("top", CLAMPED),
     )
-    ball = SheetTool("ball", draw_hemispherical_punch(5.0, 10.0), position=(0.0, 0.0, 0.5 * thickness))
-    stages = (Stage("press", sheet_tool_move={"ball": (0.0, 0.0, -deep)}),)
+    ball = Tool("ball", draw_hemispherical_punch(5.0, 10.0), position=(0.0, 0.0, 0.5 * thickness))
+    stages = (Stage("press", tool_motion={"ball": ToolMotion((0.0, 0.0, -deep))}),)
     procedure, _ = run(sheet_model(mesh, supports, stages, (ball,), poisson))
     middle = np.argmin(np.linalg.norm(mesh.points, axis=1))
     force = 4.0 * procedure.interactions.sheet_tools.contact.tool_forces(procedure.state)[0]
@@ -96,7 +96,7 @@ def drum(mu: float, cells: int = 45) -> Model:
         Stage("tighten", edge_forces=(back,)),
         Stage("draw", edge_forces=(back,), prescribed=(PrescribedDisplacement("right", 0, 0.15),)),
     )
-    return sheet_model(mesh, supports, stages, (SheetTool("drum", shape, mu=mu),), 0.0)
+    return sheet_model(mesh, supports, stages, (Tool("drum", shape, friction=Friction(mu=mu)),), 0.0)
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.1, 0.3])
@@ -140,7 +140,7 @@ def test_sheet_that_nothing_holds_is_refused() -> None:
     """The tool holds it along z alone."""
     lines = np.linspace(0.0, 10.0, 3)
     mesh = patch(lambda u, v: np.column_stack([u, v, 0 * u]), lines, lines)
-    punch = SheetTool("punch", draw_punch((20.0, 20.0), 5.0, 3.0, 10.0), position=(0.0, 0.0, 0.5))
-    stages = (Stage("press", sheet_tool_move={"punch": (0.0, 0.0, -1.0)}),)
+    punch = Tool("punch", draw_punch((20.0, 20.0), 5.0, 3.0, 10.0), position=(0.0, 0.0, 0.5))
+    stages = (Stage("press", tool_motion={"punch": ToolMotion((0.0, 0.0, -1.0))}),)
     with pytest.raises(NotHeldError, match="x and y"):
         ImplicitProcedure(sheet_model(mesh, (), stages, (punch,), 0.3), threads=1)

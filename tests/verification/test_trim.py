@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import FloatArray, Material, Mesh, Stage
-from presswork.model_stamping import TrimLine
+from presswork.model import FloatArray, Material, Mesh, Stage, TrimLine
 from presswork.process.springback import ELEMENTS, hold_rigidly
 from presswork.process.transfer import (
     SheetBlock,

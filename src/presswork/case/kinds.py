@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from presswork.case.solid.schema import Case
     from presswork.case.space.schema import SpaceCase
     from presswork.case.stamping.schema import StampingCase
-    from presswork.model_stamping import AnyModel
+    from presswork.model import Model
 
     AnyCase: TypeAlias = Case | SpaceCase | ShellCase | StampingCase | OneStepCase
 
@@ -84,7 +84,7 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
     return kinds.get(str(analysis), KINDS["solid"]).load().from_toml(path, overrides)
 
 
-def build_model(case: AnyCase, *, run_user_code: bool = True) -> AnyModel:
+def build_model(case: AnyCase, *, run_user_code: bool = True) -> Model:
     """Build the Model of a case of any kind; raises CaseError with every problem of the first kind that is found.
 
     The kinds of problem are, in this order: names that do not exist and values that do not go together; the mesh; sets,
@@ -98,7 +98,7 @@ def build_model(case: AnyCase, *, run_user_code: bool = True) -> AnyModel:
         text, remedy = "this is no process in time", f"run it by `presswork {case.analysis}`"
         raise CaseError([Problem("analysis", text, remedy, case.analysis)], case.source)
     options = {"run_user_code": run_user_code} if kind is KINDS["solid"] else {}
-    model: AnyModel = resolve_name(kind.builder)(case, **options)
+    model: Model = resolve_name(kind.builder)(case, **options)
     return model
 
 

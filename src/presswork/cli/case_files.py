@@ -8,13 +8,13 @@ from pathlib import Path
 from presswork.case import build_model, read_case
 from presswork.case.errors import CaseError
 from presswork.cli.terminal import refuse
+from presswork.model import Model
 from presswork.model_onestep import OneStepModel
-from presswork.model_stamping import AnyModel
 
 
 def load_model(
     case_file: Path, settings: list[str] | None, folder: Path | None = None, *, run_user_code: bool = True
-) -> AnyModel | OneStepModel:
+) -> Model | OneStepModel:
     """Build the model of a case file. folder: for a picture of what is refused, if that can be drawn."""
     try:
         case = read_case(case_file, overrides=settings or [])

@@ -15,8 +15,8 @@ import typer
 from presswork.cli.case_files import load_model
 from presswork.cli.pictures import draw
 from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, Settings, console, refuse
+from presswork.model import Model
 from presswork.model_onestep import OneStepModel
-from presswork.model_stamping import AnyModel
 from presswork.recorder import Outcome, Progress, StartError, run_model
 from presswork.results import OutputError
 
@@ -74,7 +74,7 @@ def _run_onestep(model: OneStepModel, folder: Path, overwrite: bool, threads: in
         raise refuse(str(error)) from error
 
 
-def _compute(model: AnyModel, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
+def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
     from rich import progress
     from rich.table import Column
 

@@ -10,7 +10,7 @@ from presswork import _core
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import check_table
 from presswork.explicit.tools import RigidTool
-from presswork.model import SheetBead
+from presswork.model import Drawbead
 
 Array = npt.NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class BeadsOfRun:
         self.beads: dict[str, int] = {}
         self._bead_shares: list[tuple[Array, Array]] = []
 
-    def add_bead(self, bead: SheetBead, share: tuple[npt.ArrayLike, npt.ArrayLike] = ((0.0, 1.0), (1.0, 1.0))) -> None:
+    def add_bead(self, bead: Drawbead, share: tuple[npt.ArrayLike, npt.ArrayLike] = ((0.0, 1.0), (1.0, 1.0))) -> None:
         """Let a drawbead hold the sheet from now on; its tool must be there.
 
         share: times [s] and the share of its force, straight between them and constant beyond. Raises ExplicitError.

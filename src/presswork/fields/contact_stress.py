@@ -39,7 +39,7 @@ class ContactForces:
     nodes: IntArray
     """(n,); a node that two tools hold comes twice."""
     tool: IndexArray
-    """Index into Model.tools (n,)."""
+    """Index into Model.plane_tools (n,)."""
     segment: IntArray
     """Of the tool's profile that the node touches (n,); of its first face in an inner corner."""
     normal: FloatArray

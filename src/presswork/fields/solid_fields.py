@@ -49,7 +49,7 @@ def find_contact(
         pressure=pressure,
         shear=shear,
         friction_limit=stress.friction_limit,
-        traction={tool.name: stress.traction[i] for i, tool in enumerate(model.tools)},
+        traction={tool.name: stress.traction[i] for i, tool in enumerate(model.plane_tools)},
         total_traction=stress.traction.sum(axis=0),
         force=force,
     )

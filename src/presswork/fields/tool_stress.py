@@ -58,8 +58,8 @@ def recover_tool_stress(
     smooth[contact.nodes[contact.in_corner]] = False
     strength = shear_strength(model, flow_stress)
     pressure, shear, limit = np.zeros(n), np.zeros(n), np.zeros(n)
-    traction = np.zeros((len(model.tools), n, 3))
-    for t, tool in enumerate(model.tools):
+    traction = np.zeros((len(model.plane_tools), n, 3))
+    for t, tool in enumerate(model.plane_tools):
         own = np.flatnonzero(contact.tool == t)
         nodes = contact.nodes[own]
         touches = np.zeros(n, dtype=bool)
@@ -71,8 +71,8 @@ def recover_tool_stress(
         free = touches & smooth
         mine[0] = _confine_pressure(surface, mine[0], touches, free, strength)
         friction = friction_limit(tool, contact, own, mine[0], flow_stress)
-        if tool.contact != "frictionless":
-            sticks = tool.contact == "sticking"
+        if tool.friction.law != "frictionless":
+            sticks = tool.friction.law == "sticking"
             bound = strength if sticks else np.minimum(strength, friction)
             moved = _confine(surface, mine[1], touches, free, -bound, bound, REACH if sticks else None)
             mine[1] = np.where(free, np.clip(moved, -bound, bound), moved)
@@ -91,10 +91,11 @@ def friction_limit(
     """
     limit = np.zeros(len(pressure))
     nodes, segment = contact.nodes[own], contact.segment[own]
-    by_shear = tool.m[segment] * flow_stress[nodes] / np.sqrt(3.0)
-    by_push = tool.mu[segment] * np.maximum(pressure[nodes], 0.0)
+    m, mu = tool.friction_by_segment()
+    by_shear = m[segment] * flow_stress[nodes] / np.sqrt(3.0)
+    by_push = mu[segment] * np.maximum(pressure[nodes], 0.0)
     laws = {"shear": by_shear, "coulomb": by_push, "coulomb_capped": np.minimum(by_shear, by_push)}
-    limit[nodes] = laws.get(tool.contact, 0.0)
+    limit[nodes] = laws.get(tool.friction.law, 0.0)
     return limit
 
 

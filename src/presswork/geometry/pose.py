@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.model import FloatArray
+from presswork.model import FloatArray, Tool
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,26 @@ def to_tool_frame(points: FloatArray, pose: ToolPose) -> FloatArray:
 
 
 def place_segments(segments: FloatArray, pose: ToolPose) -> FloatArray:
-    """Return a profile (n_segments, 7), as in model.Tool, where it is in space."""
+    """Return a profile (n_segments, 7), as in model.Profile, where it is in space."""
     placed = segments.copy()
     for columns in (slice(0, 2), slice(2, 4), slice(4, 6)):
         placed[:, columns] = place_points(segments[:, columns], pose)
     return placed
+
+
+def shift_segments(segments: FloatArray, place: FloatArray) -> FloatArray:
+    """Return a profile moved by `place` [mm]; centres of arcs move along."""
+    shifted = segments.copy()
+    shifted[:, 0:4] += np.tile(place, 2)
+    shifted[:, 4:6] += np.where(segments[:, 6:7] != 0.0, place, 0.0)
+    return shifted
+
+
+def start_profile(tool: Tool) -> FloatArray:
+    """Return the profile of a tool in the plane where it starts, segments (n, 7) as in model.Profile [mm]."""
+    return shift_segments(tool.profile.segments, np.array(tool.position[:2]))
+
+
+def start_centre(tool: Tool) -> FloatArray:
+    """Return where the point about which a tool in the plane turns is at the start (2,) [mm]."""
+    return np.array([tool.centre[0] + tool.position[0], tool.centre[1] + tool.position[1]])

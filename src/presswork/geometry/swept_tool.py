@@ -8,130 +8,20 @@ or holder downwards (metal above); z = 0 is the die's or holder's face, or the p
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from presswork import _core
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray, IntArray, SweptProfile
 
 
-@dataclass(frozen=True)
-class SweptTool:
-    """A profile of lines and arcs carried round a rectangle with rounded corners about the origin."""
+def triangulate(
+    tool: SweptProfile, tolerance: float, *, size: float = math.inf, length: float = 100.0
+) -> tuple[FloatArray, IntArray]:
+    """Return points (n_points, 3) on the surface and triangles (n, 3), counter-clockwise as seen from free space.
 
-    half_widths: tuple[float, float]
-    """Of the plan along x and y [mm]; one may be infinite: a strip."""
-    corner_radius: float
-    """Of the plan [mm]; of a circle both half widths; of a strip it means nothing."""
-    segments: FloatArray
-    """Shape (n, 7) as in model.Tool, x and y meaning s and z."""
-
-    def surface(self, depth: float = math.inf, *, smooth: bool = True) -> _core.ToolSurface:
-        """Return the surface that contact asks.
-
-        depth: penetrations deeper than this are not found [mm].
-        smooth: for the sake of triangulated tools; this surface is smooth in any case.
-        Raises ValueError where profile and plan do not fit.
-        """
-        return _core.ToolSurface.swept(self.half_widths, self.corner_radius, self.segments, depth=depth)
-
-    def triangulate(
-        self, tolerance: float, *, size: float = math.inf, length: float = 100.0
-    ) -> tuple[FloatArray, IntArray]:
-        """Return points (n_points, 3) on the surface and triangles (n, 3), counter-clockwise as seen from free space.
-
-        tolerance: largest distance of the triangles from the surface [mm]. size: largest edge of the triangles,
-        diagonals aside [mm]. length: of a strip, which is cut to +- length / 2 [mm].
-        """
-        return _cut_into_triangles(self, tolerance, size, length)
-
-
-def draw_punch(half_widths: tuple[float, float], corner_radius: float, edge_radius: float, height: float) -> SweptTool:
-    """Draw a punch with a flat bottom at z = 0.
-
-    half_widths, corner_radius: outer dimensions in the plan; a round punch has both half widths and the corner radius
-    equal [mm]. edge_radius: between bottom and wall. height: of its top over its bottom.
+    tolerance: largest distance of the triangles from the surface [mm]. size: largest edge of the triangles,
+    diagonals aside [mm]. length: of a strip, which is cut to +- length / 2 [mm].
     """
-    r, middle = edge_radius, min(half_widths)
-    wall, edge = _line(0.0, height, 0.0, r), _arc(0.0, r, -r, 0.0, -r, r)
-    bottom = [_line(-r, 0.0, -middle, 0.0)] if r < middle else []
-    return SweptTool(half_widths, corner_radius, np.array([wall, *([edge] if r > 0.0 else []), *bottom]))
-
-
-def draw_hemispherical_punch(radius: float, height: float) -> SweptTool:
-    """Draw a round punch that ends in a half sphere, lowest at z = 0; height: of its top over it [mm]."""
-    return draw_punch((radius, radius), radius, radius, height)
-
-
-def draw_die(
-    half_widths: tuple[float, float], corner_radius: float, shoulder_radius: float, *, width: float, depth: float
-) -> SweptTool:
-    """Draw a die: a flat face at z = 0 with an opening.
-
-    half_widths, corner_radius: of the opening between its walls [mm]. shoulder_radius: between wall and face. width: of
-    the face and shoulder, from the opening's wall outwards. depth: of the wall's lower end under the face.
-    """
-    r = shoulder_radius
-    wall, face = _line(0.0, -depth, 0.0, -r), _line(r, 0.0, width, 0.0)
-    shoulder = [_arc(0.0, -r, r, 0.0, r, -r)] if r > 0.0 else []
-    return SweptTool(half_widths, corner_radius, np.array([wall, *shoulder, face]))
-
-
-def draw_holder(
-    half_widths: tuple[float, float], corner_radius: float, edge_radius: float, *, width: float, height: float
-) -> SweptTool:
-    """Draw a blank holder: a flat face at z = 0 that presses downwards, with an opening for the punch.
-
-    Dimensions as those of a die; height: of the opening's wall over the face [mm].
-    """
-    r = edge_radius
-    face, wall = _line(width, 0.0, r, 0.0), _line(0.0, r, 0.0, height)
-    edge = [_arc(r, 0.0, 0.0, r, r, r)] if r > 0.0 else []
-    return SweptTool(half_widths, corner_radius, np.array([face, *edge, wall]))
-
-
-def _line(x0: float, z0: float, x1: float, z1: float) -> list[float]:
-    return [x0, z0, x1, z1, 0.0, 0.0, 0.0]
-
-
-def _arc(x0: float, z0: float, x1: float, z1: float, centre_x: float, centre_z: float) -> list[float]:
-    """Return an arc that runs clockwise, its metal on the side of the centre."""
-    return [x0, z0, x1, z1, centre_x, centre_z, -1.0]
-
-
-def _count_chords(radius: float, sweep: float, tolerance: float, size: float) -> int:
-    """Return how many chords keep within the tolerance of an arc and are no longer than size."""
-    if radius <= 0.0:
-        return 1
-    step = 2.0 * math.acos(max(-1.0, 1.0 - tolerance / radius))
-    return max(1, math.ceil(sweep / min(step, math.pi / 4) - 1e-9), math.ceil(radius * sweep / size - 1e-9))
-
-
-def _sample_profile(segments: FloatArray, inner: float, tolerance: float, size: float) -> tuple[FloatArray, FloatArray]:
-    """Return points along the profile (n, 2), and those (2, 2) or none of what lies inside s = inner, which is flat."""
-    points: list[FloatArray] = []
-    inside = np.empty((0, 2))
-    for x0, z0, x1, z1, cx, cz, turn in segments:
-        start, end = np.array([x0, z0]), np.array([x1, z1])
-        if turn == 0.0:
-            if min(x0, x1) < inner - 1e-9 * abs(inner):
-                inside = np.clip(np.array([start, end]), (-math.inf, -math.inf), (inner, math.inf))
-                start, end = np.maximum(start, (inner, -math.inf)), np.maximum(end, (inner, -math.inf))
-            n = max(1, math.ceil(float(np.linalg.norm(end - start)) / size - 1e-9))
-            part = start + np.linspace(0.0, 1.0, n + 1)[:, None] * (end - start)
-        else:
-            radius, first = math.hypot(x0 - cx, z0 - cz), math.atan2(z0 - cz, x0 - cx)
-            sweep = (turn * (math.atan2(z1 - cz, x1 - cx) - first)) % (2.0 * math.pi)
-            n = _count_chords(radius, sweep, tolerance, size)
-            angle = first + turn * np.linspace(0.0, sweep, n + 1)
-            part = np.array([cx, cz]) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
-        points.append(part if not points else part[1:])
-    return np.concatenate(points), inside
-
-
-def _cut_into_triangles(tool: SweptTool, tolerance: float, size: float, length: float) -> tuple[FloatArray, IntArray]:
-    """Cut plan and profile into chords, half of the tolerance each, and join them; fill what is flat in the middle."""
     is_strip = math.isinf(sum(tool.half_widths))
     radius = min(tool.half_widths) if is_strip else tool.corner_radius
     profile, inside = _sample_profile(tool.segments, -radius, 0.5 * tolerance, size)
@@ -178,6 +68,91 @@ def _cut_into_triangles(tool: SweptTool, tolerance: float, size: float, length: 
         middle = count + _grid_triangles(len(x), len(y))
         triangles.append(middle if inside[1, 0] > inside[0, 0] else middle[:, ::-1])
     return _merge(np.concatenate(points), np.concatenate(triangles), 1e-3 * tolerance)
+
+
+def draw_punch(
+    half_widths: tuple[float, float], corner_radius: float, edge_radius: float, height: float
+) -> SweptProfile:
+    """Draw a punch with a flat bottom at z = 0.
+
+    half_widths, corner_radius: outer dimensions in the plan; a round punch has both half widths and the corner radius
+    equal [mm]. edge_radius: between bottom and wall. height: of its top over its bottom.
+    """
+    r, middle = edge_radius, min(half_widths)
+    wall, edge = _line(0.0, height, 0.0, r), _arc(0.0, r, -r, 0.0, -r, r)
+    bottom = [_line(-r, 0.0, -middle, 0.0)] if r < middle else []
+    return SweptProfile(half_widths, corner_radius, np.array([wall, *([edge] if r > 0.0 else []), *bottom]))
+
+
+def draw_hemispherical_punch(radius: float, height: float) -> SweptProfile:
+    """Draw a round punch that ends in a half sphere, lowest at z = 0; height: of its top over it [mm]."""
+    return draw_punch((radius, radius), radius, radius, height)
+
+
+def draw_die(
+    half_widths: tuple[float, float], corner_radius: float, shoulder_radius: float, *, width: float, depth: float
+) -> SweptProfile:
+    """Draw a die: a flat face at z = 0 with an opening.
+
+    half_widths, corner_radius: of the opening between its walls [mm]. shoulder_radius: between wall and face. width: of
+    the face and shoulder, from the opening's wall outwards. depth: of the wall's lower end under the face.
+    """
+    r = shoulder_radius
+    wall, face = _line(0.0, -depth, 0.0, -r), _line(r, 0.0, width, 0.0)
+    shoulder = [_arc(0.0, -r, r, 0.0, r, -r)] if r > 0.0 else []
+    return SweptProfile(half_widths, corner_radius, np.array([wall, *shoulder, face]))
+
+
+def draw_holder(
+    half_widths: tuple[float, float], corner_radius: float, edge_radius: float, *, width: float, height: float
+) -> SweptProfile:
+    """Draw a blank holder: a flat face at z = 0 that presses downwards, with an opening for the punch.
+
+    Dimensions as those of a die; height: of the opening's wall over the face [mm].
+    """
+    r = edge_radius
+    face, wall = _line(width, 0.0, r, 0.0), _line(0.0, r, 0.0, height)
+    edge = [_arc(r, 0.0, 0.0, r, r, r)] if r > 0.0 else []
+    return SweptProfile(half_widths, corner_radius, np.array([face, *edge, wall]))
+
+
+def _line(x0: float, z0: float, x1: float, z1: float) -> list[float]:
+    return [x0, z0, x1, z1, 0.0, 0.0, 0.0]
+
+
+def _arc(x0: float, z0: float, x1: float, z1: float, centre_x: float, centre_z: float) -> list[float]:
+    """Return an arc that runs clockwise, its metal on the side of the centre."""
+    return [x0, z0, x1, z1, centre_x, centre_z, -1.0]
+
+
+def _count_chords(radius: float, sweep: float, tolerance: float, size: float) -> int:
+    """Return how many chords keep within the tolerance of an arc and are no longer than size."""
+    if radius <= 0.0:
+        return 1
+    step = 2.0 * math.acos(max(-1.0, 1.0 - tolerance / radius))
+    return max(1, math.ceil(sweep / min(step, math.pi / 4) - 1e-9), math.ceil(radius * sweep / size - 1e-9))
+
+
+def _sample_profile(segments: FloatArray, inner: float, tolerance: float, size: float) -> tuple[FloatArray, FloatArray]:
+    """Return points along the profile (n, 2), and those (2, 2) or none of what lies inside s = inner, which is flat."""
+    points: list[FloatArray] = []
+    inside = np.empty((0, 2))
+    for x0, z0, x1, z1, cx, cz, turn in segments:
+        start, end = np.array([x0, z0]), np.array([x1, z1])
+        if turn == 0.0:
+            if min(x0, x1) < inner - 1e-9 * abs(inner):
+                inside = np.clip(np.array([start, end]), (-math.inf, -math.inf), (inner, math.inf))
+                start, end = np.maximum(start, (inner, -math.inf)), np.maximum(end, (inner, -math.inf))
+            n = max(1, math.ceil(float(np.linalg.norm(end - start)) / size - 1e-9))
+            part = start + np.linspace(0.0, 1.0, n + 1)[:, None] * (end - start)
+        else:
+            radius, first = math.hypot(x0 - cx, z0 - cz), math.atan2(z0 - cz, x0 - cx)
+            sweep = (turn * (math.atan2(z1 - cz, x1 - cx) - first)) % (2.0 * math.pi)
+            n = _count_chords(radius, sweep, tolerance, size)
+            angle = first + turn * np.linspace(0.0, sweep, n + 1)
+            part = np.array([cx, cz]) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
+        points.append(part if not points else part[1:])
+    return np.concatenate(points), inside
 
 
 def _grid_triangles(n: int, m: int) -> IntArray:

@@ -29,5 +29,5 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
 
 def _is_under_loads_alone(model: Model) -> bool:
     """Say whether arc length may take the model: no tools, nothing prescribed, no law that needs time."""
-    moved = model.sheet_tools or model.sheet_beads or any(stage.prescribed for stage in model.stages)
+    moved = model.tools or model.beads or any(stage.prescribed for stage in model.stages)
     return not moved and all(material.rate is None for material in model.materials)

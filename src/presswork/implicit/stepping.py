@@ -117,10 +117,10 @@ class ImplicitProcedure:
         held[0] |= self.model.analysis == "axisymmetric"  # a ring resists its growth
         pushed = tools.floating.pushed(0)
         own = np.isin(tools.contact.nodes, body.points)
-        for t, tool in enumerate(self.model.tools):
+        for t, tool in enumerate(self.model.plane_tools):
             face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2] * own)
             along = tools.contact.normal[2 * t + face, place]
-            if tool.contact != "frictionless":
+            if tool.friction.law != "frictionless":
                 along = np.concatenate([along, along[:, ::-1] * (-1, 1)])
             if t in pushed:  # it holds only across its way
                 direction, _ = pushed[t]
@@ -133,7 +133,7 @@ class ImplicitProcedure:
         for t, (direction, _) in self.interactions.tools.floating.pushed(stage).items():
             face, place = np.nonzero(state.contact[2 * t : 2 * t + 2])
             if not (self.interactions.tools.contact.normal[2 * t + face, place] @ direction > 0.1).any():
-                name, where = self.model.tools[t].name, self.model.stages[stage].name
+                name, where = self.model.plane_tools[t].name, self.model.stages[stage].name
                 raise NotHeldError(
                     f"the tool {name!r} is pushed by a force in stage {where!r}, but nothing lies before it that would "
                     "stop it: it does not touch the workpiece there when the stage begins. Bring it there first by a "

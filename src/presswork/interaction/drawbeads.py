@@ -18,7 +18,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.mesh.topology import count_corners
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model, SheetBead
+from presswork.model import BoolArray, Drawbead, FloatArray, IndexArray, IntArray, Model
 from presswork.state import State
 
 SLIP = 0.01
@@ -44,7 +44,7 @@ class SheetBeads:
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        beads = model.sheet_beads
+        beads = model.beads
         self._place = np.concatenate([np.zeros((0, 2)), *(b.place for b in beads)])
         self._across = np.concatenate([np.zeros((0, 2)), *(b.across for b in beads)])
         self._limit = np.concatenate([np.zeros(0), *(b.force * b.length for b in beads)])
@@ -107,8 +107,8 @@ class SheetBeads:
         return np.array([np.interp(fraction, *tables[b.name].T) if b.name in tables else 1.0 for b in self._beads])
 
     @property
-    def _beads(self) -> tuple[SheetBead, ...]:
-        return self._model.sheet_beads
+    def _beads(self) -> tuple[Drawbead, ...]:
+        return self._model.beads
 
     def held_directions(self) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and unit vectors (n, 3) along which the beads hold them."""

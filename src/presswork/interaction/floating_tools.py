@@ -61,23 +61,25 @@ class FloatingTools:
     def __init__(self, model: Model, contact: Contact) -> None:
         self._model = model
         self._contact = contact
-        self.is_needed = any(t.spring for t in model.tools) or any(
-            m.force is not None for s in model.stages for m in s.tool_motion.values()
+        self.is_needed = any(t.spring for t in model.plane_tools) or any(
+            m.push is not None for s in model.stages for m in s.tool_motion.values()
         )
-        self._share = np.array([0.5 ** sum(t.mirrored_across) for t in model.tools])  # modelled part of the whole
-        self._changes = np.zeros(len(model.tools), dtype=np.int64)
+        self._share = np.array([0.5 ** sum(t.mirrored_across) for t in model.plane_tools])  # modelled part of the whole
+        self._changes = np.zeros(len(model.plane_tools), dtype=np.int64)
 
     def begin_increment(self) -> None:
         """Forget the changes of the increment before."""
         self._changes[:] = 0
 
-    def pushed(self, stage: int) -> dict[int, tuple[FloatArray, float]]:
-        """Return direction and final force [N], as modelled, of the tools that a force pushes in a stage."""
+    def pushed(self, stage: int) -> dict[int, tuple[FloatArray, FloatArray]]:
+        """Return direction, and rows of part of the stage and force [N], as modelled, of the tools that a force pushes
+        in a stage.
+        """
         motions = self._model.stages[stage].tool_motion
         return {
-            t: (np.asarray(motion.direction), motion.force * float(self._share[t]))
-            for t, tool in enumerate(self._model.tools)
-            if (motion := motions.get(tool.name)) is not None and motion.force is not None
+            t: (np.asarray(motion.push.direction), motion.push.force * (1.0, float(self._share[t])))
+            for t, tool in enumerate(self._model.plane_tools)
+            if (motion := motions.get(tool.name)) is not None and motion.push is not None
         }
 
     def evaluate(
@@ -92,11 +94,11 @@ class FloatingTools:
         directions, missing, stiffness, motions = [], [], [], []
         changes = 0
         pushed = self.pushed(stage)
-        for t, tool in enumerate(self._model.tools):
+        for t, tool in enumerate(self._model.plane_tools):
             if t in pushed:
-                direction, final = pushed[t]
+                direction, rows = pushed[t]
                 start = -float(trial.tool_force_start[t] @ direction)
-                demand, k = -((1.0 - fraction) * start + fraction * final), 0.0
+                demand, k = -_force_at(rows, start, fraction), 0.0
             elif tool.spring is not None:
                 direction = np.asarray(tool.spring.direction)
                 k = tool.spring.stiffness * float(self._share[t])
@@ -176,7 +178,7 @@ class FloatingTools:
                 along = friction.tangent[own] @ floating.directions[i]
                 schur[i, i] += float((friction.stiffness[own] * along**2).sum())
         if n and np.abs(np.diag(schur)).min() == 0.0:
-            lost = self._model.tools[floating.tools[int(np.abs(np.diag(schur)).argmin())]].name
+            lost = self._model.plane_tools[floating.tools[int(np.abs(np.diag(schur)).argmin())]].name
             raise LostWorkpieceError(f"the tool {lost!r} is pushed by a force, but touches nothing that would hold it")
         travel = np.asarray(np.linalg.solve(schur, rest), dtype=np.float64)
         for response, q in zip(responses, travel, strict=True):
@@ -188,3 +190,11 @@ class FloatingTools:
         for t, direction, q in zip(floating.tools, floating.directions, travel, strict=True):
             trial.tool_travel[t] += q * direction
             trial.tool_displacement[t] += q * direction
+
+
+def _force_at(rows: FloatArray, start: float, fraction: float) -> float:
+    """Return the force at a part of a stage [N]; rows: of parts and forces (n, 2), start: force as it begins."""
+    part, force = rows[0]
+    if fraction >= part:
+        return float(np.interp(fraction, *rows.T))
+    return float((1.0 - fraction / part) * start + fraction / part * force)

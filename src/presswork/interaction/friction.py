@@ -98,14 +98,15 @@ class Friction:
     def __init__(self, model: Model, contact: Contact) -> None:
         self._model = model
         self._contact = contact
-        self.is_needed = any(t.contact not in ("frictionless", "sticking") for t in model.tools)
+        self.is_needed = any(t.friction.law not in ("frictionless", "sticking") for t in model.plane_tools)
         edges = model.mesh.boundary_edges
         length = np.linalg.norm(model.mesh.points[edges[:, 1]] - model.mesh.points[edges[:, 0]], axis=1)
         self._slip = ELASTIC_SLIP * float(length.min(initial=np.inf))
-        self._m, self._mu = _pad([t.m for t in model.tools]), _pad([t.mu for t in model.tools])
-        self._by_shear = np.array([t.contact in ("shear", "coulomb_capped") for t in model.tools], dtype=bool)
-        self._by_push = np.array([t.contact in ("coulomb", "coulomb_capped") for t in model.tools], dtype=bool)
-        self._has_friction = np.array([t.contact not in ("frictionless", "sticking") for t in model.tools], dtype=bool)
+        self._m, self._mu = (_pad([t.friction_by_segment()[i] for t in model.plane_tools]) for i in (0, 1))
+        laws = [t.friction.law for t in model.plane_tools]
+        self._by_shear = np.array([law in ("shear", "coulomb_capped") for law in laws], dtype=bool)
+        self._by_push = np.array([law in ("coulomb", "coulomb_capped") for law in laws], dtype=bool)
+        self._has_friction = np.array([law not in ("frictionless", "sticking") for law in laws], dtype=bool)
         self.softness = 1.0
         """How many times softer than they are the springs are taken, on the way to equilibrium."""
         self._shear_flow = np.zeros(len(contact.nodes))

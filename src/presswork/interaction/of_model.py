@@ -31,13 +31,13 @@ class Interactions:
             self.loads = Loads(model)
         self.bodies = BodyContacts(model, cells)
         self.tools = PlaneTools(model, cells, self.supports)
-        self.sheet_tools = SheetTools(model) if model.sheet_tools or model.sheet_beads else None
+        self.sheet_tools = SheetTools(model) if model.sheet_tools or model.beads else None
         self.inertia = Inertia(model) if model.solver.inertia > 0.0 else None
         self.all: tuple[Interaction, ...] = (
             self.supports,
             self.loads,
             *((self.bodies,) if model.contacts else ()),
-            *((self.tools,) if model.tools else ()),
+            *((self.tools,) if model.plane_tools else ()),
             *((self.sheet_tools,) if self.sheet_tools else ()),
             *((self.inertia,) if self.inertia else ()),
             *others,

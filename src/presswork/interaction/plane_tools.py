@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from presswork.body.contract import Cells
-from presswork.geometry.pose import ToolPose, to_tool_frame, turn_vectors
+from presswork.geometry.pose import ToolPose, start_centre, start_profile, to_tool_frame, turn_vectors
 from presswork.geometry.segments import find_touch
 from presswork.interaction.contract import Constraints, Factors, Forces, Interaction, Point
 from presswork.interaction.floating_tools import Floating, FloatingTools
@@ -62,14 +62,14 @@ class PlaneTools(Interaction):
 
     def base(self, stage: int) -> FloatArray:
         """Prescribed displacement [mm] and angle [rad] of the tools at the start of a stage (n_tools, 3)."""
-        base = np.zeros((len(self._model.tools), 3))
+        base = np.zeros((len(self._model.plane_tools), 3))
         for earlier in self._model.stages[:stage]:
             base += self._motion(earlier)
         return base
 
     def _motion(self, stage: Stage) -> FloatArray:
-        motions = [stage.tool_motion.get(t.name, ToolMotion()) for t in self._model.tools]
-        return np.array([(*m.move, m.turn) for m in motions]).reshape(-1, 3)
+        motions = [stage.tool_motion.get(t.name, ToolMotion()) for t in self._model.plane_tools]
+        return np.array([(*m.move[:2], m.turn) for m in motions]).reshape(-1, 3)
 
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
         """Move the tools by their strokes; those that float go on as before."""
@@ -81,14 +81,14 @@ class PlaneTools(Interaction):
     def begin_stage(self, state: State, stage: int) -> bool:
         """Place the tools that a stage places anew; what they held is let go over the first increment."""
         lets_go = False
-        for t, tool in enumerate(self._model.tools):
+        for t, tool in enumerate(self._model.plane_tools):
             motion = self._model.stages[stage].tool_motion.get(tool.name, ToolMotion())
             if motion.start is None:
                 continue
             if motion.start == "touch":
                 target = state.tool_displacement[t] + self._way_to_touch(state, t, motion)
             else:
-                target = np.subtract(motion.start, tool.origin)
+                target = np.subtract(motion.start, tool.position[:2])
             jump = target - state.tool_displacement[t]
             if not jump.any():
                 continue
@@ -111,7 +111,7 @@ class PlaneTools(Interaction):
         depth = -float(self.contact.find_gaps(state, nodes)[t].min(initial=np.inf))
         if depth > TOO_DEEP * float(np.ptp(nodes, axis=0).max()):
             raise GaveUpError(
-                f"{self._model.tools[t].name!r} is put {depth:.4g} mm into the workpiece when its stage begins; "
+                f"{self._model.plane_tools[t].name!r} is put {depth:.4g} mm into the workpiece when its stage begins; "
                 'give a position beside it, or position = "touch"'
             )
 
@@ -119,12 +119,12 @@ class PlaneTools(Interaction):
         """Return how far a tool goes along its way until it touches the workpiece (2,) [mm]."""
         if (state.contact[2 * t : 2 * t + 2] > 0).any():
             return np.zeros(2)
-        tool = self._model.tools[t]
-        way = np.asarray(motion.direction if motion.force is not None else motion.move, dtype=np.float64)
+        tool = self._model.plane_tools[t]
+        way = np.asarray(motion.push.direction if motion.push else motion.move[:2], dtype=np.float64)
         way = way / np.linalg.norm(way)
         nodes = self._model.mesh.points[self.contact.nodes] + state.displacement[self.contact.nodes]
-        pose = ToolPose(np.array(tool.centre), state.tool_displacement[t], float(state.tool_angle[t]))
-        gone = find_touch(to_tool_frame(nodes, pose), tool.segments, turn_vectors(way, -pose.angle))
+        pose = ToolPose(start_centre(tool), state.tool_displacement[t], float(state.tool_angle[t]))
+        gone = find_touch(to_tool_frame(nodes, pose), start_profile(tool), turn_vectors(way, -pose.angle))
         if gone is None:
             raise GaveUpError(
                 f'the tool {tool.name!r} has position = "touch", but along its way it passes the workpiece: give '

@@ -53,14 +53,15 @@ class PushedSheetTools:
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self.is_needed = any(s.sheet_tool_push for s in model.stages)
+        self.is_needed = bool(model.sheet_tools) and any(m.push for s in model.stages for m in s.tool_motion.values())
 
     def numbers(self, stage: int) -> list[int]:
         """Return the numbers of the tools that a stage pushes."""
         return [t for t, tool in enumerate(self._model.sheet_tools) if tool.name in self._pushes(stage)]
 
     def _pushes(self, stage: int) -> Mapping[str, Push]:
-        return self._model.stages[stage].sheet_tool_push
+        motions = self._model.stages[stage].tool_motion
+        return {name: motion.push for name, motion in motions.items() if motion.push is not None}
 
     def evaluate(self, trial: State, sheet: SheetForces, stage: int, fraction: float) -> Pushed:
         """Return what the tools lack at a fraction of a stage."""

@@ -19,10 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
+from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.contract import Forces
 from presswork.interaction.drawbeads import BeadForces, SheetBeads
 from presswork.mesh.topology import count_corners
-from presswork.model import FloatArray, IndexArray, IntArray, Model, Stage
+from presswork.model import FloatArray, IndexArray, IntArray, Model, Stage, ToolMotion
 from presswork.state import CONTACT, State
 
 TANGENTIAL = 0.1
@@ -133,7 +134,7 @@ class SheetContact:
             np.add.at(self._cells, block.connectivity, 1.0)
         self._thickness = np.zeros(n)
         depth = DEPTH * max((b.section.thickness for b in model.mesh.blocks if b.section), default=0.0)
-        self._surfaces = [tool.shape.surface(depth, smooth=True) for tool in model.sheet_tools]
+        self._surfaces = [make_surface(tool.surface, depth, smooth=True) for tool in model.sheet_tools]
         self.beads = SheetBeads(model)
         self._stiffness = model.solver.contact_stiffness * max(m.young for m in model.materials)
 
@@ -143,7 +144,7 @@ class SheetContact:
         return sum((self._move(s) for s in stages[:stage]), fraction * self._move(stages[stage]))
 
     def _move(self, stage: Stage) -> FloatArray:
-        moves = [stage.sheet_tool_move.get(t.name, (0.0, 0.0, 0.0)) for t in self._model.sheet_tools]
+        moves = [stage.tool_motion.get(t.name, ToolMotion()).move for t in self._model.sheet_tools]
         return np.array(moves, dtype=float).reshape(-1, 3)
 
     def begin_increment(self, state_n: State) -> None:
@@ -167,7 +168,7 @@ class SheetContact:
         for t, tool in enumerate(tools):
             place = x - np.array(tool.position) - trial.sheet_tool_move[t]
             way = moved - (trial.sheet_tool_move[t] - state_n.sheet_tool_move[t])
-            found = touch_tool(self._surfaces[t], tool.mu, sheet, place, way, state_n.sheet_friction[t])
+            found = touch_tool(self._surfaces[t], float(tool.friction.mu), sheet, place, way, state_n.sheet_friction[t])
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
             block = np.zeros((len(found.nodes), 6, 6))
             block[:, :3, :3] = found.stiffness
@@ -207,7 +208,7 @@ class SheetContact:
         nodes, directions = [beneath], [across]
         for tool, force in zip(self._model.sheet_tools, found.by_tool, strict=True):
             touched = np.flatnonzero(np.linalg.norm(force, axis=1) > 0.0)
-            if tool.mu > 0.0:
+            if float(tool.friction.mu) > 0.0:
                 nodes.append(np.repeat(touched, 3))
                 directions.append(np.tile(np.eye(3), (len(touched), 1)))
             else:

@@ -21,7 +21,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.fields.contact_stress import ContactForces
-from presswork.geometry.pose import ToolPose, place_points, to_tool_frame, turn_vectors
+from presswork.geometry.pose import ToolPose, place_points, start_centre, start_profile, to_tool_frame, turn_vectors
 from presswork.interaction.contract import Constraints
 from presswork.interaction.grazing import Drag, Grazing
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
@@ -38,21 +38,24 @@ class Contact:
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._segments = [np.ascontiguousarray(t.segments) for t in model.tools]
-        self._centres = [np.array(t.centre) for t in model.tools]
-        self._sticking = np.array([t.contact == "sticking" for t in model.tools], dtype=bool)
-        boundary = model.mesh.boundary_edges if model.tools else np.zeros((0, 2))
+        self._segments = [start_profile(t) for t in model.plane_tools]
+        self._centres = [start_centre(t) for t in model.plane_tools]
+        laws = [t.friction.law for t in model.plane_tools]
+        self._sticking = np.array([law == "sticking" for law in laws], dtype=bool)
+        boundary = model.mesh.boundary_edges if model.plane_tools else np.zeros((0, 2))
         self.nodes: IntArray = np.unique(boundary).astype(np.int32)
         quadratic = boundary if boundary.shape[1] == 3 else np.zeros((0, 3))
         self._sides: IndexArray = np.searchsorted(self.nodes, quadratic)  # first, last, mid-side as places
         self._leader = self._find_leaders()
         points = model.mesh.points
         self.tolerance = 1e-6 * float(np.ptp(points, axis=0).max())
-        self.gap = np.full((2 * len(model.tools), len(self.nodes)), np.inf)
-        self.normal = np.zeros((2 * len(model.tools), len(self.nodes), 2))
+        self.gap = np.full((2 * len(model.plane_tools), len(self.nodes)), np.inf)
+        self.normal = np.zeros((2 * len(model.plane_tools), len(self.nodes), 2))
         self.segment = np.full(self.gap.shape, -1, dtype=np.int32)  # of the tool's profile; -1 where there is no gap
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
-        self._by_shear = np.array([t.contact in ("shear", "coulomb_capped") for t in model.tools], dtype=bool).repeat(2)
+        self._by_shear = np.array(
+            [t.friction.law in ("shear", "coulomb_capped") for t in model.plane_tools], dtype=bool
+        ).repeat(2)
         self._grazing = Grazing(len(self.nodes))
         self._grazes = np.zeros(len(self.nodes), dtype=bool)
         self.n_unsettled = 0
@@ -243,7 +246,7 @@ class Contact:
         As modelled. Where a node is also held by a support, that direction's reaction is the support's; where by two
         tools, each has the push of its own faces.
         """
-        n_tools = len(self._model.tools)
+        n_tools = len(self._model.plane_tools)
         forces, torques = np.zeros((n_tools, 2)), np.zeros(n_tools)
         if not n_tools:
             return forces, torques
@@ -264,7 +267,7 @@ class Contact:
     def forces(self, state: State, fixed: BoolArray) -> ContactForces:
         """Return what each tool does to the nodes that it holds, as tool_forces() adds it up."""
         self.search(state, state.displacement)
-        n_tools, n_points = len(self._model.tools), len(state.displacement)
+        n_tools, n_points = len(self._model.plane_tools), len(state.displacement)
         held = state.contact > 0
         both = held.sum(axis=0) > 1
         by_tool: BoolArray = np.asarray(held.reshape(n_tools, 2, len(self.nodes)).any(axis=1))
@@ -297,7 +300,7 @@ class Contact:
 
     def constrain(self, trial: State, displacement: FloatArray, supports: Constraints) -> Constraints:
         """Return the supports' constraints together with those of the held nodes."""
-        if not self._model.tools:
+        if not self._model.plane_tools:
             return supports
         at = self._model.mesh.points[self.nodes] + displacement[self.nodes]
         missing = np.zeros_like(at)

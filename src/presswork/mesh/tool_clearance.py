@@ -8,30 +8,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.geometry.swept_tool import SweptTool
-from presswork.mesh.tool_file import TriangulatedTool
-from presswork.model import FloatArray
-
-ToolShape = SweptTool | TriangulatedTool
+from presswork.geometry.swept_tool import triangulate
+from presswork.geometry.tool_surface import make_surface
+from presswork.model import FloatArray, Surface, Triangulation
 
 MOST_ADVANCES = 200
 """A gap between surfaces that lie 60 degrees to the way is halved by each or by every other one."""
 
 
-def sample_tool(shape: ToolShape, within: float) -> FloatArray:
+def sample_tool(shape: Surface, within: float) -> FloatArray:
     """Return the corners and middles of a tool's triangles (n, 3) [mm], in its own frame.
 
     within: by how much those of a drawn tool may be off it [mm].
     """
-    if isinstance(shape, TriangulatedTool):
+    if isinstance(shape, Triangulation):
         points, triangles = shape.points, shape.triangles
     else:
-        points, triangles = shape.triangulate(within)
+        points, triangles = triangulate(shape, within)
     return np.concatenate([points, points[triangles].mean(axis=1)])
 
 
 def find_clearance(
-    one: ToolShape, other: ToolShape, between: FloatArray, way: FloatArray, within: float, tolerance: float = 1e-4
+    one: Surface, other: Surface, between: FloatArray, way: FloatArray, within: float, tolerance: float = 1e-4
 ) -> float:
     """Return how far a tool can go along its way before it strikes another [mm]; infinite where it never does.
 
@@ -43,7 +41,7 @@ def find_clearance(
     past each other. Tools that overlap from the start have no clearance to find: infinite, too.
     """
     points = sample_tool(one, within) + between, sample_tool(other, within) - between
-    surfaces, ways = (other.surface(), one.surface()), (way, -way)
+    surfaces, ways = (make_surface(other), make_surface(one)), (way, -way)
     gaps = [surface.nearest(x)[0] for surface, x in zip(surfaces, points, strict=True)]  # later: at least so much
     advance = 0.0
     for _ in range(MOST_ADVANCES):
@@ -71,7 +69,7 @@ class Closing:
 
 
 def find_closing(
-    one: ToolShape, other: ToolShape, between: FloatArray, way: FloatArray, within: float, room: float, step: float
+    one: Surface, other: Surface, between: FloatArray, way: FloatArray, within: float, room: float, step: float
 ) -> Closing | None:
     """Return where a tool, going along its way, first leaves less than `room` [mm] to another; None where it does not.
 
@@ -80,7 +78,7 @@ def find_closing(
     the travel, so only points that may be near are asked again.
     """
     points = sample_tool(one, within) + between, sample_tool(other, within) - between
-    surfaces, ways = (other.surface(), one.surface()), (way, -way)
+    surfaces, ways = (make_surface(other), make_surface(one)), (way, -way)
     heights = [float(np.ptp(x @ way)) for x in points]
     farthest = sum(heights) + float(np.abs(between @ way))
     at_least = [surface.nearest(x)[0] for surface, x in zip(surfaces, points, strict=True)]

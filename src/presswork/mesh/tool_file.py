@@ -3,13 +3,10 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from presswork import _core
 from presswork.mesh.checks import MeshError, check_size
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
@@ -28,27 +25,7 @@ from presswork.mesh.triangles import (
     separate_parts,
     split_quads,
 )
-from presswork.model import FloatArray, IntArray
-
-
-@dataclass(frozen=True)
-class TriangulatedTool:
-    """Triangles wound alike, counter-clockwise as seen from free space."""
-
-    points: FloatArray
-    """Shape (n_points, 3) [mm]."""
-    triangles: IntArray
-    """Shape (n, 3)."""
-    is_closed: bool
-
-    def surface(self, depth: float = math.inf, *, smooth: bool = False) -> _core.ToolSurface:
-        """Return the surface that contact asks.
-
-        depth: penetrations deeper than this are not found [mm]; for an open surface, or a thin-walled tool, less than
-        half of what lies between its faces.
-        smooth: rounded off, so that normals do not jump from facet to facet.
-        """
-        return _core.ToolSurface.triangles(self.points, self.triangles, depth=depth, smooth=smooth)
+from presswork.model import FloatArray, IntArray, Triangulation
 
 
 def read_tool(
@@ -58,7 +35,7 @@ def read_tool(
     closed: bool = False,
     facing: tuple[float, float, float] | None = None,
     usual_size: float | None = None,
-) -> tuple[TriangulatedTool, tuple[str, ...]]:
+) -> tuple[Triangulation, tuple[str, ...]]:
     """Read the surface of a tool; return it and notes on what was changed or looks odd.
 
     scale: factor of the file's coordinates to mm. closed: whether the surface must be closed; without it a die's face
@@ -88,7 +65,7 @@ def read_tool(
     rims = find_rims(points, triangles)
     _say_rims(points, rims, closed, notes)
     triangles = _turn_outwards(points, triangles, part, rims, facing, notes)
-    return TriangulatedTool(points, triangles, not rims), tuple(notes)
+    return Triangulation(points, triangles, not rims), tuple(notes)
 
 
 def _take_facets(raw: RawMesh, scale: float) -> tuple[FloatArray, IntArray]:

@@ -7,7 +7,7 @@ Directions and boundaries have names, never integer tags. All names are imported
 """
 
 from presswork.model.arrays import BoolArray, FloatArray, IndexArray, IntArray, MaskArray
-from presswork.model.contact import Body, BodyContact, ContactLaw, SheetBead, SheetTool, Spring, Tool
+from presswork.model.contact import Body, BodyContact
 from presswork.model.elements import (
     ELEMENTS,
     ElementName,
@@ -33,6 +33,7 @@ from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
 from presswork.model.model import Analysis, Model
 from presswork.model.settings import (
     Displacements,
+    ExplicitSheet,
     ExplicitSolid,
     FrictionTangent,
     Integrator,
@@ -41,6 +42,7 @@ from presswork.model.settings import (
     StrainMeasure,
     TangentTerms,
 )
+from presswork.model.sheet import Refinement, Springback, TrimLine
 from presswork.model.stage import (
     BodyForce,
     EdgeForce,
@@ -55,6 +57,18 @@ from presswork.model.stage import (
     Support,
     ToolMotion,
 )
+from presswork.model.tool import (
+    ContactLaw,
+    Drawbead,
+    Friction,
+    Profile,
+    Spring,
+    Surface,
+    SweptProfile,
+    Tool,
+    ToolKind,
+    Triangulation,
+)
 
 __all__ = [
     "ELEMENTS",
@@ -66,13 +80,16 @@ __all__ = [
     "CellBlock",
     "ContactLaw",
     "Displacements",
+    "Drawbead",
     "EdgeForce",
     "ElementName",
     "ExplicitElement",
+    "ExplicitSheet",
     "ExplicitSolid",
     "FaceForce",
     "FacePressure",
     "FloatArray",
+    "Friction",
     "FrictionTangent",
     "Hardening",
     "HardeningLaw",
@@ -90,24 +107,30 @@ __all__ = [
     "PointForce",
     "PrescribedDisplacement",
     "Pressure",
+    "Profile",
     "Push",
     "Rate",
+    "Refinement",
     "Section",
-    "SheetBead",
-    "SheetTool",
     "ShellElement",
     "ShellPressure",
     "SolidElement",
     "SolverSettings",
     "SpaceElement",
     "Spring",
+    "Springback",
     "Stage",
     "StrainMeasure",
     "Support",
+    "Surface",
+    "SweptProfile",
     "TangentTerms",
     "ThicknessRule",
     "Tool",
+    "ToolKind",
     "ToolMotion",
+    "Triangulation",
+    "TrimLine",
     "Umat",
     "UmatJacobian",
     "YieldFunction",

@@ -6,42 +6,57 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from presswork.model.contact import Body, BodyContact, SheetBead, SheetTool, Tool
+import numpy as np
+
+from presswork.model.arrays import IntArray
+from presswork.model.contact import Body, BodyContact
 from presswork.model.limits import Limits
 from presswork.model.material import Material
-from presswork.model.mesh import Mesh
-from presswork.model.settings import ExplicitSolid, OutputSettings, SolverSettings
+from presswork.model.mesh import Mesh, Section
+from presswork.model.settings import ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
+from presswork.model.sheet import Refinement, Springback, TrimLine
 from presswork.model.stage import Stage, Support
+from presswork.model.tool import Drawbead, Profile, Tool
 
-Analysis = Literal["axisymmetric", "plane_strain", "solid", "shell"]
+Analysis = Literal["axisymmetric", "plane_strain", "solid", "shell", "stamping"]
 
 
 @dataclass(frozen=True)
 class Model:
-    """A complete forming problem."""
+    """A complete forming problem.
+
+    The blank of a stamping lies about z = 0 between tools that move along z; forces and strokes of its tools are those
+    of the whole, whatever symmetry planes cut away.
+    """
 
     title: str
     analysis: Analysis
-    depth: float
-    """Plane strain: extent normal to the plane [mm]; 1 in axisymmetry."""
     mesh: Mesh
     materials: tuple[Material, ...]
-    tools: tuple[Tool, ...]
     supports: tuple[Support, ...]
     stages: tuple[Stage, ...]
     solver: SolverSettings
+    """Of the implicit procedure."""
     output: OutputSettings
+    depth: float = 1.0
+    """Plane strain: extent normal to the plane [mm]; 1 in axisymmetry."""
+    tools: tuple[Tool, ...] = ()
     bodies: tuple[Body, ...] = ()
     """The workpiece first; empty stands for a single body."""
-    sheet_tools: tuple[SheetTool, ...] = ()
-    """Tools that a shell touches; `tools` are those of solids in the plane."""
-    sheet_beads: tuple[SheetBead, ...] = ()
-    """Drawbeads of a shell."""
+    beads: tuple[Drawbead, ...] = ()
     contacts: tuple[BodyContact, ...] = ()
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
     """Of a shell: unit vector that, laid into the sheet, is x of its laws."""
-    explicit: ExplicitSolid | None = None
-    """Of a solid by the explicit procedure; None: the implicit one."""
+    symmetry: tuple[bool, bool] = (False, False)
+    """Of a stamping: whether the planes x = 0 and y = 0 cut the whole part."""
+    explicit: ExplicitSolid | ExplicitSheet | None = None
+    """The explicit procedure, of a solid or of a stamping; None: the implicit one."""
+    refinement: Refinement | None = None
+    """Of an explicit stamping; None: the mesh stays as it is."""
+    trim: tuple[TrimLine, ...] = ()
+    """Of a stamping, after the last stage."""
+    springback: Springback | None = None
+    """Of a stamping, after the last stage and the trimming; None: the part stays as it is."""
     limits: Limits = field(default_factory=Limits)
     case_text: str = ""
     """The case file as read, kept with the results."""
@@ -49,9 +64,38 @@ class Model:
     @property
     def dimension(self) -> int:
         """How many coordinates a point has: 2 in the plane and in axisymmetry, else 3."""
-        return 3 if self.analysis in ("solid", "shell") else 2
+        return 3 if self.analysis in ("solid", "shell", "stamping") else 2
 
     @property
     def freedoms(self) -> int:
         """How many freedoms a node has: its displacement, of a shell its rotation too."""
-        return 6 if self.analysis == "shell" else self.dimension
+        return 6 if self.analysis in ("shell", "stamping") else self.dimension
+
+    @property
+    def plane_tools(self) -> tuple[Tool, ...]:
+        """Tools with a profile, which touch solids in the plane."""
+        return tuple(tool for tool in self.tools if isinstance(tool.shape, Profile))
+
+    @property
+    def sheet_tools(self) -> tuple[Tool, ...]:
+        """Tools with a surface in space, which touch sheets."""
+        return tuple(tool for tool in self.tools if not isinstance(tool.shape, Profile))
+
+    @property
+    def cells(self) -> IntArray:
+        """Connectivity of a sheet's corners (n, 4), block after block, a triangle with its last node twice."""
+        return np.concatenate(
+            [b.connectivity[:, [0, 1, 2, min(3, b.connectivity.shape[1] - 1)]] for b in self.mesh.blocks]
+        )
+
+    @property
+    def sheet(self) -> tuple[Section, Material]:
+        """Section and material of a sheet."""
+        block = self.mesh.blocks[0]
+        assert block.section is not None
+        return block.section, self.materials[block.material]
+
+    @property
+    def whole(self) -> int:
+        """How many times what is modelled the whole part is."""
+        return int(2 ** sum(self.symmetry))

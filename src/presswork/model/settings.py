@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from presswork.model.elements import ExplicitElement
+
 Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping"]
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
 Displacements = Literal["large", "small"]
@@ -106,3 +108,23 @@ class ExplicitSolid:
     """Mass damping [1/s]."""
     hourglass_stiffness: float = 0.05
     """quad4_1pt: fraction of the shear modulus."""
+
+
+@dataclass(frozen=True)
+class ExplicitSheet:
+    """How the explicit procedure computes a sheet and steps through time."""
+
+    element: ExplicitElement = "shell4_1pt"
+    """Of the blank."""
+    target_step: float | None = None
+    """Time step [s] that mass is added for; None: no mass is added, the step follows from the mesh."""
+    safety: float = 0.9
+    """Time step over the bound of the stable one."""
+    damping: float = 0.0
+    """Mass damping [1/s]."""
+    precision: Literal["double", "single"] = "double"
+    """Of shells and velocities; positions and energies are always double."""
+    contact_points: Literal["nodes", "edges"] = "edges"
+    """What of the blank touches tools: nodes alone, or where a tool is sharp the edges between them, too."""
+    ironing: bool = True
+    """Whether two tools squeeze the sheet thinner that leave it less room than it is thick."""

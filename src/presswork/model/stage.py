@@ -103,36 +103,33 @@ class BodyForce:
 
 
 @dataclass(frozen=True)
-class ToolMotion:
-    """What a tool does over a stage: it moves and turns linearly in time, or pushes with a force."""
+class Push:
+    """A force that places a tool."""
 
-    move: tuple[float, float] = (0.0, 0.0)
-    """Displacement [mm]."""
-    turn: float = 0.0
-    """Angle [rad], counter-clockwise, about the tool's centre."""
-    force: float | None = None
-    """Instead of a move along `direction`: what the whole tool pushes with at the end of the stage [N], reached
-    linearly from what it pushed with at its start."""
-    direction: tuple[float, float] = (0.0, 0.0)
-    """Unit vector along which a tool with a force pushes and is free to move."""
-    start: tuple[float, float] | Literal["touch"] | None = None
-    """Where the origin of its drawing stands when the stage begins [mm]; touch: where the tool touches the workpiece on
-    its way; None: where the stage before has left it."""
+    direction: tuple[float, ...]
+    """Unit vector along which it pushes, and the tool is free to move."""
+    force: FloatArray
+    """Rows of part of the stage (0 to 1, increasing) and force on the whole tool [N] (n, 2), linear between them and
+    constant beyond; up to the first row it grows linearly from what the tool pushed with when the stage began."""
+    stop: str = ""
+    """In space: name of a tool that no force places, on which it comes to stand; empty: none."""
+    clearance: float = math.inf
+    """How much further than that tool it has then gone along direction since the start [mm]."""
 
 
 @dataclass(frozen=True)
-class Push:
-    """A force that places a tool in space."""
+class ToolMotion:
+    """What a tool does over a stage: it moves and turns in proportion, or pushes with a force."""
 
-    direction: tuple[float, float, float]
-    """Unit vector along which it pushes, and the tool is free to move."""
-    force: FloatArray
-    """Rows of part of the stage (0 to 1, increasing) and force on what is modelled [N] (n, 2), linear between them and
-    constant beyond."""
-    stop: str = ""
-    """Name of a tool that no force places, on which it comes to stand; empty: none."""
-    clearance: float = math.inf
-    """How much further than that tool it has then gone along direction since the start [mm]."""
+    move: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """Displacement [mm]; in the plane x and y."""
+    turn: float = 0.0
+    """In the plane: angle [rad], counter-clockwise, about the tool's centre."""
+    push: Push | None = None
+    """Instead of a move."""
+    start: tuple[float, float] | Literal["touch"] | None = None
+    """In the plane: where the origin of its frame stands when the stage begins [mm]; touch: where the tool touches the
+    workpiece on its way; None: where the stage before has left it."""
 
 
 @dataclass(frozen=True)
@@ -143,17 +140,15 @@ class Stage:
     duration: float = 1.0
     """[s]; counts for laws with a strain rate and for inertia alone."""
     ramp: float = 0.0
-    """Explicit solids: time of the smooth start, and of the smooth end, of all that moves [s]; 0: it moves evenly."""
+    """Explicit: time of the smooth start, and of the smooth end, of all that moves [s], at most half the duration; 0:
+    it moves evenly."""
     clock: FloatArray | None = None
     """Of shells: rows of part done (0 to 1) and time [s] (n, 2), linear between them; None: in proportion."""
     tool_motion: Mapping[str, ToolMotion] = field(default_factory=dict)
-    """Motion of each moving tool; a tool not named stands still."""
-    sheet_tool_move: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    """Displacement of each moving tool in space [mm]; a tool not named stands still."""
-    sheet_tool_push: Mapping[str, Push] = field(default_factory=dict)
-    """Of each tool in space that a force places in this stage."""
+    """By tool; one that is not named stands still, or in a stamping goes on pushing."""
     bead_share: Mapping[str, FloatArray] = field(default_factory=dict)
-    """Of each bead: rows of part of the stage (0 to 1) and share of its force (n, 2), linear between them."""
+    """By drawbead: rows of part of the stage (0 to 1) and share of its force (n, 2), linear between them; one that is
+    not named holds with all of it."""
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()

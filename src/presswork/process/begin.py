@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from presswork.explicit.input_checks import ExplicitError
 from presswork.memory import TooLargeError, available_memory, check_memory, estimate_memory, explain_shortage
-from presswork.model_stamping import AnyModel, StampingModel
+from presswork.model import Model
 from presswork.outcome import StartError
 from presswork.process.recording import Recording
 
 
-def begin(model: AnyModel, threads: int) -> Recording:
+def begin(model: Model, threads: int) -> Recording:
     """Return the model's procedure before its first increment.
 
     Raises StartError if the machine's memory does not hold it, or nothing can be computed from this start, as
@@ -18,35 +18,35 @@ def begin(model: AnyModel, threads: int) -> Recording:
     """
     try:
         check_memory(model)
-        if isinstance(model, StampingModel):
-            return _begin_stamping(model, threads)
-        if model.explicit is not None:
-            from presswork.process.impact import ExplicitImpact
-
-            return ExplicitImpact(model, threads=threads)
-        from presswork.process.implicit_recording import ImplicitRecording
-
-        return ImplicitRecording(model, threads=threads)
+        return _begin(model, threads)
     except (ExplicitError, TooLargeError) as error:
         raise StartError(str(error)) from error
     except MemoryError as error:
         raise StartError(explain_shortage(estimate_memory(model), available_memory())) from error
 
 
-def _begin_stamping(model: StampingModel, threads: int) -> Recording:
+def _begin(model: Model, threads: int) -> Recording:
     if model.trim or model.springback is not None:
         from presswork.process.springback import ReleasedStamping
 
         return ReleasedStamping(model, threads=threads)
-    if model.procedure == "implicit":
+    if model.analysis == "stamping" and model.explicit is None:
         from presswork.process.implicit_stamping import ImplicitStamping
 
         return ImplicitStamping(model, threads=threads)
-    from presswork.process.stamping import ExplicitStamping
+    if model.analysis == "stamping":
+        from presswork.process.stamping import ExplicitStamping
 
-    return ExplicitStamping(model, threads=threads)
+        return ExplicitStamping(model, threads=threads)
+    if model.explicit is not None:
+        from presswork.process.impact import ExplicitImpact
+
+        return ExplicitImpact(model, threads=threads)
+    from presswork.process.implicit_recording import ImplicitRecording
+
+    return ImplicitRecording(model, threads=threads)
 
 
-def check_start(model: AnyModel) -> None:
+def check_start(model: Model) -> None:
     """Raise StartError if nothing can be computed: the workpiece is free to move, or lies in a tool, for instance."""
     begin(model, threads=1)

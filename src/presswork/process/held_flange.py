@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.mesh.flange import find_held_area
-from presswork.model import FloatArray
-from presswork.model_stamping import StampingModel, StampingTool
+from presswork.model import FloatArray, Model, Tool
 from presswork.process.stamping_tools import is_pushed_in
 
 WRINKLED = 0.1
@@ -26,7 +26,7 @@ SQUEEZED = 0.05
 """Part of the sheet's yield stress as a holder's mean pressure: several times the usual 1 to 3 MPa on mild steel."""
 
 
-def warn_of_holders(model: StampingModel, history: Mapping[str, NDArray[Any]], thickest: float) -> list[str]:
+def warn_of_holders(model: Model, history: Mapping[str, NDArray[Any]], thickest: float) -> list[str]:
     """Return what a user should know of holders; thickest: largest thickness of the sheet at the end [mm]."""
     warnings: list[str] = []
     for holder in (t for t in model.tools if t.kind == "holder"):
@@ -37,9 +37,7 @@ def warn_of_holders(model: StampingModel, history: Mapping[str, NDArray[Any]], t
     return warnings
 
 
-def _rows_pushed(
-    model: StampingModel, history: Mapping[str, NDArray[Any]], tools: list[StampingTool]
-) -> NDArray[np.bool_]:
+def _rows_pushed(model: Model, history: Mapping[str, NDArray[Any]], tools: list[Tool]) -> NDArray[np.bool_]:
     """Mark the rows of stages in which one of the tools is pushed."""
     names = [
         stage.name
@@ -50,11 +48,11 @@ def _rows_pushed(
 
 
 def _warn_of_wrinkles(
-    model: StampingModel,
+    model: Model,
     history: Mapping[str, NDArray[Any]],
     pushed: NDArray[np.bool_],
-    holder: StampingTool,
-    dies: list[StampingTool],
+    holder: Tool,
+    dies: list[Tool],
     thickest: float,
 ) -> Iterator[str]:
     """Compare how far a pushed holder has been lifted with what the sheet has thickened."""
@@ -74,11 +72,11 @@ def _warn_of_wrinkles(
 
 
 def _warn_of_squeezing(
-    model: StampingModel, history: Mapping[str, NDArray[Any]], fixed: NDArray[np.bool_], holder: StampingTool
+    model: Model, history: Mapping[str, NDArray[Any]], fixed: NDArray[np.bool_], holder: Tool
 ) -> Iterator[str]:
     """Compare the pressure below a holder that nothing pushes with the sheet's yield stress."""
     section, material = model.sheet
-    area = find_held_area(model.mesh, holder.shape.surface(), holder.position) * model.whole
+    area = find_held_area(model.mesh, make_surface(holder.surface), holder.position) * model.whole
     force = float(np.max(history[f"{holder.name}.force"][fixed], initial=0.0))
     yield_stress = float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
     if area > 0 and force / area > SQUEEZED * yield_stress:

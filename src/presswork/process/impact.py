@@ -21,8 +21,8 @@ from presswork.explicit.solids import FREEDOMS, ExplicitSolids, Wall
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress
 from presswork.fields.table import compute_fields
-from presswork.geometry.pose import ToolPose, place_segments
-from presswork.model import FloatArray, Model, Stage, Tool, ToolMotion
+from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
+from presswork.model import ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.process.limits import Watched, measure_hydrostatic_stress
 from presswork.process.penetration import Penetration
 from presswork.process.reactions import Reactions
@@ -47,7 +47,7 @@ class ExplicitImpact(RowRecording):
     model: Model
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
-        assert model.explicit is not None
+        assert isinstance(model.explicit, ExplicitSolid)
         super().__init__(model, threads, 4)
         self.settings = model.explicit
         materials = [SolidMaterial.from_model(material) for material in model.materials]
@@ -60,7 +60,9 @@ class ExplicitImpact(RowRecording):
             hourglass_fraction=self.settings.hourglass_stiffness,
         )
         self.solids.set_velocity("all", self.settings.velocity)
-        self.walls = [self.solids.add_wall(t.name, t.segments, mu=float(t.mu.max(initial=0.0))) for t in model.tools]
+        self.walls = [
+            self.solids.add_wall(t.name, start_profile(t), mu=float(np.max(t.friction.mu))) for t in model.tools
+        ]
         self._force = np.zeros((len(self.walls), 2))
         self.reactions = Reactions(model, 2, [t.name for t in model.tools])
         self._reaction = np.zeros((len(model.mesh.points), 2))
@@ -102,7 +104,7 @@ class ExplicitImpact(RowRecording):
         for p in stage.prescribed:
             self.solids.fix(p.node_set, FREEDOMS[p.component], p.value / stage.duration)
         for wall in self.walls:
-            x, y = stage.tool_motion.get(wall.name, ToolMotion()).move
+            x, y = stage.tool_motion.get(wall.name, ToolMotion()).move[:2]
             wall.velocity = (x / stage.duration, y / stage.duration)
 
     # --- what is recorded --------------------------------------------------------------------------------------------
@@ -162,7 +164,7 @@ class ExplicitImpact(RowRecording):
         """Return how far the present state is towards its limits."""
         mesh, walls = self.model.mesh, zip(self.model.tools, self.walls, strict=True)
         placed = {
-            tool.name: place_segments(tool.segments, ToolPose(np.zeros(2), wall.displacement, 0.0))
+            tool.name: place_segments(start_profile(tool), ToolPose(np.zeros(2), wall.displacement, 0.0))
             for tool, wall in walls
         }
         deepest = Penetration().note(mesh, self.solids.position, placed, self._find_gaps)
@@ -190,9 +192,7 @@ class ExplicitImpact(RowRecording):
     def _find_gaps(self, places: FloatArray) -> FloatArray:
         """Return the distance of places (n, 2) from each wall (n_walls, n) [mm]."""
         gaps = [
-            _core.touch_profile(np.ascontiguousarray(tool.segments), np.ascontiguousarray(places - wall.displacement))[
-                0
-            ]
+            _core.touch_profile(start_profile(tool), np.ascontiguousarray(places - wall.displacement))[0]
             for tool, wall in zip(self.model.tools, self.walls, strict=True)
         ]
         return np.array(gaps).reshape(len(gaps), len(places))
@@ -223,8 +223,8 @@ class ExplicitImpact(RowRecording):
             time=solids.time,
             point_data=points,
             cell_data=cells,
-            tools={t.name: t.segments for t in model.tools},
-            tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
+            tools={t.name: start_profile(t) for t in model.tools},
+            tool_centre={t.name: start_centre(t) for t in model.tools},
             tool_displacement={wall.name: wall.displacement for wall in self.walls},
             tool_angle={t.name: 0.0 for t in model.tools},
             info={**describe_plane(model), **self.reactions.gauges(model)},

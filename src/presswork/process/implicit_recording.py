@@ -13,7 +13,7 @@ from presswork.body.solids import Mechanics
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.table import compute_fields
 from presswork.formability import Formability
-from presswork.geometry.pose import ToolPose, place_segments
+from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
 from presswork.model import Model, ToolMotion
@@ -48,7 +48,7 @@ class ImplicitRecording(IncrementRecording):
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        tools = [*(t.name for t in self.model.tools), *(t.name for t in self.model.sheet_tools)]
+        tools = [t.name for t in self.model.tools]
         contacts = [c.name for c in self.model.contacts]
         return [*history_columns(tools, self.turning, contacts), *self.reactions.columns]
 
@@ -95,9 +95,9 @@ class ImplicitRecording(IncrementRecording):
         points = model.mesh.points + state.displacement
         placed = {
             t.name: place_segments(
-                t.segments, ToolPose(np.asarray(t.centre), state.tool_displacement[i], float(state.tool_angle[i]))
+                start_profile(t), ToolPose(start_centre(t), state.tool_displacement[i], float(state.tool_angle[i]))
             )
-            for i, t in enumerate(model.tools)
+            for i, t in enumerate(model.plane_tools)
         }
         deepest = self.penetration.note(
             model.mesh, points, placed, lambda places: procedure.interactions.tools.contact.find_gaps(state, places)
@@ -137,10 +137,10 @@ class ImplicitRecording(IncrementRecording):
             time=float(state.progress[TIME]),
             point_data=points,
             cell_data=cells,
-            tools={t.name: t.segments for t in model.tools},
-            tool_centre={t.name: np.asarray(t.centre) for t in model.tools},
-            tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.tools)},
-            tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.tools)},
+            tools={t.name: start_profile(t) for t in model.plane_tools},
+            tool_centre={t.name: start_centre(t) for t in model.plane_tools},
+            tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.plane_tools)},
+            tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.plane_tools)},
             info={
                 **describe_plane(model),
                 **self.reactions.gauges(model),
@@ -186,7 +186,7 @@ class ImplicitRecording(IncrementRecording):
             "largest_node_penetration_mm": self.penetration.node,
             "largest_edge_penetration_mm": self.penetration.edge,
             "shortest_edge_mm": self._shortest_edge(),
-            "tools_never_touched": find_never_touched([t.name for t in model.tools], history),
+            "tools_never_touched": find_never_touched([t.name for t in model.plane_tools], history),
         }
         return {
             **self._count_work(),

@@ -19,8 +19,7 @@ from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
 from presswork.interaction.sheet_contact import SheetContact
-from presswork.model import FloatArray, Model, OutputSettings, Push, SheetTool, Stage
-from presswork.model_stamping import StampingModel, StampingStage, StampingTool
+from presswork.model import FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
@@ -39,6 +38,7 @@ from presswork.process.stamping_tools import (
     tabulate_share,
     tool_columns,
     tool_text,
+    way_of,
 )
 from presswork.process.transfer import SheetState, sheet_of_implicit
 
@@ -49,19 +49,17 @@ WORTH_A_WARNING = 5.0
 ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work", "inertia_work")
 
 
-def make_shell_model(model: StampingModel) -> Model:
+def make_shell_model(model: Model) -> Model:
     """Return the Model of a shell between tools in space that does what the stamping does."""
-    moved = [t for t in model.tools if not is_pushed(model, t)]
-    pushed = [t for t in model.tools if is_pushed(model, t)]
-    pushes = {t.name: _push_by_stage(model, t) for t in pushed}
-    shares = {b.line.name: by_stage(model, *tabulate_share(model, b)) for b in model.beads}
+    pushes = {t.name: _push_by_stage(model, t) for t in model.tools if is_pushed(model, t)}
+    shares = {b.name: by_stage(model, *tabulate_share(model, b)) for b in model.beads}
     stages = tuple(
         Stage(
             name=stage.name,
             duration=stage.duration,
             clock=_clock(stage),
-            sheet_tool_move={t.name: _along(t, stage.actions[t.name].stroke) for t in moved if t.name in stage.actions},
-            sheet_tool_push={name: of_stages[number] for name, of_stages in pushes.items()},
+            tool_motion={name: motion for name, motion in stage.tool_motion.items() if name not in pushes}
+            | {name: ToolMotion(push=of_stages[number]) for name, of_stages in pushes.items()},
             bead_share={name: of_stages[number] for name, of_stages in shares.items()},
             prescribed=stage.prescribed,
         )
@@ -70,46 +68,39 @@ def make_shell_model(model: StampingModel) -> Model:
     return Model(
         title=model.title,
         analysis="shell",
-        depth=1.0,
         mesh=model.mesh,
         materials=model.materials,
-        tools=(),
         supports=model.supports,
         stages=stages,
-        solver=model.implicit,
+        solver=model.solver,
         output=OutputSettings(steps=model.output.steps, checkpoint_every=model.output.checkpoint_every),
-        sheet_tools=tuple(SheetTool(t.name, t.shape, t.position, t.mu) for t in model.tools),
-        sheet_beads=tuple(b.line for b in model.beads),
+        tools=model.tools,
+        beads=model.beads,
         rolling_direction=model.rolling_direction,
     )
 
 
-def _clock(stage: StampingStage) -> FloatArray:
+def _clock(stage: Stage) -> FloatArray:
     """Return when which part of the stage's way has been gone, as in the explicit procedure (n, 2)."""
     times = np.linspace(0.0, stage.duration, CLOCK_TIMES + 1)
     return np.column_stack([stroke_of(stage).position(times), times])
 
 
-def _along(tool: StampingTool, stroke: float) -> tuple[float, float, float]:
-    x, y, z = tool.way
-    return stroke * x, stroke * y, stroke * z
-
-
-def _push_by_stage(model: StampingModel, tool: StampingTool) -> list[Push]:
+def _push_by_stage(model: Model, tool: Tool) -> list[Push]:
     """Return the force of a pushed tool on what is modelled, over the part of each stage's way that has been gone."""
     times, forces = tabulate_force(model, tool.name)
     stop, clearance = find_stops(model).get(tool.name, ("", math.inf))
     if any(t.name == stop and is_pushed(model, t) for t in model.tools):
         stop = ""
-    return [Push(tool.way, rows, stop, clearance) for rows in by_stage(model, times, forces / model.whole)]
+    return [Push(way_of(tool), rows, stop, clearance) for rows in by_stage(model, times, forces / model.whole)]
 
 
 class ImplicitStamping(IncrementRecording):
     """A stamping at work."""
 
-    model: StampingModel
+    model: Model
 
-    def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, ImplicitProcedure(make_shell_model(model), threads=threads))
         self._judged = model.sheet[1].formability
         self.reactions = Reactions(model, 6, [t.name for t in model.tools])

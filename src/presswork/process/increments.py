@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
-from presswork.model_stamping import AnyModel
+from presswork.model import Model
 from presswork.process.recording import ModelRecording, Row
 
 
 class IncrementRecording(ModelRecording):
     """An implicit procedure at work on a model."""
 
-    def __init__(self, model: AnyModel, procedure: ImplicitProcedure) -> None:
+    def __init__(self, model: Model, procedure: ImplicitProcedure) -> None:
         self.model = model
         self.procedure = procedure
         self.timing = procedure.timing

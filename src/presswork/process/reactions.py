@@ -15,7 +15,6 @@ import numpy as np
 
 from presswork.mesh.faces import select_faces
 from presswork.model import Body, BoolArray, FloatArray, IntArray, Mesh, Model
-from presswork.model_stamping import AnyModel
 from presswork.process.recording import Row
 
 AXES = "xyz"
@@ -39,7 +38,7 @@ class Reactions:
     An entry has its own name, a prescribed displacement that of its set. taken: names of tools and contacts.
     """
 
-    def __init__(self, model: AnyModel, freedoms: int, taken: Collection[str] = ()) -> None:
+    def __init__(self, model: Model, freedoms: int, taken: Collection[str] = ()) -> None:
         self._freedoms = freedoms
         found: dict[str, Holder] = {}
         prescribed = [stage.prescribed for stage in model.stages]

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.formability import Info
-from presswork.model import FloatArray, IntArray, Mesh
-from presswork.model_stamping import AnyModel
+from presswork.model import FloatArray, IntArray, Mesh, Model
 from presswork.process.limits import Watched
 from presswork.timing import Timing
 
@@ -119,7 +118,7 @@ class ModelRecording:
     A checkpoint consists of the arrays alone unless a subclass adds more.
     """
 
-    model: AnyModel
+    model: Model
     timing: Timing
 
     @property

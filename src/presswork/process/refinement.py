@@ -15,8 +15,7 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.split import SplitMesh, SplitStep
 from presswork.mesh.topology import edge_keys
-from presswork.model import BoolArray, FloatArray, IntArray, Mesh
-from presswork.model_stamping import Refinement, StampingModel
+from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model, Refinement
 
 Planes = Sequence[tuple[int, IntArray]]
 """Of each symmetry plane the axis that it is normal to, and its nodes."""
@@ -41,7 +40,7 @@ class PlacedTool:
 class SplitBlank:
     """The undeformed blank of a stamping as its shells are split over a run."""
 
-    def __init__(self, model: StampingModel) -> None:
+    def __init__(self, model: Model) -> None:
         self._model = model
         self._chosen: list[BoolArray] = []
         self.mesh, self.sheet = model.mesh, SplitMesh.begin(model.cells, len(model.mesh.points))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
-from presswork.model_stamping import AnyModel
+from presswork.model import Model
 from presswork.outcome import GaveUpError
 from presswork.process.recording import ModelRecording, Row
 from presswork.threads import available_threads
@@ -45,7 +45,7 @@ class RowReport:
 class RowRecording(ModelRecording, ABC):
     """An explicit procedure at work on a model."""
 
-    def __init__(self, model: AnyModel, threads: int, n_progress: int, phases: Sequence[str] = ("cycles",)) -> None:
+    def __init__(self, model: Model, threads: int, n_progress: int, phases: Sequence[str] = ("cycles",)) -> None:
         _core.set_threads(threads or available_threads())
         self.model = model
         self.timing = Timing(*phases)

@@ -22,8 +22,17 @@ from presswork.fields.table import compute_fields
 from presswork.geometry.best_fit import measure_deviation
 from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
 from presswork.mesh.checks import MeshError
-from presswork.model import FloatArray, Mesh, Model, OutputSettings, ShellElement, SolverSettings, Stage, Support
-from presswork.model_stamping import Springback, StampingModel
+from presswork.model import (
+    FloatArray,
+    Mesh,
+    Model,
+    OutputSettings,
+    ShellElement,
+    SolverSettings,
+    Springback,
+    Stage,
+    Support,
+)
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.limits import Watched
@@ -88,7 +97,7 @@ def hold_rigidly(points: FloatArray, symmetry: tuple[bool, bool]) -> dict[int, t
     return {node: (bool(h[0]), bool(h[1]), bool(h[2])) for node, h in held.items()}
 
 
-def make_springback_model(model: StampingModel, mesh: Mesh) -> Model:
+def make_springback_model(model: Model, mesh: Mesh) -> Model:
     """Return the Model of the released sheet; mesh: undeformed."""
     springback = model.springback or Springback()
     planes = [s for s in model.supports if s.fix in SYMMETRY]
@@ -103,10 +112,8 @@ def make_springback_model(model: StampingModel, mesh: Mesh) -> Model:
     return Model(
         title=model.title,
         analysis="shell",
-        depth=1.0,
         mesh=replace(mesh, blocks=blocks, node_sets=node_sets),
         materials=model.materials,
-        tools=(),
         supports=tuple(supports),
         stages=(Stage(NAME, duration=model.stages[-1].duration),),
         solver=SolverSettings(initial_increment=size, max_increment=size),
@@ -129,10 +136,10 @@ class _Released:
 class ReleasedStamping(ModelRecording):
     """A stamping after which the part is trimmed, or springs back, or both."""
 
-    model: StampingModel
+    model: Model
 
-    def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
-        procedure = ImplicitStamping if model.procedure == "implicit" else ExplicitStamping
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        procedure = ImplicitStamping if model.explicit is None else ExplicitStamping
         self.forming: ExplicitStamping | ImplicitStamping = procedure(model, threads=threads)
         self.model = model
         self.timing = self.forming.timing

@@ -25,8 +25,7 @@ from presswork.fields.instant import Instant
 from presswork.fields.shell_fields import temperature_field
 from presswork.fields.table import compute_fields
 from presswork.law.elastic_plastic import make_sheet_law
-from presswork.model import BoolArray, FloatArray, Mesh
-from presswork.model_stamping import Refinement, StampingModel, StampingStage
+from presswork.model import BoolArray, ExplicitSheet, FloatArray, Mesh, Model, Refinement, Stage
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.process.reactions import Reactions
@@ -49,10 +48,12 @@ LOOKS = 50
 class ExplicitStamping(RowRecording):
     """A stamping at work."""
 
-    model: StampingModel
+    model: Model
 
-    def __init__(self, model: StampingModel, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        assert isinstance(model.explicit, ExplicitSheet)
         super().__init__(model, threads, 6, (*PHASES, "rest"))
+        self.settings = model.explicit
         self._blank = SplitBlank(model)
         self._judged = model.sheet[1].formability
         self.shells = self._make_shells()
@@ -62,9 +63,9 @@ class ExplicitStamping(RowRecording):
         material = model.sheet[1]
         yield_stress = float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
         self._formed = YIELD_OFFSET * yield_stress * self._mass / material.density
-        if model.explicit.target_step is not None:
-            self._scale_mass(model.explicit.target_step)
-        check_damping(model.explicit.damping, self._longest_step())
+        if self.settings.target_step is not None:
+            self._scale_mass(self.settings.target_step)
+        check_damping(self.settings.damping, self._longest_step())
         self.tools = StampingTools(model, self.shells)
         self._begin_stage()
         self.shells.advance(0)  # contact is found, and refused where the sheet starts in a tool
@@ -84,12 +85,12 @@ class ExplicitStamping(RowRecording):
             material.density,
             axis=rolling,
             options=ShellOptions(
-                element=model.explicit.element,
+                element=self.settings.element,
                 n_points=section.points,
                 rule=section.rule,
-                ironing=model.explicit.ironing,
+                ironing=self.settings.ironing,
             ),
-            precision=model.explicit.precision,
+            precision=self.settings.precision,
             hanging=self._blank.sheet.hanging(),
         )
 
@@ -109,7 +110,7 @@ class ExplicitStamping(RowRecording):
         self._seconds_n = self.shells.seconds
         for part in np.split(mean_speeds(stage, begin, end, n), range(every, n, every)):
             for speeds in np.split(part, range(most, len(part), most)):
-                self.shells.advance(len(speeds), velocity_scale=speeds, damping=self.model.explicit.damping)
+                self.shells.advance(len(speeds), velocity_scale=speeds, damping=self.settings.damping)
             self.tools.sample()
             stop.look()
         self._reaction = self.shells.reaction_impulse / (end - begin)
@@ -157,7 +158,7 @@ class ExplicitStamping(RowRecording):
 
     def _longest_step(self) -> float:
         """Return the time step allowed now; add mass where the target asks for it."""
-        settings, bound = self.model.explicit, self.shells.stable_step()
+        settings, bound = self.settings, self.shells.stable_step()
         if settings.target_step is None:
             return settings.safety * bound
         if settings.safety * bound < settings.target_step * (1 - 1e-9):
@@ -166,7 +167,7 @@ class ExplicitStamping(RowRecording):
 
     def _scale_mass(self, target: float) -> MassScaling:
         """Add mass so that the target is `safety` times the stable step."""
-        scaling = self.shells.scale_mass(target * SAFETY / self.model.explicit.safety)
+        scaling = self.shells.scale_mass(target * SAFETY / self.settings.safety)
         self._progress[ADDED_MASS] = scaling.percent
         return scaling
 
@@ -183,11 +184,11 @@ class ExplicitStamping(RowRecording):
                 self.shells.fix(sets[p.node_set], FREEDOMS[p.component], velocity=p.value)
         self.tools.begin_stage(number)
 
-    def _energies(self, stage: StampingStage, time: float) -> EnergyBalance:
+    def _energies(self, stage: Stage, time: float) -> EnergyBalance:
         """Return the energies; the next half step goes on with the present speed."""
         dt = self.shells.dt
         speed = float(mean_speeds(stage, time - dt, time, 1)[0])
-        return self.shells.energies(damping=self.model.explicit.damping, velocity_scale=speed)
+        return self.shells.energies(damping=self.settings.damping, velocity_scale=speed)
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 
@@ -295,7 +296,7 @@ class ExplicitStamping(RowRecording):
 
     def row_at_rest(self) -> Row:
         """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
-        energies = self.shells.energies(damping=self.model.explicit.damping, velocity_scale=0.0)
+        energies = self.shells.energies(damping=self.settings.damping, velocity_scale=0.0)
         report = RowReport(self.number, "", 1.0, self.time, 0, self.shells.dt, energies, is_save_point=True)
         gone = {
             f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")

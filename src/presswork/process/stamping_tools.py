@@ -14,10 +14,21 @@ from presswork.explicit.motion import SmoothStroke
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
 from presswork.formability import Info
-from presswork.geometry.swept_tool import SweptTool
+from presswork.geometry.swept_tool import triangulate
+from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.tool_clearance import find_clearance
-from presswork.model import FloatArray, IntArray
-from presswork.model_stamping import StampingBead, StampingModel, StampingStage, StampingTool, ToolAction
+from presswork.model import (
+    Drawbead,
+    ExplicitSheet,
+    FloatArray,
+    IntArray,
+    Model,
+    Stage,
+    SweptProfile,
+    Tool,
+    ToolMotion,
+    Triangulation,
+)
 from presswork.process.recording import Row
 from presswork.process.refinement import PlacedTool
 
@@ -30,14 +41,15 @@ DRAWN_WITHIN = 0.02
 class StampingTools:
     """Adds a model's tools and beads to the shells, and moves them."""
 
-    def __init__(self, model: StampingModel, shells: ExplicitShells, before: StampingTools | None = None) -> None:
+    def __init__(self, model: Model, shells: ExplicitShells, before: StampingTools | None = None) -> None:
         """before: the same tools on another mesh of the blank, whose surfaces and masses are taken over."""
         self._model = model
         self._surfaces: list[_core.ToolSurface] = (
-            before._surfaces if before else [t.shape.surface() for t in model.tools]
+            before._surfaces if before else [make_surface(t.surface) for t in model.tools]
         )
+        assert isinstance(model.explicit, ExplicitSheet)
         edges, each = model.explicit.contact_points == "edges", zip(model.tools, self._surfaces, strict=True)
-        self._tools = [shells.add_tool(t.name, surface, mu=t.mu, edges=edges) for t, surface in each]
+        self._tools = [shells.add_tool(t.name, surface, mu=float(t.friction.mu), edges=edges) for t, surface in each]
         for tool, at_work in zip(model.tools, self._tools, strict=True):
             at_work.position = tool.position
         # a resumed run takes the same
@@ -45,7 +57,7 @@ class StampingTools:
         self._stops: dict[str, tuple[str, float]] = before._stops if before else find_stops(model)
         self._shells = shells
         for bead in model.beads:
-            shells.add_bead(bead.line, tabulate_share(model, bead))
+            shells.add_bead(bead, tabulate_share(model, bead))
         self._mean = np.zeros((len(model.tools), 3))
         self._restraint = np.zeros(len(model.beads))
         self._samples = 0
@@ -62,16 +74,16 @@ class StampingTools:
             if is_pushed_in(self._model, tool, number):
                 times, forces = tabulate_force(self._model, tool.name)
                 at_work.push(
-                    tool.way,
+                    way_of(tool),
                     (times, forces / self._model.whole),
                     mass=self._pushing_mass,
                     stop=self._stop_in(tool, number),
                 )
                 continue
-            action = stages[number].actions.get(tool.name, ToolAction()) if number < len(stages) else ToolAction()
-            at_work.velocity = action.stroke * np.asarray(tool.way)
+            motion = stages[number].tool_motion.get(tool.name) if number < len(stages) else None
+            at_work.velocity = np.array((motion or ToolMotion()).move)
 
-    def _stop_in(self, tool: StampingTool, number: int) -> tuple[RigidTool, float] | None:
+    def _stop_in(self, tool: Tool, number: int) -> tuple[RigidTool, float] | None:
         if tool.name not in self._stops:
             return None
         name, clearance = self._stops[tool.name]
@@ -79,7 +91,7 @@ class StampingTools:
         other = self._model.tools[index]
         if is_pushed_in(self._model, other, number):
             return None
-        return self._tools[index], float(np.subtract(tool.position, other.position) @ tool.way) + clearance
+        return self._tools[index], float(np.subtract(tool.position, other.position) @ way_of(tool)) + clearance
 
     def begin_row(self) -> None:
         """Forget the forces felt so far."""
@@ -90,7 +102,7 @@ class StampingTools:
         self._samples += 1
         for mean, tool in zip(self._mean, self._tools, strict=True):
             mean += (tool.force - mean) / self._samples
-        restraint = [self._shells.bead_restraint(bead.line.name) for bead in self._model.beads]
+        restraint = [self._shells.bead_restraint(bead.name) for bead in self._model.beads]
         self._restraint += (np.array(restraint) - self._restraint) / self._samples
 
     def forces(self) -> FloatArray:
@@ -112,7 +124,7 @@ class StampingTools:
         return {t.name: at_work.position - np.asarray(t.position) for t, at_work in each}
 
 
-def make_whole(model: StampingModel, forces: FloatArray) -> FloatArray:
+def make_whole(model: Model, forces: FloatArray) -> FloatArray:
     """Return the forces on whole tools of those on what is modelled (n_tools, 3) [N]."""
     whole = forces * model.whole
     for axis, is_cut in enumerate(model.symmetry):
@@ -121,7 +133,7 @@ def make_whole(model: StampingModel, forces: FloatArray) -> FloatArray:
     return whole
 
 
-def tool_columns(model: StampingModel, displacement: Mapping[str, FloatArray], forces: FloatArray) -> Row:
+def tool_columns(model: Model, displacement: Mapping[str, FloatArray], forces: FloatArray) -> Row:
     """Return the history's columns of all tools: stroke along the way [mm], force along it and in space [N].
 
     displacement: of each tool since the start (3,) [mm]. forces: of the sheet on the whole tools (n_tools, 3) [N].
@@ -135,50 +147,57 @@ def tool_columns(model: StampingModel, displacement: Mapping[str, FloatArray], f
     return row
 
 
-def bead_columns(model: StampingModel, forces: Sequence[float]) -> Row:
+def bead_columns(model: Model, forces: Sequence[float]) -> Row:
     """Return the history's columns of all beads: restraining force, summed along the line [N], of what is modelled."""
-    return {f"{b.line.name}.force": f * model.whole + 0.0 for b, f in zip(model.beads, forces, strict=True)}
+    return {f"{b.name}.force": f * model.whole + 0.0 for b, f in zip(model.beads, forces, strict=True)}
 
 
-def tool_text(model: StampingModel, row: Row) -> str:
+def tool_text(model: Model, row: Row) -> str:
     """Name the tools that have moved, with strokes and forces."""
     each = [(t.name, float(row[f"{t.name}.stroke"]), float(row[f"{t.name}.force"])) for t in model.tools]
     return "  ".join(f"{name} {stroke:.2f} mm {force / 1e3:.1f} kN" for name, stroke, force in each if stroke)
 
 
-def describe_stamping(model: StampingModel) -> Info:
+def describe_stamping(model: Model) -> Info:
     """Return what results say of a stamping."""
     planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
     judged = model.sheet[1].formability
     return {"title": model.title, "analysis": "stamping", "symmetry": planes, **judged.to_info()}
 
 
-def cut_surfaces(model: StampingModel) -> dict[str, tuple[FloatArray, IntArray]]:
+def cut_surfaces(model: Model) -> dict[str, tuple[FloatArray, IntArray]]:
     """Return points and triangles of every tool where it starts, for pictures."""
     mesh = model.mesh
     length = 2.5 * float(np.abs(mesh.points[:, 1]).max())
     found = {}
     for tool in model.tools:
-        if isinstance(tool.shape, SweptTool):
-            points, triangles = tool.shape.triangulate(DRAWN_WITHIN * model.sheet[0].thickness, length=length)
+        if isinstance(tool.shape, SweptProfile):
+            points, triangles = triangulate(tool.shape, DRAWN_WITHIN * model.sheet[0].thickness, length=length)
         else:
+            assert isinstance(tool.shape, Triangulation)
             points, triangles = tool.shape.points, tool.shape.triangles
         found[tool.name] = (points + np.asarray(tool.position), triangles)
     return found
 
 
-def is_pushed(model: StampingModel, tool: StampingTool) -> bool:
+def way_of(tool: Tool) -> tuple[float, float, float]:
+    """Return the unit vector along which a tool of a stamping works."""
+    assert tool.way is not None, f"{tool.name} has no way"
+    return tool.way
+
+
+def is_pushed(model: Model, tool: Tool) -> bool:
     """Say whether a force places the tool."""
-    return any(tool.name in s.actions and s.actions[tool.name].force is not None for s in model.stages)
+    return any((m := s.tool_motion.get(tool.name)) is not None and m.push is not None for s in model.stages)
 
 
-def is_pushed_in(model: StampingModel, tool: StampingTool, number: int) -> bool:
+def is_pushed_in(model: Model, tool: Tool, number: int) -> bool:
     """Say whether a force places the tool in a stage: the last stage up to this one that names it pushes it."""
-    named = [s.actions[tool.name] for s in model.stages[: number + 1] if tool.name in s.actions]
-    return bool(named) and named[-1].force is not None
+    named = [m for s in model.stages[: number + 1] if (m := s.tool_motion.get(tool.name)) is not None]
+    return bool(named) and named[-1].push is not None
 
 
-def find_stops(model: StampingModel) -> dict[str, tuple[str, float]]:
+def find_stops(model: Model) -> dict[str, tuple[str, float]]:
     """Return on which other a pushed holder or die comes to stand, bare, and after how much of its way [mm].
 
     The other has then not moved. What cannot strike is left out.
@@ -188,42 +207,42 @@ def find_stops(model: StampingModel) -> dict[str, tuple[str, float]]:
         if not is_pushed(model, tool) or {tool.kind, other.kind} != {"holder", "die"}:
             continue
         between, way = np.subtract(tool.position, other.position), np.array(tool.way)
-        clearance = find_clearance(tool.shape, other.shape, between, way, DRAWN_WITHIN * model.sheet[0].thickness)
+        clearance = find_clearance(tool.surface, other.surface, between, way, DRAWN_WITHIN * model.sheet[0].thickness)
         if clearance < found.get(tool.name, ("", math.inf))[1]:
             found[tool.name] = other.name, clearance
     return found
 
 
-def tabulate_force(model: StampingModel, name: str) -> tuple[FloatArray, FloatArray]:
+def tabulate_force(model: Model, name: str) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and forces [N] of a pushed tool on the sheet over the whole process.
 
     At the start of each stage the force goes over to the stage's own within its ramp; before the first it is zero, and
     a stage that says nothing keeps it. What closes beads is taken off a holder's.
     """
 
-    def force_in(stage: StampingStage, at: FloatArray) -> FloatArray | None:
-        action = stage.actions.get(name)
-        if action is None:
+    def force_in(stage: Stage, at: FloatArray) -> FloatArray | None:
+        motion = stage.tool_motion.get(name)
+        if motion is None:
             return None
-        if action.force is None:  # it is moved
+        if motion.push is None:  # it is moved
             return np.zeros(len(at))
-        return np.interp(stroke_of(stage).position(at), *action.force.T)
+        return np.interp(stroke_of(stage).position(at), *motion.push.force.T)
 
     times, forces = _tabulate(model, force_in)
     if any(t.name == name and t.kind == "holder" for t in model.tools):
         for bead in model.beads:
-            closing = model.whole * bead.closing_force * float(bead.line.length.sum())
+            closing = model.whole * bead.closing_force * float(bead.length.sum())
             forces = np.maximum(forces - closing * tabulate_share(model, bead)[1], 0.0)
     return times, forces
 
 
-def tabulate_share(model: StampingModel, bead: StampingBead) -> tuple[FloatArray, FloatArray]:
+def tabulate_share(model: Model, bead: Drawbead) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and shares of a bead's force over the whole process; it goes over within a stage's ramp."""
-    return _tabulate(model, lambda stage, at: np.full(len(at), float(stage.name in bead.stages)))
+    return _tabulate(model, lambda stage, at: np.interp(stroke_of(stage).position(at), *stage.bead_share[bead.name].T))
 
 
 def _tabulate(
-    model: StampingModel, value_in: Callable[[StampingStage, FloatArray], FloatArray | None]
+    model: Model, value_in: Callable[[Stage, FloatArray], FloatArray | None]
 ) -> tuple[FloatArray, FloatArray]:
     """Return times and values over the whole process.
 
@@ -243,7 +262,7 @@ def _tabulate(
     return np.concatenate(times), np.concatenate(values)
 
 
-def by_stage(model: StampingModel, times: FloatArray, values: FloatArray) -> list[FloatArray]:
+def by_stage(model: Model, times: FloatArray, values: FloatArray) -> list[FloatArray]:
     """Return rows of part of the way gone (0 to 1) and value (n, 2) for each stage, of a table over the process."""
     rows, begin = [], 0.0
     for stage in model.stages:
@@ -254,12 +273,12 @@ def by_stage(model: StampingModel, times: FloatArray, values: FloatArray) -> lis
     return rows
 
 
-def stroke_of(stage: StampingStage) -> SmoothStroke:
+def stroke_of(stage: Stage) -> SmoothStroke:
     """Return the part of its way that all that moves in a stage has gone, 0 to 1, as a motion in time."""
     return SmoothStroke(1.0, stage.duration, rise=stage.ramp / stage.duration)
 
 
-def mean_speeds(stage: StampingStage, start: float, end: float, n: int) -> FloatArray:
+def mean_speeds(stage: Stage, start: float, end: float, n: int) -> FloatArray:
     """Return the mean speed in n equal steps from start to end, times the stage's way [1/s]; they add up to the way."""
     gone = stroke_of(stage).position(np.linspace(start, end, n + 1))
     return np.asarray(np.diff(gone) * n / (end - start))

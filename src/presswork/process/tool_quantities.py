@@ -9,7 +9,7 @@ import numpy as np
 
 from presswork.formability import Info
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import FloatArray, Model, Tool, ToolMotion
+from presswork.model import FloatArray, Model, Profile, Tool, ToolMotion
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
     contact.search(state, state.displacement)
     vectors, torques = contact.tool_forces(state, procedure.interactions.supports.fixed(stage))
     quantities = {}
-    for t, tool in enumerate(procedure.model.tools):
+    for t, tool in enumerate(procedure.model.plane_tools):
         vector = force_on_whole(tool, vectors[t])
         if tool.spring is not None:
             direction = np.asarray(tool.spring.direction)
@@ -60,22 +60,11 @@ def _measure_sheet_tools(procedure: ImplicitProcedure) -> dict[str, ToolQuantiti
     quantities = {}
     forces = tools.contact.tool_forces(state)
     for tool, moved, force in zip(procedure.model.sheet_tools, state.sheet_tool_move, forces, strict=True):
-        way = _find_sheet_way(procedure.model, tool.name)
+        way = find_way(procedure.model, tool)
         along = float(np.linalg.norm(force)) if way is None else -float(force @ way)
         stroke = 0.0 if way is None else float(moved @ way)
         quantities[tool.name] = ToolQuantities(stroke, along, force, 0.0, 0.0)
     return quantities
-
-
-def _find_sheet_way(model: Model, name: str) -> FloatArray | None:
-    """Return the unit vector of the first motion or push of a tool in space; None if it has neither."""
-    for stage in model.stages:
-        if (push := stage.sheet_tool_push.get(name)) is not None:
-            return np.asarray(push.direction, dtype=np.float64)
-        move = np.asarray(stage.sheet_tool_move.get(name, (0.0, 0.0, 0.0)), dtype=np.float64)
-        if move.any():
-            return np.asarray(move / np.linalg.norm(move))
-    return None
 
 
 def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:
@@ -94,20 +83,26 @@ def describe_plane(model: Model) -> Info:
         "title": model.title,
         "analysis": model.analysis,
         "depth": model.depth,
-        "mirrored_x": "\n".join(t.name for t in model.tools if t.mirrored_across[0]),
-        "mirrored_y": "\n".join(t.name for t in model.tools if t.mirrored_across[1]),
+        "mirrored_x": "\n".join(t.name for t in model.plane_tools if t.mirrored_across[0]),
+        "mirrored_y": "\n".join(t.name for t in model.plane_tools if t.mirrored_across[1]),
     }
 
 
 def find_way(model: Model, tool: Tool) -> FloatArray | None:
-    """Return the unit vector of a tool's first motion or force; None if it has neither."""
+    """Return the unit vector along which a tool works (2,) in the plane, (3,) in space; None if it has none.
+
+    Its own, or that of its first motion or push.
+    """
+    if tool.way is not None:
+        return np.asarray(tool.way)
+    size = 2 if isinstance(tool.shape, Profile) else 3
     for stage in model.stages:
         motion = stage.tool_motion.get(tool.name)
         if motion is None:
             continue
-        if motion.force is not None:
-            return np.asarray(motion.direction)
-        if any(motion.move):
-            move = np.asarray(motion.move)
+        if motion.push is not None:
+            return np.asarray(motion.push.direction, dtype=np.float64)
+        move = np.asarray(motion.move[:size], dtype=np.float64)
+        if move.any():
             return np.asarray(move / np.linalg.norm(move), dtype=np.float64)
     return None

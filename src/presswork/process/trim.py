@@ -18,8 +18,7 @@ from presswork.mesh.beside import Beside, find_beside
 from presswork.mesh.checks import MeshError
 from presswork.mesh.cut import NATURAL, CutCells, CutMesh, cut_mesh
 from presswork.mesh.topology import find_boundary_edges
-from presswork.model import CellBlock, FloatArray, IndexArray, Mesh, ShellElement
-from presswork.model_stamping import TrimLine
+from presswork.model import CellBlock, FloatArray, IndexArray, Mesh, ShellElement, TrimLine
 from presswork.process.transfer import SheetBlock, SheetState
 
 

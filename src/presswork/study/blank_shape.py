@@ -23,8 +23,7 @@ from presswork.case.errors import Problem
 from presswork.case.reader import apply_overrides, read_toml
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.tools import RectangularTool, RoundTool
-from presswork.model import FloatArray
-from presswork.model_stamping import AnyModel, StampingModel
+from presswork.model import FloatArray, Model
 from presswork.post import FlangeFit, fit_flange
 from presswork.recorder import Outcome, Progress, StartError, fingerprint, run_model
 from presswork.results import OutputError, load_checkpoint, open_output_folder, write_outline
@@ -153,7 +152,6 @@ class _Search:
             fault = "the drawn flange is compared with the target, and a trim line would cut it"
             raise CaseError([Problem("trim", fault, "leave the trim lines out")], case_file)
         model = build_model(self.case)
-        assert isinstance(model, StampingModel)
         self.data: dict[str, Any] = tomllib.loads(write_as_run(data, case_file.parent))
         self.element_size = getattr(self.case.blank, "element_size", None) or _mean_size(model)
         self.draws: list[Draw] = []
@@ -266,9 +264,7 @@ class _Search:
             (self.folder / DRAWING).unlink(missing_ok=True)  # without ezdxf: the points say the same
 
 
-def _draw(
-    model: AnyModel, folder: Path, threads: int, resume: bool, show: Callable[[Progress], None] | None
-) -> Outcome:
+def _draw(model: Model, folder: Path, threads: int, resume: bool, show: Callable[[Progress], None] | None) -> Outcome:
     """Draw a blank; with `resume` what is in the folder is kept, or goes on. Raises OutputError if it is of another."""
     if not (resume and (folder / CHECKPOINT).is_file()):
         return run_model(model, folder, overwrite=resume, threads=threads, on_increment=show)
@@ -280,7 +276,7 @@ def _draw(
     return run_model(model, folder, resume=True, threads=threads, on_increment=show)
 
 
-def _mean_size(model: StampingModel) -> float:
+def _mean_size(model: Model) -> float:
     """Return the side of a square as large as a blank's mean cell [mm]."""
     corners = model.mesh.points[:, :2][model.mesh.blocks[0].connectivity]
     one, other = corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1]

@@ -97,12 +97,12 @@ def test_hardening_parameters_are_in_the_order_of_the_model(
 @pytest.mark.parametrize("profile", ["[[0, 15], [30, 15]]", "[[30, 15], [0, 15]]"])
 def test_workpiece_is_left_of_the_tool_however_it_is_drawn(write_case: WriteCase, profile: str) -> None:
     tool = build(write_case(("[[0, 15], [30, 15]]", profile))).tools[0]
-    np.testing.assert_allclose(tool.segments, [[30, 15, 0, 15, 0, 0, 0]])
+    np.testing.assert_allclose(tool.profile.segments, [[30, 15, 0, 15, 0, 0, 0]])
 
 
 def test_free_side_is_honoured(write_case: WriteCase) -> None:
     change = ('contact = "sticking"', 'contact = "sticking"\nfree_side = "right"')
-    assert build(write_case(change)).tools[0].segments[0, 0] == 30.0
+    assert build(write_case(change)).tools[0].profile.segments[0, 0] == 30.0
 
 
 def test_tool_reaching_a_symmetry_plane_is_mirrored_in_plane_strain(write_case: WriteCase) -> None:
@@ -182,16 +182,20 @@ def test_friction_goes_with_its_piece_whichever_way_the_profile_runs(write_case:
         profile = "[[0, 15], {to = [5, 15]}, {to = [30, 15], m = 0.3}]"
     change = ('contact = "sticking"', f'contact = "shear"\nm = 0.1\nfree_side = "{free_side}"')
     tool = build(write_case(("[[0, 15], [30, 15]]", profile), change)).tools[0]
-    np.testing.assert_allclose(tool.segments[:, [0, 2]], [[30, 5], [5, 0]])
-    np.testing.assert_array_equal(tool.m, [0.3, 0.1])
-    np.testing.assert_array_equal(tool.mu, [0.0, 0.0])
+    np.testing.assert_allclose(tool.profile.segments[:, [0, 2]], [[30, 5], [5, 0]])
+    np.testing.assert_array_equal(tool.friction.m, [0.3, 0.1])
+    np.testing.assert_array_equal(tool.friction.mu, [0.0, 0.0])
 
 
 def test_a_fillet_has_the_friction_of_its_point(write_case: WriteCase) -> None:
     profile = "[[0, 15], {to = [20, 15], radius = 2, m = 0.3}, [20, 30]]"
     change = ('contact = "sticking"', 'contact = "shear"\nm = 0.1')
     tool = build(write_case(("[[0, 15], [30, 15]]", profile), change)).tools[0]
-    assert sorted(zip(tool.segments[:, 6] != 0, tool.m, strict=True)) == [(False, 0.1), (False, 0.3), (True, 0.3)]
+    assert sorted(zip(tool.profile.segments[:, 6] != 0, tool.friction.m, strict=True)) == [
+        (False, 0.1),
+        (False, 0.3),
+        (True, 0.3),
+    ]
     assert "m = 0.1 and 0.3" in describe(build(write_case(("[[0, 15], [30, 15]]", profile), change)))
 
 
@@ -200,8 +204,8 @@ def test_a_smooth_profile_is_directed_and_mirrored_like_any_other(write_case: Wr
     for profile in (points, points[::-1]):
         change = ("profile = [[0, 15], [30, 15]]", f'curve = "spline"\nprofile = {profile}')
         tool = build(write_case(PLANE_STRAIN, change)).tools[0]
-        assert tool.segments[:, 6].all()
-        assert tool.segments[0, 0] > tool.segments[-1, 2], "the workpiece below is on the left"
+        assert tool.profile.segments[:, 6].all()
+        assert tool.profile.segments[0, 0] > tool.profile.segments[-1, 2], "the workpiece below is on the left"
         assert tool.mirrored_across == (True, False)
 
 

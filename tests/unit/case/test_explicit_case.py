@@ -39,7 +39,6 @@ def build(**changes: Any) -> Model:
         else:
             table[key] = value
     model = build_model(Case.model_validate(data))
-    assert isinstance(model, Model)
     return model
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from presswork.case import Case, CaseError, build_model
+from presswork.geometry.pose import start_centre, start_profile
 from presswork.model import Model
 from presswork.recorder import run_model
 from tests.unit.case.test_magnitudes import SOLID, STEEL
@@ -28,29 +29,33 @@ ROUND = [[-20, 30], {"to": [20, 30], "centre": [0, 30], "turn": "left"}]
 
 
 def test_a_tool_is_drawn_about_its_own_origin_and_placed() -> None:
-    np.testing.assert_allclose(billet(profile=FLAT, position=[1, 15]).tools[0].segments[:, :4], [[31, 15, -4, 15]])
+    np.testing.assert_allclose(
+        start_profile(billet(profile=FLAT, position=[1, 15]).tools[0])[:, :4], [[31, 15, -4, 15]]
+    )
     placed = billet(profile=ROUND, position=[5, "0.5 cm"], centre=[0, 30]).tools[0]
-    assert placed.centre == (5.0, 35.0)
-    np.testing.assert_allclose(placed.segments[0, 4:6], [5, 35])
+    assert start_centre(placed).tolist() == [5.0, 35.0]
+    np.testing.assert_allclose(start_profile(placed)[0, 4:6], [5, 35])
 
 
 @pytest.mark.parametrize("height", [15.0, 16.0, 400.0])
 def test_a_flat_tool_is_brought_down_to_touch(height: float) -> None:
     profile = [[x, y + height] for x, y in FLAT]
-    np.testing.assert_allclose(billet(profile=profile, position="touch").tools[0].segments[:, [1, 3]], 15, atol=1e-7)
+    np.testing.assert_allclose(
+        start_profile(billet(profile=profile, position="touch").tools[0])[:, [1, 3]], 15, atol=1e-7
+    )
 
 
 @pytest.mark.parametrize("motion", [{"move": [0, -2]}, {"force": 100, "direction": [0, -3]}])
 def test_any_motion_says_from_where_a_tool_comes(motion: dict[str, Any]) -> None:
     built = billet(profile=[[-5, 20], [30, 20]], position="touch", motion=motion)
-    np.testing.assert_allclose(built.tools[0].segments[:, [1, 3]], 15, atol=1e-7)
+    np.testing.assert_allclose(start_profile(built.tools[0])[:, [1, 3]], 15, atol=1e-7)
 
 
 def test_a_round_tool_touches_the_corner_that_comes_first() -> None:
     """A roll of radius 20 about (0, 60) comes down on nodes at x = 0, 5, 10 of the top: at x = 0, its lowest point."""
     roll = [[0, 40], {"to": [0, 80], "centre": [0, 60], "turn": "left"},
             {"to": [0, 40], "centre": [0, 60], "turn": "left"}]  # fmt: skip
-    assert billet(profile=roll, position="touch").tools[0].centre[1] == pytest.approx(35.0, abs=1e-6)
+    assert start_centre(billet(profile=roll, position="touch").tools[0])[1] == pytest.approx(35.0, abs=1e-6)
     beside = [[30, 40], {"to": [30, 80], "centre": [30, 60], "turn": "left"},
               {"to": [30, 40], "centre": [30, 60], "turn": "left"}]  # fmt: skip
     motion = {"stroke": 1, "direction": [-1, 0]}

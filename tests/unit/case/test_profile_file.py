@@ -67,11 +67,13 @@ def test_file_is_found_beside_the_case_which_stays_runnable_from_anywhere(
     (tmp_path / "tools" / "punch.csv").write_text("0,1.5\n3,1.5\n")
     path = write_case((PROFILE, 'profile_file = "tools/punch.csv"\nunit = "cm"'))
     built = build_model(Case.from_toml(path))
-    np.testing.assert_allclose(built.tools[0].segments, [[30, 15, 0, 15, 0, 0, 0]])
+    np.testing.assert_allclose(built.tools[0].profile.segments, [[30, 15, 0, 15, 0, 0, 0]])
     elsewhere = tmp_path / "elsewhere" / "case.toml"
     elsewhere.parent.mkdir()
     elsewhere.write_text(built.case_text)
-    np.testing.assert_array_equal(build_model(Case.from_toml(elsewhere)).tools[0].segments, built.tools[0].segments)
+    np.testing.assert_array_equal(
+        build_model(Case.from_toml(elsewhere)).tools[0].profile.segments, built.tools[0].profile.segments
+    )
 
 
 def test_text_is_a_smooth_curve_unless_it_is_a_polyline(tmp_path: Path) -> None:

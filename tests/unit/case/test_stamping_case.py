@@ -13,7 +13,7 @@ import pytest
 from presswork.case import CaseError, StampingCase, build_model, describe, read_case
 from presswork.case.description.stamping import describe_stamping
 from presswork.geometry.polygon import polygon_area
-from presswork.model_stamping import StampingModel
+from presswork.model import Model
 from tests.unit.case import round_cup
 from tests.unit.case.round_cup import changed
 
@@ -26,11 +26,10 @@ CUP: dict[str, Any] = changed(
 )
 
 
-def build(**changes: Any) -> StampingModel:
+def build(**changes: Any) -> Model:
     """Build the cup with values changed: dots in a key are written as double underscores."""
     data = changed(CUP, *((path.replace("__", "."), value) for path, value in changes.items()))
     model = build_model(StampingCase.model_validate(data))
-    assert isinstance(model, StampingModel)
     return model
 
 
@@ -45,12 +44,12 @@ def test_model_holds_what_the_case_says() -> None:
     assert punch.position == (0, 0, 0.4), "tools just touch the sheet's faces"
     assert die.position == (0, 0, -0.4)
     assert holder.position == (0, 0, 0.4)
-    assert (punch.way, die.way, die.mu) == ((0, 0, -1), (0, 0, 1), 0.05)
+    assert (punch.way, die.way, die.friction.mu) == ((0, 0, -1), (0, 0, 1), 0.05)
     stage = model.stages[0]
     assert stage.duration == pytest.approx(0.01 / 0.9)
     assert stage.ramp == pytest.approx(0.1 * stage.duration)
-    assert stage.actions["punch"].stroke == 20
-    force = stage.actions["holder"].force
+    assert stage.tool_motion["punch"].move == (0, 0, -20)
+    force = stage.tool_motion["holder"].push.force
     assert force is not None
     assert force.tolist() == [[0.0, 10e3]]
     words = describe(model)
@@ -75,7 +74,12 @@ def test_a_gap_lifts_the_holder_off_the_die() -> None:
 
 
 def test_a_force_over_the_stroke_becomes_a_table() -> None:
-    force = build(stages__0__tools__holder={"force": [[0, "4 kN"], [15, "10 kN"]]}).stages[0].actions["holder"].force
+    force = (
+        build(stages__0__tools__holder={"force": [[0, "4 kN"], [15, "10 kN"]]})
+        .stages[0]
+        .tool_motion["holder"]
+        .push.force
+    )
     assert force is not None
     assert force.tolist() == [[0, 4e3], [0.75, 10e3]]
 
@@ -142,7 +146,7 @@ def test_bad_input_is_named(path, value, fragments) -> None:
 
 def test_a_punch_may_go_back_after_its_stroke() -> None:
     back = {"name": "lift", "tools": {"punch": {"stroke": -20}}}
-    assert build(stages=[*CUP["stages"], back]).stages[1].actions["punch"].stroke == -20
+    assert build(stages=[*CUP["stages"], back]).stages[1].tool_motion["punch"].move[2] == 20
 
 
 @pytest.mark.parametrize("missing", ["die", "holder"])
@@ -205,8 +209,7 @@ def test_library_materials_and_overrides_work(tmp_path: Path) -> None:
     (tmp_path / "cup.toml").write_text(tomli_w.dumps(data))
     case = read_case(tmp_path / "cup.toml", ["stages.0.tools.punch.stroke=5"])
     model = build_model(case)
-    assert isinstance(model, StampingModel)
-    assert model.stages[0].actions["punch"].stroke == 5
+    assert model.stages[0].tool_motion["punch"].move[2] == -5
     assert model.materials[model.mesh.blocks[0].material].young == pytest.approx(70e3)
     assert "stroke = 5" in model.case_text
 

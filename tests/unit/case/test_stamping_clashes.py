@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe
-from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch, triangulate
 from tests.unit.case.round_cup import CUP, changed
 
 DRAW = {"name": "draw", "tools": {"punch": {"stroke": 20}}}
@@ -114,7 +114,7 @@ def test_the_unit_suggested_for_a_tool_is_that_which_fits_the_blank(tmp_path) ->
 
 def write_closed_die(folder: Path) -> list[tuple[str, object]]:
     """A die from a file with a bottom 18 mm below its face: with a blank of 0.8 mm 18 mm of stroke are all there is."""
-    points, triangles = draw_die((26.25, 26.25), 26.25, 6.0, width=60.0, depth=18.0).triangulate(0.05)
+    points, triangles = triangulate(draw_die((26.25, 26.25), 26.25, 6.0, width=60.0, depth=18.0), 0.05)
     low = np.flatnonzero(points[:, 2] < -18 + 1e-6)
     order = low[np.argsort(np.arctan2(points[low, 1], points[low, 0]))]
     bottom = [[len(points), a, b] for a, b in zip(order, np.roll(order, -1), strict=True)]
@@ -159,7 +159,7 @@ def test_check_says_after_which_stroke_tools_close(tmp_path) -> None:
 
 
 def test_a_tool_from_a_file_has_the_symmetry_of_the_blank(tmp_path) -> None:
-    points, triangles = draw_punch((25, 25), 25, 5, 30).triangulate(0.05)
+    points, triangles = triangulate(draw_punch((25, 25), 25, 5, 30), 0.05)
     there = {"kind": "punch", **write_stl(tmp_path / "there.stl", points, triangles)}
     off = {"kind": "punch", **write_stl(tmp_path / "off.stl", points + np.array([0.4, 0, 0]), triangles)}
     build(("tools.punch", there))
@@ -168,7 +168,7 @@ def test_a_tool_from_a_file_has_the_symmetry_of_the_blank(tmp_path) -> None:
 
 
 def test_a_blank_larger_than_a_holder_from_a_file_is_refused(tmp_path) -> None:
-    points, triangles = draw_holder((27, 27), 27, 1, width=21, height=10).triangulate(0.05)
+    points, triangles = triangulate(draw_holder((27, 27), 27, 1, width=21, height=10), 0.05)
     holder = {"kind": "holder", **write_stl(tmp_path / "holder.stl", points, triangles)}
     refuse(
         ["tools.holder.path", "the blank is larger than the holder: it reaches 2 mm beyond"], ("tools.holder", holder)
@@ -178,7 +178,7 @@ def test_a_blank_larger_than_a_holder_from_a_file_is_refused(tmp_path) -> None:
 
 def test_a_mesh_too_coarse_for_the_radius_of_a_tool_from_a_file_is_told_as_for_a_drawn_one(tmp_path) -> None:
     """Elements of 6 mm round a radius of 5 mm, 7.85 mm of arc: 1.3 of them."""
-    points, triangles = draw_punch((25, 25), 25, 5, 30).triangulate(0.02)
+    points, triangles = triangulate(draw_punch((25, 25), 25, 5, 30), 0.02)
     from_file = ("tools.punch", {"kind": "punch", **write_stl(tmp_path / "punch.stl", points, triangles)})
     for changes in ([], [from_file]):
         said = describe(build_model(StampingCase.model_validate(changed(CUP, *changes))))

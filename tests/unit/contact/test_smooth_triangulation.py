@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.geometry.swept_tool import SweptTool, draw_die, draw_hemispherical_punch, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_punch, triangulate
+from presswork.geometry.tool_surface import make_surface
+from presswork.model import SweptProfile
 
 CHORDS = 0.05
 """How far the triangles are off the tool at most [mm]."""
@@ -16,18 +18,18 @@ TOOLS = {
 }
 
 
-def cut(tool: SweptTool) -> tuple[_core.ToolSurface, _core.ToolSurface]:
+def cut(tool: SweptProfile) -> tuple[_core.ToolSurface, _core.ToolSurface]:
     """Return the tool's triangles, as they are and rounded off."""
-    points, triangles = tool.triangulate(CHORDS)
+    points, triangles = triangulate(tool, CHORDS)
     flat, smooth = (_core.ToolSurface.triangles(points, triangles, smooth=s) for s in (False, True))
     return flat, smooth
 
 
-def nodes_near(tool: SweptTool, n: int = 4000) -> np.ndarray:
+def nodes_near(tool: SweptProfile, n: int = 4000) -> np.ndarray:
     """Return places where the middle of a sheet may lie, some of them pressed into the tool."""
     rng = np.random.default_rng(6)
     around = np.column_stack([rng.uniform(-35.0, 35.0, (n, 2)), rng.uniform(-8.0, 12.0, n)])
-    _, normal, place, _ = tool.surface().nearest(around)
+    _, normal, place, _ = make_surface(tool).nearest(around)
     return place + rng.uniform(-0.1, 0.5, n)[:, None] * normal
 
 
@@ -35,7 +37,7 @@ def nodes_near(tool: SweptTool, n: int = 4000) -> np.ndarray:
 def test_gap_and_normal_are_those_of_the_tool_not_of_its_chords(name: str) -> None:
     flat, smooth = cut(TOOLS[name])
     x = nodes_near(TOOLS[name])
-    gap, normal, _, _ = TOOLS[name].surface().nearest(x)
+    gap, normal, _, _ = make_surface(TOOLS[name]).nearest(x)
     off = [np.abs(surface.nearest(x)[0] - gap).max() for surface in (flat, smooth)]
     assert off[0] > 0.3 * CHORDS
     assert off[1] < 0.05 * CHORDS

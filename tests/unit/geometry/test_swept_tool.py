@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.geometry.swept_tool import SweptTool, draw_die, draw_hemispherical_punch, draw_holder, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_holder, draw_punch, triangulate
+from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.topology import find_boundary_edges
+from presswork.model import SweptProfile
 
 INF = math.inf
 TOOLS = {
@@ -37,8 +39,8 @@ def test_thesis_punch_and_die_have_their_clearance() -> None:
     corner = 15.5 + 10.0 * np.column_stack([np.cos(angle), np.sin(angle)])
     wall = np.concatenate([corner, [[25.5, 3.0], [-7.0, 25.5]]])
     x = np.column_stack([wall, np.full(len(wall), -10.0)])
-    np.testing.assert_allclose(die.surface().nearest(x)[0], 1.5, atol=1e-12)
-    np.testing.assert_allclose(punch.surface().nearest(x + np.array([0.0, 0.0, 20.0]))[0], 0.0, atol=1e-12)
+    np.testing.assert_allclose(make_surface(die).nearest(x)[0], 1.5, atol=1e-12)
+    np.testing.assert_allclose(make_surface(punch).nearest(x + np.array([0.0, 0.0, 20.0]))[0], 0.0, atol=1e-12)
 
 
 def test_plan_may_be_the_inner_curve_of_the_drawing() -> None:
@@ -46,9 +48,9 @@ def test_plan_may_be_the_inner_curve_of_the_drawing() -> None:
     outer = draw_punch((25.5, 25.5), 10.0, 4.0, 30.0)
     segments = outer.segments.copy()
     segments[:, [0, 2, 4]] += 4.0
-    inner = SweptTool((21.5, 21.5), 6.0, segments)
+    inner = SweptProfile((21.5, 21.5), 6.0, segments)
     x = np.random.default_rng(3).uniform(-30.0, 30.0, (1000, 3))
-    for one, other in zip(outer.surface().nearest(x)[:3], inner.surface().nearest(x)[:3], strict=True):
+    for one, other in zip(make_surface(outer).nearest(x)[:3], make_surface(inner).nearest(x)[:3], strict=True):
         np.testing.assert_allclose(one, other, atol=1e-12)
 
 
@@ -69,7 +71,7 @@ def test_plan_may_be_the_inner_curve_of_the_drawing() -> None:
     ],
 )
 def test_free_space_is_where_the_sheet_is(tool: str, free: tuple[float, ...], gap: float, normal: tuple) -> None:
-    found, direction, _, _ = TOOLS[tool].surface().nearest(np.array([free]))
+    found, direction, _, _ = make_surface(TOOLS[tool]).nearest(np.array([free]))
     assert found[0] == pytest.approx(gap)
     np.testing.assert_allclose(direction[0], normal, atol=1e-12)
 
@@ -78,8 +80,8 @@ def test_free_space_is_where_the_sheet_is(tool: str, free: tuple[float, ...], ga
 @pytest.mark.parametrize("name", TOOLS)
 def test_triangles_keep_the_tolerance_and_the_side(name: str, size: float) -> None:
     tool, tolerance = TOOLS[name], 0.02
-    points, triangles = tool.triangulate(tolerance, size=size)
-    surface = tool.surface()
+    points, triangles = triangulate(tool, tolerance, size=size)
+    surface = make_surface(tool)
     normal, middle = normals_and_middles(points, triangles)
     edges = 0.5 * (points[triangles] + points[np.roll(triangles, 1, axis=1)]).reshape(-1, 3)
     np.testing.assert_allclose(surface.nearest(points)[0], 0.0, atol=1e-9)
@@ -92,7 +94,7 @@ def test_triangles_keep_the_tolerance_and_the_side(name: str, size: float) -> No
 
 @pytest.mark.parametrize(("name", "rims"), [("punch", 1), ("die", 2), ("holder", 2), ("hemisphere", 1)])
 def test_triangles_leave_no_hole(name: str, rims: int) -> None:
-    points, triangles = TOOLS[name].triangulate(0.05, size=4.0)
+    points, triangles = triangulate(TOOLS[name], 0.05, size=4.0)
     _core.ToolSurface.triangles(points, triangles)  # wound alike, no edge with three triangles
     rim = find_boundary_edges([triangles])
     after = dict(rim.tolist())
@@ -108,7 +110,7 @@ def test_triangles_leave_no_hole(name: str, rims: int) -> None:
 def test_triangles_approach_the_surface_with_the_square_of_their_size() -> None:
     """Two independent kinds of surface agree, gap and normal, the better the finer the triangles."""
     tool = draw_punch((25.5, 20.0), 10.0, 4.0, 30.0)
-    smooth = tool.surface()
+    smooth = make_surface(tool)
     rng = np.random.default_rng(1)
     x = np.column_stack([rng.uniform(-28, 28, 4000), rng.uniform(-23, 23, 4000), rng.uniform(-2.0, 12.0, 4000)])
     gap, normal, _, _ = smooth.nearest(x, 2.0)
@@ -116,7 +118,7 @@ def test_triangles_approach_the_surface_with_the_square_of_their_size() -> None:
     x, gap, normal = x[near], gap[near], normal[near]
     worst, slant = [], []
     for tolerance in (0.04, 0.01, 0.0025):
-        points, triangles = tool.triangulate(tolerance)
+        points, triangles = triangulate(tool, tolerance)
         faceted = _core.ToolSurface.triangles(points, triangles).nearest(x)
         worst.append(np.abs(faceted[0] - gap).max())
         slant.append(np.abs(faceted[1] - normal).max())

@@ -6,14 +6,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from presswork.geometry.swept_tool import draw_punch
+from presswork.geometry.swept_tool import draw_punch, triangulate
 from presswork.geometry.tool_radius import find_least_radius
 
 
 @pytest.mark.parametrize("radius", [2.0, 5.0, 10.0])
 @pytest.mark.parametrize("within", [0.1, 0.01])
 def test_the_edge_radius_of_a_round_punch_is_found(radius: float, within: float) -> None:
-    points, triangles = draw_punch((25.0, 25.0), 25.0, radius, 30.0).triangulate(within)
+    points, triangles = triangulate(draw_punch((25.0, 25.0), 25.0, radius, 30.0), within)
     found = find_least_radius(points, triangles, length=20.0)
     assert radius / 1.25 < found < 1.25 * radius
 

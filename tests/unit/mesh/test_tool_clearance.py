@@ -8,7 +8,7 @@ import pytest
 
 from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch
 from presswork.mesh.tool_clearance import find_clearance
-from presswork.mesh.tool_file import TriangulatedTool
+from presswork.model import Triangulation
 
 DOWN = np.array([0.0, 0.0, -1.0])
 DIE = draw_die((20.0, 20.0), 20.0, 5.0, width=40.0, depth=30.0)
@@ -16,12 +16,12 @@ HOLDER = draw_holder((21.0, 21.0), 21.0, 1.0, width=40.0, height=30.0)
 PUNCH = draw_punch((18.0, 18.0), 18.0, 4.0, 40.0)
 
 
-def plane(angle: float, up: bool, half: float = 20.0) -> TriangulatedTool:
+def plane(angle: float, up: bool, half: float = 20.0) -> Triangulation:
     """A square seen from above, tilted about y by an angle [degrees]; metal below (up) or above."""
     xy = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
     points = np.column_stack([xy, math.tan(math.radians(angle)) * xy[:, 0]])
     triangles = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
-    return TriangulatedTool(points, triangles if up else np.ascontiguousarray(triangles[:, ::-1]), False)
+    return Triangulation(points, triangles if up else np.ascontiguousarray(triangles[:, ::-1]), False)
 
 
 @pytest.mark.parametrize("start", [0.3, 1.6, 25.0])

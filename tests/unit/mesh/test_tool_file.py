@@ -7,7 +7,8 @@ import meshio
 import numpy as np
 import pytest
 
-from presswork.geometry.swept_tool import draw_die, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_punch, triangulate
+from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.checks import MeshError
 from presswork.mesh.tool_file import read_tool
 from tests.unit.contact.shapes import box_distance, box_triangles
@@ -44,14 +45,14 @@ def test_binary_stl_is_read_whatever_its_header(stl: Path, header: bytes) -> Non
     tool, notes = read_tool(write_binary(stl, header), closed=True)
     assert notes == ()
     assert tool.is_closed
-    np.testing.assert_allclose(tool.surface().nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
+    np.testing.assert_allclose(make_surface(tool).nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
 
 
 def test_ascii_stl_is_read_and_scaled(stl: Path) -> None:
     tool, notes = read_tool(write_stl(stl, POINTS / 25.4, BOX), scale=25.4, closed=True)
     assert notes == ()
     assert len(tool.points) == 8
-    np.testing.assert_allclose(tool.surface().nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
+    np.testing.assert_allclose(make_surface(tool).nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
 
 
 def test_quadrilaterals_and_triangles_of_a_mesh_file_are_read(tmp_path: Path) -> None:
@@ -61,7 +62,7 @@ def test_quadrilaterals_and_triangles_of_a_mesh_file_are_read(tmp_path: Path) ->
     meshio.vtk.write(str(path), mesh)
     tool, notes = read_tool(path, closed=True)
     assert notes == ()
-    np.testing.assert_allclose(tool.surface().nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
+    np.testing.assert_allclose(make_surface(tool).nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
 
 
 def test_abaqus_shells_are_read(tmp_path: Path) -> None:
@@ -70,7 +71,7 @@ def test_abaqus_shells_are_read(tmp_path: Path) -> None:
     path = tmp_path / "tool.inp"
     path.write_text(f"*Node\n{nodes}\n*Element, type=S3\n{cells}\n")
     tool, _ = read_tool(path, closed=True)
-    np.testing.assert_allclose(tool.surface().nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
+    np.testing.assert_allclose(make_surface(tool).nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
 
 
 def test_points_nearly_the_same_are_merged(stl: Path) -> None:
@@ -85,13 +86,13 @@ def test_flipped_facets_are_turned_over_and_said(stl: Path) -> None:
     tool, notes = read_tool(write_stl(stl, POINTS, wrong), closed=True)
     assert len(notes) == 1
     assert "2 of 12 facets are wound against their neighbours, the first near (" in notes[0]
-    np.testing.assert_allclose(tool.surface().nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
+    np.testing.assert_allclose(make_surface(tool).nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
 
 
 def test_closed_surface_inside_out_is_turned_over_and_said(stl: Path) -> None:
     tool, notes = read_tool(write_stl(stl, POINTS, BOX[:, ::-1]))
     assert notes == ("the normals of 12 facets point into the metal: turned over",)
-    np.testing.assert_allclose(tool.surface().nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
+    np.testing.assert_allclose(make_surface(tool).nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
 
 
 def test_hole_in_a_closed_surface_is_refused_with_its_place(stl: Path) -> None:
@@ -104,14 +105,14 @@ def test_hole_in_a_closed_surface_is_refused_with_its_place(stl: Path) -> None:
 
 
 def test_die_face_is_turned_towards_the_sheet(stl: Path) -> None:
-    points, triangles = draw_die((27.0, 27.0), 11.5, 4.0, width=40.0, depth=30.0).triangulate(0.1)
+    points, triangles = triangulate(draw_die((27.0, 27.0), 11.5, 4.0, width=40.0, depth=30.0), 0.1)
     path = write_stl(stl, points, triangles[:, ::-1])
     tool, notes = read_tool(path, facing=(0.0, 0.0, 1.0))
     assert "2 open rims" in notes[0]
     assert notes[0].endswith("the sheet passes through those that are holes")
     assert notes[1] == f"the normals of {len(triangles)} facets point into the metal: turned over"
     above = np.array([[40.0, 0.0, 0.5], [40.0, 0.0, -0.5]])
-    np.testing.assert_allclose(tool.surface(5.0).nearest(above)[0], [0.5, -0.5], atol=1e-9)
+    np.testing.assert_allclose(make_surface(tool, 5.0).nearest(above)[0], [0.5, -0.5], atol=1e-9)
     assert read_tool(path, facing=(0.0, 0.0, -1.0))[1] == notes[:1]
     with pytest.raises(MeshError, match="faces neither along \\(1, 0, 0\\) nor against it"):
         read_tool(path, facing=(1.0, 0.0, 0.0))
@@ -130,7 +131,7 @@ def test_facets_without_area_leave_no_seam(stl: Path) -> None:
     tool, notes = read_tool(write_stl(stl, points, triangles), closed=True)
     assert len(notes) == 1
     assert "2 facets have no area, the first is facet 14 near (" in notes[0]
-    np.testing.assert_allclose(tool.surface().nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
+    np.testing.assert_allclose(make_surface(tool).nearest(WHERE)[0], box_distance(WHERE, HALF), atol=1e-12)
 
 
 def test_doubled_facets_are_dropped_and_said(stl: Path) -> None:
@@ -153,7 +154,7 @@ def test_two_parts_are_said_and_keep_their_own_sides(stl: Path) -> None:
     assert "2 parts that share no edge (12 facets in x -20 to 20, y -15 to 15, z -10 to 10; 12 facets in x" in notes[0]
     assert notes[1] == "the normals of 12 facets point into the metal: turned over"
     both = np.minimum(box_distance(WHERE, HALF), box_distance(WHERE - 2.0 * np.array(HALF), HALF))
-    np.testing.assert_allclose(tool.surface().nearest(WHERE)[0], both, atol=1e-12)
+    np.testing.assert_allclose(make_surface(tool).nearest(WHERE)[0], both, atol=1e-12)
 
 
 def test_band_with_one_side_is_refused(stl: Path) -> None:
@@ -197,13 +198,13 @@ def test_file_cut_short_is_refused(stl: Path) -> None:
 
 def test_surface_written_and_read_is_the_same(stl: Path) -> None:
     drawn = draw_punch((25.5, 20.0), 10.0, 4.0, 30.0)
-    points, triangles = drawn.triangulate(0.02)
+    points, triangles = triangulate(drawn, 0.02)
     tool, notes = read_tool(write_stl(stl, points, triangles), facing=(0.0, 0.0, -1.0))
     assert len(notes) == 1  # its open top
     assert len(tool.triangles) == len(triangles)
-    gap = drawn.surface().nearest(WHERE)[0]
+    gap = make_surface(drawn).nearest(WHERE)[0]
     near = np.abs(gap) < 3.0
-    assert np.abs(tool.surface().nearest(WHERE)[0] - gap)[near].max() < 0.02
+    assert np.abs(make_surface(tool).nearest(WHERE)[0] - gap)[near].max() < 0.02
 
 
 @pytest.mark.parametrize("scale", [1e3, 1e-3])

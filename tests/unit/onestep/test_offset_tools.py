@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.tool_file import read_tool
 from presswork.model import FloatArray
 from presswork.model_onestep import OneStepModel
@@ -91,7 +92,7 @@ def test_punch_in_the_die_leaves_the_sheet_its_room(made, tmp_path) -> None:
         facing = (0.0, 0.0, 1.0 if tool.kind == "die" else -1.0)
         read[tool.kind], notes = read_tool(tmp_path / f"{tool.kind}.stl", facing=facing)
         assert not any("turned over" in note or "no area" in note for note in notes), notes
-    gap = read["die"].surface().nearest(read["punch"].points)[0]
+    gap = make_surface(read["die"]).nearest(read["punch"].points)[0]
     assert gap.min() > T, "facets lie nearer than the arcs that they stand for"
     low = read["punch"].points[:, 2] < DEPTH / 2
     assert gap[low].max() < (1.0 + 2.0 * CLEARANCE) * T

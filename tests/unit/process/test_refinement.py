@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from presswork.geometry.swept_tool import draw_hemispherical_punch
+from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.split import SplitMesh
-from presswork.model import FloatArray
-from presswork.model_stamping import Refinement
+from presswork.model import FloatArray, Refinement
 from presswork.process.refinement import PlacedTool, bend_angles, choose_shells, place_nodes, tool_angles
 
-NOWHERE = PlacedTool(draw_hemispherical_punch(20.0, 30.0).surface(), np.array([0.0, 0.0, 1e3]))
+NOWHERE = PlacedTool(make_surface(draw_hemispherical_punch(20.0, 30.0)), np.array([0.0, 0.0, 1e3]))
 
 
 def sheet(n: int, size: float) -> tuple[SplitMesh, FloatArray]:
@@ -60,7 +60,7 @@ def test_a_tool_is_seen_where_it_is_nearly_touched_and_turns() -> None:
     """A hemisphere of radius 20 mm that touches the middle of a flat sheet: near the pole it turns by side over radius,
     and beyond where the gap is a side there is nothing to see."""
     mesh, points = sheet(12, 1.0)
-    tool = PlacedTool(draw_hemispherical_punch(20.0, 30.0).surface(), np.array([0.0, 0.0, 0.25]))
+    tool = PlacedTool(make_surface(draw_hemispherical_punch(20.0, 30.0)), np.array([0.0, 0.0, 0.25]))
     angles = tool_angles(mesh, points, np.full(len(mesh.cells), 0.5), tool)
     radius = np.linalg.norm(points[mesh.cells].mean(axis=1), axis=1)
     near = radius < 5.0  # gap 0.25 + 25/40
@@ -88,7 +88,7 @@ def test_new_nodes_are_as_deep_in_a_tool_as_their_parents() -> None:
     """A flat sheet pressed by 0.01 mm into the pole of a hemisphere, and a coarse mesh round one."""
     mesh, points = sheet(8, 1.0)
     points[:, :2] -= 4.0
-    tool = PlacedTool(draw_hemispherical_punch(50.0, 60.0).surface(), np.array([0.0, 0.0, 0.0]))
+    tool = PlacedTool(make_surface(draw_hemispherical_punch(50.0, 60.0)), np.array([0.0, 0.0, 0.0]))
     depth = 0.01
     points[:, 2] = 50.0 - np.sqrt((50.0 + 0.25 - depth) ** 2 - points[:, 0] ** 2 - points[:, 1] ** 2)
     step = mesh.split(np.ones(64, dtype=bool))

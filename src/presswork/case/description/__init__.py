@@ -13,18 +13,18 @@ from presswork.case.description.explicit import describe_explicit
 from presswork.case.description.material import describe_material
 from presswork.case.description.shell import describe_sheet, describe_sheet_loads
 from presswork.geometry.crossing import bound_segments
+from presswork.geometry.pose import start_profile
 from presswork.memory import available_memory, estimate_memory
 from presswork.model_onestep import OneStepModel
-from presswork.model_stamping import AnyModel, StampingModel
 
 
-def describe(problem: AnyModel | OneStepModel) -> str:
+def describe(problem: model.Model | OneStepModel) -> str:
     """Describe a Model in words, a line per fact, with an estimate of what computing it takes."""
     if isinstance(problem, OneStepModel):
         from presswork.case.description.onestep import describe_onestep
 
         return "\n".join([problem.title, *describe_onestep(problem)])
-    if isinstance(problem, StampingModel):
+    if problem.analysis == "stamping":
         from presswork.case.description.stamping import describe_stamping
 
         return "\n".join([problem.title, *describe_stamping(problem), _describe_memory(problem)])
@@ -38,7 +38,7 @@ def describe(problem: AnyModel | OneStepModel) -> str:
             f'stage {number} "{stage.name}", {stage.duration:g} s:',
             *(f"  {line}" for line in _describe_stage(stage)),
         ]
-    if problem.explicit is not None:
+    if isinstance(problem.explicit, model.ExplicitSolid):
         return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
     lines += [f"output: {_describe_settings(problem.output, model.OutputSettings())}"]
@@ -90,26 +90,27 @@ def _describe_space_solid(problem: model.Model) -> Iterator[str]:
 
 
 def _describe_tool(tool: model.Tool) -> str:
-    n_arcs = int(np.count_nonzero(tool.segments[:, 6]))
-    counts = [(len(tool.segments) - n_arcs, "line"), (n_arcs, "arc")]
+    segments = start_profile(tool)
+    n_arcs = int(np.count_nonzero(segments[:, 6]))
+    counts = [(len(segments) - n_arcs, "line"), (n_arcs, "arc")]
     shape = " and ".join(f"{count} {word}{'s' if count > 1 else ''}" for count, word in counts if count)
     mirrors = [axis for axis, mirrored in zip("xy", tool.mirrored_across, strict=True) if mirrored]
     twice = f", whole tool mirrored across the symmetry plane normal to {' and '.join(mirrors)}" if mirrors else ""
-    start, end = tool.segments[0, :2], tool.segments[-1, 2:4]
+    start, end = segments[0, :2], segments[-1, 2:4]
     spring = ""
     if tool.spring:
         x, y = tool.spring.direction
         spring = f", gives along ({x:g}, {y:g}) with {tool.spring.preload:g} N + {tool.spring.stiffness:g} N/mm"
-    low, high = bound_segments(tool.segments)
+    low, high = bound_segments(segments)
     extent = f"x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm"
     ends = f"from ({start[0]:g}, {start[1]:g}) to ({end[0]:g}, {end[1]:g})"
-    return f"{shape} {ends}, {extent}, {tool.contact}{_describe_friction(tool)}{twice}{spring}"
+    return f"{shape} {ends}, {extent}, {tool.friction.law}{_describe_friction(tool)}{twice}{spring}"
 
 
 def _describe_friction(tool: model.Tool) -> str:
     """Name the friction of a tool, every value of one that varies."""
     laws = {"shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu")}
-    values = [(symbol, np.unique(getattr(tool, symbol))) for symbol in laws.get(tool.contact, ())]
+    values = [(symbol, np.unique(getattr(tool.friction, symbol))) for symbol in laws.get(tool.friction.law, ())]
     return "".join(f", {symbol} = {' and '.join(f'{value:g}' for value in found)}" for symbol, found in values)
 
 
@@ -134,9 +135,9 @@ def _describe_stage(stage: model.Stage) -> Iterator[str]:
             yield f"tool {name} starts where it touches the workpiece"
         elif motion.start is not None:
             yield f"tool {name} starts at ({motion.start[0]:g}, {motion.start[1]:g}) mm"
-        if motion.force is not None:
-            x, y = motion.direction
-            yield f"tool {name} pushes along ({x:g}, {y:g}), with {motion.force:g} N at the end"
+        if motion.push is not None:
+            x, y, *_ = motion.push.direction
+            yield f"tool {name} pushes along ({x:g}, {y:g}), with {motion.push.force[-1, 1]:g} N at the end"
         if any(motion.move):
             yield f"tool {name} moves by ({motion.move[0]:g}, {motion.move[1]:g}) mm"
         if motion.turn:
@@ -187,7 +188,7 @@ def _warn_of_steps(problem: model.Model) -> Iterator[str]:
         )
 
 
-def _describe_memory(problem: AnyModel) -> str:
+def _describe_memory(problem: model.Model) -> str:
     """Say how much memory the problem takes, beside what is free here."""
     needed, there = estimate_memory(problem), available_memory()
     return f"memory: about {needed / 1e6:,.0f} MB (an estimate) of {there / 1e6:,.0f} MB that are free on this machine"

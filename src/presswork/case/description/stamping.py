@@ -10,11 +10,10 @@ import numpy as np
 
 from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.stamping.clashes import find_closing_stroke
-from presswork.geometry.swept_tool import SweptTool
 from presswork.geometry.tool_radius import find_least_radius
+from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.flange import find_held_area
-from presswork.model import FloatArray
-from presswork.model_stamping import StampingModel, StampingStage, StampingTool
+from presswork.model import ExplicitSheet, FloatArray, Model, Stage, SweptProfile, Tool, Triangulation
 
 EDGE = 5.0
 """Elements along an edge of a tool from which on its radius counts."""
@@ -30,14 +29,15 @@ WAVE = 0.85
 """Stable step over shortest side/wave speed, about."""
 
 
-def describe_stamping(problem: StampingModel) -> Iterator[str]:
+def describe_stamping(problem: Model) -> Iterator[str]:
     """Describe blank, materials, tools, stages and the time that computing takes, a line per fact."""
     mesh = problem.mesh
     section, material = problem.sheet
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     planes = [f"{axis} = 0" for axis, is_cut in zip("xy", problem.symmetry, strict=True) if is_cut]
     part = f"cut by the symmetry planes {' and '.join(planes)}; forces are those of the whole" if planes else "whole"
-    yield f"analysis: stamping, {problem.procedure} procedure"
+    explicit = problem.explicit
+    yield f"analysis: stamping, {'implicit' if explicit is None else 'explicit'} procedure"
     yield f"blank: x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm, {part}"
     yield f"sheet: {section.thickness:g} mm of {material.name}, {section.points} {section.rule.capitalize()} points"
     angle = np.degrees(np.arctan2(problem.rolling_direction[1], problem.rolling_direction[0]))
@@ -57,10 +57,10 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
     for tool in problem.tools:
         yield f"tool {tool.name}: {_describe_tool(tool)}"
     for bead in problem.beads:
-        length = problem.whole * float(bead.line.length.sum())
+        length = problem.whole * float(bead.length.sum())
         closing = f", {bead.closing_force:g} N/mm to close it" if bead.closing_force else ""
-        stages = ", ".join(bead.stages) or "no stage"
-        yield f"{bead.line.name}: {length:.4g} mm, {bead.line.force:g} N/mm{closing}, in {stages}"
+        stages = ", ".join(s.name for s in problem.stages if s.bead_share[bead.name][:, 1].any()) or "no stage"
+        yield f"{bead.name}: {length:.4g} mm, {bead.force:g} N/mm{closing}, in {stages}"
     yield from _describe_closing(problem)
     yield from _hint_at_coarse_mesh(problem)
     for support in problem.supports:
@@ -75,17 +75,18 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
         yield f"then trim {line.name}: what lies {line.keep} of a line over {reach} stays"
     if problem.springback is not None:
         yield f"then springback: tools and boundaries away, implicit, in {problem.springback.increments} increments"
-    if problem.procedure == "implicit":
-        settings = problem.implicit
+    if explicit is None:
+        settings = problem.solver
         yield (
             f"increments: {settings.min_increment:g} to {settings.max_increment:g} of a stage, cut back and grown by "
             f"the iterations they take; {6 * len(mesh.points)} freedoms"
         )
         return
     speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
-    step = problem.explicit.target_step or problem.explicit.safety * WAVE * shortest * finest / speed
+    assert isinstance(explicit, ExplicitSheet)
+    step = explicit.target_step or explicit.safety * WAVE * shortest * finest / speed
     cycles = sum(stage.duration for stage in problem.stages) / step
-    how = "by mass scaling" if problem.explicit.target_step else "without mass scaling"
+    how = "by mass scaling" if explicit.target_step else "without mass scaling"
     seconds = cycles * len(problem.cells) * SECONDS
     split = f", up to {1 / finest**2:g} times as long where all is split" if problem.refinement else ""
     time = f"about {seconds:.2g} s on one core (an estimate){split}"
@@ -94,7 +95,7 @@ def describe_stamping(problem: StampingModel) -> Iterator[str]:
         yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
 
 
-def _describe_closing(problem: StampingModel) -> Iterator[str]:
+def _describe_closing(problem: Model) -> Iterator[str]:
     """Say after which stroke tools from files close on the sheet."""
     for punch, die in itertools.product(problem.tools, problem.tools):
         if (punch.kind, die.kind) != ("punch", "die"):
@@ -108,12 +109,12 @@ def _describe_closing(problem: StampingModel) -> Iterator[str]:
             )
 
 
-def _finest(problem: StampingModel) -> float:
+def _finest(problem: Model) -> float:
     """Return the side of the smallest shells that there may be, over that at the start."""
     return 0.5**problem.refinement.levels if problem.refinement else 1.0
 
 
-def _hint_at_coarse_mesh(problem: StampingModel) -> Iterator[str]:
+def _hint_at_coarse_mesh(problem: Model) -> Iterator[str]:
     """Say where a sheet is bent round a radius by too few elements."""
     size = _finest(problem) * float(np.median(_measure_sides(problem)))
     for tool in problem.tools:
@@ -125,66 +126,71 @@ def _hint_at_coarse_mesh(problem: StampingModel) -> Iterator[str]:
                 advice = f"elements of {wanted:.2g} mm would be {ELEMENTS_ROUND_AN_EDGE}"
                 if radius < SHARPEST * size:
                     advice = "the tool has sharp edges there: round them, or leave away what does not touch the sheet"
-                least = "" if isinstance(tool.shape, SweptTool) else f", whose least radius is about {radius:.2g} mm"
+                least = "" if isinstance(tool.shape, SweptProfile) else f", whose least radius is about {radius:.2g} mm"
                 yield f"hint: {count:.2g} elements round the edge of {tool.name}{least}; {advice}"
 
 
-def _least_radius(problem: StampingModel, tool: StampingTool, size: float) -> float:
+def _least_radius(problem: Model, tool: Tool, size: float) -> float:
     """Return the edge radius of a drawn tool, or the least one of a tool from a file beside the blank [mm]."""
-    if isinstance(tool.shape, SweptTool):
+    if isinstance(tool.shape, SweptProfile):
         return _edge_radius(tool.shape)
     blank = problem.mesh.points[:, :2]
     reach = np.abs(blank).max(axis=0) if any(problem.symmetry) else np.zeros(2)
     low, high = np.minimum(blank.min(axis=0), -reach), np.maximum(blank.max(axis=0), reach)
+    assert isinstance(tool.shape, Triangulation)
     corners = tool.shape.points[tool.shape.triangles] + np.asarray(tool.position)
     beside = ((corners[..., :2] >= low) & (corners[..., :2] <= high)).all(axis=(1, 2))
     return find_least_radius(tool.shape.points, tool.shape.triangles[beside], EDGE * size)
 
 
-def _edge_radius(shape: SweptTool) -> float:
+def _edge_radius(shape: SweptProfile) -> float:
     """Return the radius of the profile's first arc [mm]; 0 without one."""
     arcs = shape.segments[shape.segments[:, 6] != 0]
     return float(np.hypot(*(arcs[0, :2] - arcs[0, 4:6]))) if len(arcs) else 0.0
 
 
-def _measure_sides(problem: StampingModel) -> FloatArray:
+def _measure_sides(problem: Model) -> FloatArray:
     """Return the lengths of the cells' sides (n,) [mm]."""
     corners = [problem.mesh.points[block.connectivity] for block in problem.mesh.blocks]
     return np.concatenate([np.linalg.norm(c - np.roll(c, 1, axis=1), axis=2).ravel() for c in corners])
 
 
-def _describe_ironing(problem: StampingModel) -> str:
+def _describe_ironing(problem: Model) -> str:
     """Say what becomes of a sheet that is thicker than the room between two tools."""
-    if problem.procedure == "explicit" and problem.explicit.ironing:
+    explicit = problem.explicit
+    if isinstance(explicit, ExplicitSheet) and explicit.ironing:
         return "two tools that leave the sheet less room than it is thick squeeze it thinner"
-    why = "switched off" if problem.procedure == "explicit" else "the implicit procedure does not offer it"
+    why = "switched off" if explicit is not None else "the implicit procedure does not offer it"
     return f"none, {why}: tools sink into a sheet that is thicker than the room between them, at forces no press has"
 
 
-def _describe_tool(tool: StampingTool) -> str:
+def _describe_tool(tool: Tool) -> str:
     x, y, z = tool.position
-    if isinstance(tool.shape, SweptTool):
+    if isinstance(tool.shape, SweptProfile):
         widths = " x ".join(f"{2 * w:g}" for w in tool.shape.half_widths)
         edge = _edge_radius(tool.shape)
         shape = f"{widths} mm, corners {tool.shape.corner_radius:g} mm, edge radius {edge:g} mm"
     else:
+        assert isinstance(tool.shape, Triangulation)
         shape = f"{len(tool.shape.triangles)} triangles"
-    return f"{tool.kind}, {shape}, at ({x:g}, {y:g}, {z:g}) mm, friction {tool.mu:g}"
+    return f"{tool.kind}, {shape}, at ({x:g}, {y:g}, {z:g}) mm, friction {tool.friction.mu:g}"
 
 
-def _describe_stage(problem: StampingModel, stage: StampingStage) -> Iterator[str]:
+def _describe_stage(problem: Model, stage: Stage) -> Iterator[str]:
     holders = {tool.name: tool for tool in problem.tools if tool.kind == "holder"}
-    for name, action in stage.actions.items():
-        if action.force is None:
-            speed = abs(action.stroke) / (stage.duration - stage.ramp)
-            yield f"{name} moves by {action.stroke:g} mm, at {speed:.4g} mm/s"
+    ways = {tool.name: tool.way for tool in problem.tools}
+    for name, motion in stage.tool_motion.items():
+        if motion.push is None:
+            stroke = float(np.dot(motion.move, ways[name] or (0.0, 0.0, 0.0)))
+            speed = abs(stroke) / (stage.duration - stage.ramp)
+            yield f"{name} moves by {stroke:g} mm, at {speed:.4g} mm/s"
         else:
-            forces = action.force[:, 1]
+            forces = motion.push.force[:, 1]
             span = f"{forces[0]:g} N" if len(forces) == 1 else f"{forces.min():g} to {forces.max():g} N over the stroke"
             pressure = ""
             if name in holders:
                 at = holders[name]
-                area = find_held_area(problem.mesh, at.shape.surface(), at.position) * problem.whole
+                area = find_held_area(problem.mesh, make_surface(at.surface), at.position) * problem.whole
                 pressure = f", at most {forces.max() / area:.3g} MPa on the flange as it starts" if area > 0 else ""
             yield f"{name} pushes with {span}{pressure}"
     for p in stage.prescribed:

@@ -153,9 +153,9 @@ def _check_apart(
 
 def _measure_travel(case: schema.Case) -> float:
     """Return the sum of all motions of the case [mm]."""
-    tools = [motion.build().move for stage in case.stages for motion in stage.tools.values()]
+    tools = [motion.build().move[:2] for stage in case.stages for motion in stage.tools.values()]
     nodes = [abs(entry.value) for stage in case.stages for entry in stage.displacement]
-    return float(sum(np.hypot(*move) for move in tools) + sum(nodes))
+    return float(sum(np.linalg.norm(move) for move in tools) + sum(nodes))
 
 
 def measure_distance_to_body(

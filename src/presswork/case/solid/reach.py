@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from presswork import _core
 from presswork.case.errors import Problem
+from presswork.geometry.pose import start_profile
 from presswork.model import FloatArray, Mesh, Stage, Support, Tool, ToolMotion
 
 BoolArray = NDArray[np.bool_]
@@ -78,11 +79,11 @@ def check_room(
     problems = []
     for tool in tools:
         motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
-        if tool.spring is not None or any(m.turn or m.force is not None or m.start is not None for m in motions):
+        if tool.spring is not None or any(m.turn or m.push is not None or m.start is not None for m in motions):
             continue
         place, nodes = np.zeros(2), mesh.points[chosen]
         free = _gap_to_held(tool, nodes, held[chosen], place) > tolerance
-        for index, move in enumerate(np.array(motion.move) for motion in motions):
+        for index, move in enumerate(np.array(motion.move[:2]) for motion in motions):
             if _is_driven_through(tool, nodes[free], held[chosen][free], place + move, tolerance):
                 problems.append(_explain_room(tool, index, nodes[free], held[chosen][free], place, move, tolerance))
                 break
@@ -92,7 +93,7 @@ def check_room(
 
 def _gap_to_held(tool: Tool, nodes: FloatArray, held: BoolArray, place: FloatArray) -> FloatArray:
     """Return the gap of nodes to a tool moved to `place` [mm]; infinite where they are free to give way."""
-    gap, normal, *_ = _core.touch_profile(np.ascontiguousarray(tool.segments), nodes - place)
+    gap, normal, *_ = _core.touch_profile(start_profile(tool), nodes - place)
     across = np.linalg.norm(np.where(held, 0.0, normal), axis=1)
     return np.where(across < ALONG, gap, np.inf)
 
@@ -123,7 +124,7 @@ def _explain_room(
 
 
 def _moves(motion: ToolMotion | None) -> bool:
-    return motion is not None and (any(motion.move) or motion.turn != 0.0 or motion.force is not None)
+    return motion is not None and (any(motion.move) or motion.turn != 0.0 or motion.push is not None)
 
 
 def _leaves(first: float, later: float, tolerance: float) -> bool:
@@ -139,11 +140,11 @@ def _approach(tool: Tool, stages: Sequence[Stage], nodes: FloatArray) -> tuple[f
     motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
     place = np.zeros(2)
     first = _distance(tool, nodes, place)
-    if any(m.turn != 0.0 or m.force is not None or m.start is not None for m in motions):
+    if any(m.turn != 0.0 or m.push is not None or m.start is not None for m in motions):
         return first, 0.0
     later = np.inf
     for motion in motions:
-        move = np.array(motion.move)
+        move = np.array(motion.move[:2])
         for fraction in np.linspace(0.0, 1.0, _SAMPLES + 1)[1:] if move.any() else ():
             later = min(later, _distance(tool, nodes, place + fraction * move))
         place = place + move
@@ -152,5 +153,5 @@ def _approach(tool: Tool, stages: Sequence[Stage], nodes: FloatArray) -> tuple[f
 
 def _distance(tool: Tool, nodes: FloatArray, place: FloatArray) -> float:
     """Return the least gap of the nodes to a tool moved to `place` [mm]; infinite if it faces none of them."""
-    gap, _, second_gap, *_ = _core.touch_profile(np.ascontiguousarray(tool.segments), nodes - place)
+    gap, _, second_gap, *_ = _core.touch_profile(start_profile(tool), nodes - place)
     return float(min(gap.min(), second_gap.min()))

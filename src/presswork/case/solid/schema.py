@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import (
     Discriminator,
     Field,
@@ -308,14 +309,15 @@ class ToolMotion(Part):
         turn = math.radians(self.turn)
         if self.force is not None:
             assert self.direction is not None
-            return model.ToolMotion(
-                turn=turn, force=self.force, direction=unit_vector(self.direction), start=self.position
-            )
+            push = model.Push(unit_vector(self.direction), np.array([[1.0, self.force]]))
+            return model.ToolMotion(turn=turn, push=push, start=self.position)
         if self.stroke is not None:
             assert self.direction is not None
             x, y = unit_vector(self.direction)
-            return model.ToolMotion(move=(self.stroke * x + 0.0, self.stroke * y + 0.0), turn=turn, start=self.position)
-        return model.ToolMotion(move=self.move or (0.0, 0.0), turn=turn, start=self.position)
+            return model.ToolMotion(
+                move=(self.stroke * x + 0.0, self.stroke * y + 0.0, 0.0), turn=turn, start=self.position
+            )
+        return model.ToolMotion(move=(*(self.move or (0.0, 0.0)), 0.0), turn=turn, start=self.position)
 
 
 class Displacement(Part):

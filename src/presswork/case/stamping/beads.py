@@ -12,9 +12,7 @@ import scipy
 from presswork import _core
 from presswork.case.errors import Problem, suggest
 from presswork.case.stamping.schema import StampingBead, StampingCase, StampingStage
-from presswork.model import BoolArray, FloatArray, Mesh, SheetBead
-from presswork.model_stamping import StampingBead as BeadModel
-from presswork.model_stamping import StampingTool
+from presswork.model import BoolArray, Drawbead, FloatArray, Mesh, Tool
 
 logger = logging.getLogger(__name__)
 
@@ -68,9 +66,7 @@ def _opens_or_closes(stage: StampingStage, case: StampingCase) -> bool:
     return any(h + d != 0.0 for h, d in itertools.product(stroke["holder"], stroke["die"]))
 
 
-def build_beads(
-    case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]
-) -> tuple[tuple[BeadModel, ...], list[Problem]]:
+def build_beads(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> tuple[tuple[Drawbead, ...], list[Problem]]:
     """Cut the beads into points, as much of them as lies over the blank that is modelled."""
     corners = mesh.points[mesh.blocks[0].connectivity]
     spacing = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))) / PER_ELEMENT
@@ -92,8 +88,9 @@ def build_beads(
         if not over.all():
             beside = modelled[2][~over].sum()
             logger.warning("beads.%d.points: %.4g mm of the line lie beside the blank and do nothing", index, beside)
-        own = SheetBead(f"bead_{index + 1}", place, across, length, bead.force, die)
-        beads.append(BeadModel(own, closed_stages(bead, case), bead.closing_force))
+        beads.append(
+            Drawbead(f"bead_{index + 1}", place, across, length, bead.force, die, closing_force=bead.closing_force)
+        )
     return tuple(beads), problems
 
 
@@ -134,11 +131,12 @@ def lies_over(mesh: Mesh, places: FloatArray) -> BoolArray:
     return np.asarray(sheet.find(places, mesh.points, nearest.astype(np.int32))[1], dtype=bool)
 
 
-def check_closing(case: StampingCase, beads: tuple[BeadModel, ...], whole: int) -> list[Problem]:
+def check_closing(case: StampingCase, beads: tuple[Drawbead, ...], whole: int) -> list[Problem]:
     """Return a problem where a holder's force does not close the beads."""
     problems = []
     for index, stage in enumerate(case.stages):
-        needed = whole * sum(b.closing_force * float(b.line.length.sum()) for b in beads if stage.name in b.stages)
+        closed = (b for b, given in zip(beads, case.beads, strict=True) if stage.name in closed_stages(given, case))
+        needed = whole * sum(b.closing_force * float(b.length.sum()) for b in closed)
         for name, action in stage.tools.items():
             if action.force is None or case.tools[name].kind != "holder":
                 continue

@@ -16,7 +16,7 @@ from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.settings import RAMP
 from presswork.case.shell.schema import FREEDOMS, HOLDS
 from presswork.case.solid.references import check_set_names
-from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing
+from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing, closed_stages
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank
 from presswork.case.stamping.checks import (
     MOST_CELLS,
@@ -29,7 +29,7 @@ from presswork.case.stamping.checks import (
     explain_too_many,
 )
 from presswork.case.stamping.clashes import check_clashes
-from presswork.case.stamping.place import build_tools
+from presswork.case.stamping.place import build_tools, find_way
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage
 from presswork.case.units import LENGTH, unit_factor
@@ -40,16 +40,6 @@ from presswork.mesh.cut import check_meets
 from presswork.mesh.outlined_blank import mesh_outlined_blank
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
-from presswork.model_stamping import (
-    ExplicitSettings,
-    Refinement,
-    Springback,
-    StampingModel,
-    StampingOutput,
-    ToolAction,
-    TrimLine,
-)
-from presswork.model_stamping import StampingStage as StageModel
 
 logger = logging.getLogger(__name__)
 
@@ -58,11 +48,11 @@ IMPLICIT_ELEMENTS: dict[int, model.ElementName] = {3: "shell3_mitc_plus", 4: "sh
 SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
 
-def build_stamping_model(case: StampingCase) -> StampingModel:
+def build_stamping_model(case: StampingCase) -> model.Model:
     """Build the Model of a stamping; raises CaseError with every problem of the first kind that is found."""
     _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_tools(case) + check_ways(case), case)
-    stages = tuple(build_stage(stage) for stage in case.stages)
+    stages = tuple(build_stage(stage, case) for stage in case.stages)
     _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
     mesh = _build_mesh(case)
     uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
@@ -86,9 +76,9 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         for name, is_cut in zip(SYMMETRY_SETS, symmetry, strict=True)
         if is_cut
     ]
-    return StampingModel(
+    return model.Model(
         title=case.title,
-        procedure=case.procedure,
+        analysis="stamping",
         mesh=mesh,
         rolling_direction=(cos(angle), sin(angle), 0.0),
         materials=tuple(
@@ -99,13 +89,13 @@ def build_stamping_model(case: StampingCase) -> StampingModel:
         symmetry=symmetry,
         supports=(*supports, *(entry.build(name) for name, entry in case.boundary.items())),
         stages=stages,
-        explicit=ExplicitSettings(**case.explicit.model_dump()),
-        implicit=case.implicit.build(),
-        output=StampingOutput(**case.output.model_dump()),
+        explicit=model.ExplicitSheet(**case.explicit.model_dump()) if case.procedure == "explicit" else None,
+        solver=case.implicit.build(),
+        output=model.OutputSettings(**case.output.model_dump()),
         beads=beads,
         trim=trim,
-        springback=Springback(**case.springback.model_dump()) if case.springback else None,
-        refinement=Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
+        springback=model.Springback(**case.springback.model_dump()) if case.springback else None,
+        refinement=model.Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
         limits=case.limits.build(),
         case_text=case.text,
     )
@@ -154,7 +144,7 @@ def _mesh_outline(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]
         raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
 
 
-def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[TrimLine, ...], list[Problem]]:
+def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[model.TrimLine, ...], list[Problem]]:
     """Draw or read the trim lines, and hold them against the blank, beyond which no part reaches."""
     folder = case.source.parent if case.source is not None else Path()
     lines, problems = [], []
@@ -167,7 +157,7 @@ def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[TrimLine, .
             check_meets(mesh.points, polygon, trim.keep)
         except MeshError as error:
             problems.append(Problem(f"trim.{name}", error.fault.replace("the sheet", "the blank"), error.remedy))
-        lines.append(TrimLine(name, polygon, trim.keep))
+        lines.append(model.TrimLine(name, polygon, trim.keep))
     return tuple(lines), problems
 
 
@@ -206,8 +196,8 @@ def _read_mesh(
     return assign_section(replace(mesh, node_sets=node_sets), _elements(case), section, material)
 
 
-def build_stage(stage: StampingStage) -> StageModel:
-    """Turn a case's stage into the Model's."""
+def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
+    """Turn a stage of a case into the Model's."""
     moved = [action.stroke for action in stage.tools.values() if action.stroke is not None]
     moved += [e.value for e in stage.displacement]
     farthest = max((abs(m) for m in moved), default=0.0)
@@ -219,20 +209,25 @@ def build_stage(stage: StampingStage) -> StageModel:
         ramp = way * RAMP / (1 - RAMP) if stage.ramp is None else stage.ramp
         duration = way + ramp
     way = max((abs(a.stroke) for a in stage.tools.values() if a.stroke), default=0.0)
-    actions = {}
+    motions = {}
     for name, action in stage.tools.items():
-        force = None
+        x, y, z = find_way(case.tools[name].kind)
         if isinstance(action.force, tuple):
             rows = np.array(action.force, dtype=float)
-            force = np.column_stack([rows[:, 0] / way, rows[:, 1]])
+            push = model.Push((x, y, z), np.column_stack([rows[:, 0] / way, rows[:, 1]]))
+            motions[name] = model.ToolMotion(push=push)
         elif action.force is not None:
-            force = np.array([[0.0, action.force]])
-        actions[name] = ToolAction(action.stroke or 0.0, force)
+            motions[name] = model.ToolMotion(push=model.Push((x, y, z), np.array([[0.0, action.force]])))
+        else:
+            stroke = action.stroke or 0.0
+            motions[name] = model.ToolMotion((stroke * x, stroke * y, stroke * z))
     prescribed = [(e.set, FREEDOMS.index(e.component), e.value) for e in stage.displacement]
-    return StageModel(
+    shares = {f"bead_{i + 1}": float(stage.name in closed_stages(bead, case)) for i, bead in enumerate(case.beads)}
+    return model.Stage(
         name=stage.name,
         duration=duration,
         ramp=ramp,
-        actions=actions,
+        tool_motion=motions,
+        bead_share={name: np.array([[0.0, share]]) for name, share in shares.items()},
         prescribed=tuple(model.PrescribedDisplacement(*entry) for entry in prescribed),  # type: ignore[arg-type]
     )

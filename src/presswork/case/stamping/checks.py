@@ -14,10 +14,8 @@ from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage
 from presswork.case.stamping.shapes import clearance
 from presswork.case.stamping.tools import DrawnTool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
-from presswork.mesh.tool_file import TriangulatedTool
-from presswork.model import FloatArray, Mesh
-from presswork.model_stamping import StampingStage as StageModel
-from presswork.model_stamping import StampingTool
+from presswork.geometry.tool_surface import make_surface
+from presswork.model import FloatArray, Mesh, Stage, Tool, Triangulation
 
 MOST_CELLS = 5_000_000
 KINDS = ("punch", "die", "holder")
@@ -192,7 +190,7 @@ def check_ways(case: StampingCase) -> list[Problem]:
     return problems
 
 
-def check_target_step(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Problem]:
+def check_target_step(case: StampingCase, stages: tuple[Stage, ...]) -> list[Problem]:
     """Return a problem where the time step asked for is longer than the smooth start of a stage."""
     target = case.explicit.target_step
     if target is None or not stages:
@@ -204,7 +202,7 @@ def check_target_step(case: StampingCase, stages: tuple[StageModel, ...]) -> lis
     return [Problem("explicit.target_step", fault, "take a few times the step without it, about 1 us", target)]
 
 
-def check_speeds(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Problem]:
+def check_speeds(case: StampingCase, stages: tuple[Stage, ...]) -> list[Problem]:
     """Return the problems of explicit stages in which something moves too fast for the sheet to follow."""
     if case.procedure != "explicit":
         return []
@@ -212,7 +210,7 @@ def check_speeds(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Pro
     sound = float(np.sqrt(material.young / material.find_density()))
     problems = []
     for index, (given, stage) in enumerate(zip(case.stages, stages, strict=True)):
-        ways = [abs(action.stroke) for action in stage.actions.values() if action.force is None]
+        ways = [max(abs(part) for part in motion.move) for motion in stage.tool_motion.values()]
         farthest = max([*ways, *(abs(each.value) for each in stage.prescribed)], default=0.0)
         speed = farthest / (stage.duration - stage.ramp)
         if speed <= FASTEST * sound:
@@ -224,7 +222,7 @@ def check_speeds(case: StampingCase, stages: tuple[StageModel, ...]) -> list[Pro
     return problems
 
 
-def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[Problem]:
     """Return the problems of the meshed blank and the placed tools."""
     problems = []
     corner = mesh.points[:, :2]
@@ -248,9 +246,9 @@ def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -
     return problems + [problem for tool in tools if (problem := _check_clear(case, mesh, tool)) is not None]
 
 
-def _check_extent(tool: ToolFile, placed: StampingTool, corner: FloatArray) -> list[Problem]:
+def _check_extent(tool: ToolFile, placed: Tool, corner: FloatArray) -> list[Problem]:
     """Return a problem where the blank reaches beyond a die or holder from a file, seen from above."""
-    assert isinstance(placed.shape, TriangulatedTool)
+    assert isinstance(placed.shape, Triangulation)
     if tool.kind == "punch":
         return []
     points = placed.shape.points[:, :2] + np.array(placed.position[:2])
@@ -261,10 +259,10 @@ def _check_extent(tool: ToolFile, placed: StampingTool, corner: FloatArray) -> l
     return [Problem(f"tools.{placed.name}.path", text, "make the blank smaller, or check unit and position", tool.path)]
 
 
-def _check_clear(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+def _check_clear(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     """Return a problem where the tool starts in the blank."""
     half = 0.5 * case.blank.thickness
-    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0] - half
+    gap = make_surface(tool.surface).nearest(mesh.points - np.asarray(tool.position))[0] - half
     worst = int(np.argmin(gap))
     if gap[worst] >= -CLEAR * case.blank.thickness:
         return None

@@ -11,13 +11,11 @@ import numpy as np
 from presswork.case.errors import Problem
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
-from presswork.geometry.swept_tool import SweptTool
+from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.mesh.flange import find_held_area
 from presswork.mesh.tool_clearance import Closing, find_closing
-from presswork.mesh.tool_file import TriangulatedTool
-from presswork.model import Mesh
-from presswork.model_stamping import StampingTool
+from presswork.model import Mesh, SweptProfile, Tool, Triangulation
 
 logger = logging.getLogger(__name__)
 
@@ -38,7 +36,7 @@ SKEW = 0.01
 """Part of its width by which a tool from a file may be off a symmetry plane."""
 
 
-def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[Problem]:
     """Return the problems of placed tools with blank, forces, symmetry planes and each other."""
     problems = [p for tool in tools for p in (_check_symmetry(case, tool), _check_laid(case, mesh, tool)) if p]
     if problems:
@@ -67,9 +65,9 @@ def _is_pushed(case: StampingCase, name: str) -> bool:
     return any(name in s.tools and s.tools[name].force is not None for s in case.stages)
 
 
-def _check_symmetry(case: StampingCase, tool: StampingTool) -> Problem | None:
+def _check_symmetry(case: StampingCase, tool: Tool) -> Problem | None:
     """Return a problem where a symmetry plane of the blank is none of a tool from a file."""
-    if not isinstance(tool.shape, TriangulatedTool):
+    if not isinstance(tool.shape, Triangulation):
         return None
     points = tool.shape.points + np.asarray(tool.position)
     for axis, plane in enumerate("xy"):
@@ -84,7 +82,7 @@ def _check_symmetry(case: StampingCase, tool: StampingTool) -> Problem | None:
     return None
 
 
-def _check_laid(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+def _check_laid(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     """Return a problem where the blank lies in the opening of a die or holder, not on its face."""
     drawn = case.tools[tool.name]
     if not isinstance(drawn, RoundTool | RectangularTool | StripTool) or tool.kind == "punch":
@@ -102,16 +100,16 @@ def _check_laid(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem |
     )
 
 
-def _height(tool: StampingTool) -> float:
+def _height(tool: Tool) -> float:
     """Return where the working face of a die or holder stands at the start [mm]."""
     face = 0.0
-    if isinstance(tool.shape, TriangulatedTool):
+    if isinstance(tool.shape, Triangulation):
         z = tool.shape.points[:, 2]
         face = float(z.max() if tool.kind == "die" else z.min())
     return tool.position[2] + face
 
 
-def _check_pushed(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+def _check_pushed(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     """Return a problem where a tool that is pushed starts away from the blank."""
     if not _is_pushed(case, tool.name):
         return None
@@ -124,7 +122,7 @@ def _check_pushed(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem
     return Problem(f"tools.{tool.name}.position", fault, remedy, list(given) if given is not None else None)
 
 
-def _check_reach(case: StampingCase, mesh: Mesh, tool: StampingTool) -> Problem | None:
+def _check_reach(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     """Return a problem where a tool placed off the blank never comes to it, whatever moves."""
     given = case.tools[tool.name].position
     if given is None or any(_is_pushed(case, name) for name in (tool.name, *_names_of(case, "die"))):
@@ -143,13 +141,13 @@ def _names_of(case: StampingCase, kind: str) -> list[str]:
     return [name for name, tool in case.tools.items() if tool.kind == kind]
 
 
-def _gap(case: StampingCase, mesh: Mesh, tool: StampingTool) -> float:
+def _gap(case: StampingCase, mesh: Mesh, tool: Tool) -> float:
     """Return what lies between a tool and the blank's surface at the start [mm]."""
-    gap = tool.shape.surface().nearest(mesh.points - np.asarray(tool.position))[0]
+    gap = make_surface(tool.surface).nearest(mesh.points - np.asarray(tool.position))[0]
     return float(gap.min()) - 0.5 * case.blank.thickness
 
 
-def _check_holders(case: StampingCase, tools: tuple[StampingTool, ...]) -> list[Problem]:
+def _check_holders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]:
     """Return the problems of holders that strokes or their place keep off the sheet, or press through it."""
     thickness = case.blank.thickness
     problems = []
@@ -173,13 +171,13 @@ def _check_holders(case: StampingCase, tools: tuple[StampingTool, ...]) -> list[
     return problems
 
 
-def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...]) -> list[Problem]:
+def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[Problem]:
     """Return the problems of holder forces that press nothing, or press the sheet flat."""
     problems = []
     sheet = case.materials[case.blank.material].to_model(case.blank.material)
     strength = float(make_sheet_law(sheet).flow_stress(np.zeros(1))[0][0])
     for holder in (t for t in tools if t.kind == "holder"):
-        area = find_held_area(mesh, holder.shape.surface(), holder.position) * 2 ** len(set(case.blank.symmetry))
+        area = find_held_area(mesh, make_surface(holder.surface), holder.position) * 2 ** len(set(case.blank.symmetry))
         for index, stage in enumerate(case.stages):
             action = stage.tools.get(holder.name)
             if action is None or action.force is None:
@@ -202,14 +200,12 @@ def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[StampingTool, ...
     return problems
 
 
-def _check_pair(
-    case: StampingCase, one: StampingTool, other: StampingTool, moved: dict[str, list[float]]
-) -> Problem | None:
+def _check_pair(case: StampingCase, one: Tool, other: Tool, moved: dict[str, list[float]]) -> Problem | None:
     """Return a problem where two tools, at least one from a file, close on each other or on the sheet between them."""
     closing = find_closing_stroke(one, other, case.blank.thickness)
     if closing is None or _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
         return None
-    along = float(np.dot(other.way, one.way))
+    along = float(np.dot(np.array(other.way), np.array(one.way)))
     before = {tool.name: 0.0 for tool in (one, other)}
     for index, _ in enumerate(case.stages):
         after = {tool.name: moved[tool.name][index] for tool in (one, other)}
@@ -235,14 +231,14 @@ def _check_pair(
     return None
 
 
-def find_closing_stroke(one: StampingTool, other: StampingTool, thickness: float) -> Closing | None:
+def find_closing_stroke(one: Tool, other: Tool, thickness: float) -> Closing | None:
     """Return after how much of its way a tool closes on another, or on the sheet between it and a die.
 
     None where it never does, and for two drawn tools: their clearances in the plan are exact, and openings go right
     through.
     """
-    if isinstance(one.shape, SweptTool) and isinstance(other.shape, SweptTool):
+    if isinstance(one.shape, SweptProfile) and isinstance(other.shape, SweptProfile):
         return None
     room = CLOSED * thickness if other.kind == "die" else 0.0
     between, way = np.subtract(one.position, other.position), np.array(one.way)
-    return find_closing(one.shape, other.shape, between, way, DRAWN_WITHIN * thickness, room, STEP * thickness)
+    return find_closing(one.surface, other.surface, between, way, DRAWN_WITHIN * thickness, room, STEP * thickness)

@@ -13,11 +13,10 @@ from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import draw_shape
 from presswork.case.stamping.tools import Tool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
-from presswork.geometry.swept_tool import SweptTool
 from presswork.mesh import MeshError
-from presswork.mesh.tool_file import TriangulatedTool, read_tool
-from presswork.model import FloatArray, Mesh
-from presswork.model_stamping import StampingTool
+from presswork.mesh.tool_file import read_tool
+from presswork.model import FloatArray, Friction, Mesh, Surface, SweptProfile, ToolKind
+from presswork.model import Tool as ToolModel
 
 logger = logging.getLogger(__name__)
 
@@ -25,7 +24,7 @@ BEYOND = 1.5
 """Times the blank's radius: as far as a face reaches that is given no width."""
 
 
-def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[StampingTool, ...], list[Problem]]:
+def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[ToolModel, ...], list[Problem]]:
     """Draw, read and place the tools."""
     radius = float(np.linalg.norm(mesh.points[:, :2], axis=1).max())
     strokes = [abs(a.stroke) for stage in case.stages for a in stage.tools.values() if a.stroke]
@@ -41,22 +40,24 @@ def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[StampingTool, ...
         if isinstance(position, Problem):
             problems.append(position)
             continue
-        way = (0.0, 0.0, 1.0 if tool.kind == "die" else -1.0)
-        tools.append(StampingTool(name, tool.kind, shape, position, tool.mu, way))
+        way = find_way(tool.kind)
+        tools.append(ToolModel(name, shape, position, Friction(mu=tool.mu), tool.kind, way))
     return tuple(tools), problems
 
 
-def _make_shape(
-    name: str, tool: Tool, depth: float, radius: float, folder: Path
-) -> SweptTool | TriangulatedTool | Problem:
+def find_way(kind: ToolKind) -> tuple[float, float, float]:
+    """Return the unit vector along which a tool works: a die upwards, punch and holder downwards."""
+    return 0.0, 0.0, 1.0 if kind == "die" else -1.0
+
+
+def _make_shape(name: str, tool: Tool, depth: float, radius: float, folder: Path) -> Surface | Problem:
     """Draw or read a tool. depth: of its walls [mm]. radius: of the blank [mm]."""
     if not isinstance(tool, ToolFile):
         width = getattr(tool, "face_width", None)
         return draw_shape(tool, depth, BEYOND * radius if width is None else width)
-    facing = (0.0, 0.0, 1.0 if tool.kind == "die" else -1.0)
     try:
         scale = unit_factor(tool.unit, LENGTH)
-        read, notes = read_tool(folder / tool.path, scale=scale, facing=facing, usual_size=2.0 * radius)
+        read, notes = read_tool(folder / tool.path, scale=scale, facing=find_way(tool.kind), usual_size=2.0 * radius)
     except MeshError as error:
         return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
     for note in notes:
@@ -65,7 +66,7 @@ def _make_shape(
 
 
 def _place(
-    name: str, tool: Tool, shape: SweptTool | TriangulatedTool, case: StampingCase, mesh: Mesh
+    name: str, tool: Tool, shape: Surface, case: StampingCase, mesh: Mesh
 ) -> tuple[float, float, float] | Problem:
     """Return where the tool's origin starts."""
     if tool.position is not None:
@@ -81,9 +82,9 @@ def _place(
     return (0.0, 0.0, height)
 
 
-def _face(tool: Tool, shape: SweptTool | TriangulatedTool) -> float:
+def _face(tool: Tool, shape: Surface) -> float:
     """Return how high the working face lies over the tool's origin."""
-    if isinstance(shape, SweptTool):
+    if isinstance(shape, SweptProfile):
         return 0.0
     z: FloatArray = shape.points[:, 2]
     return float(z.max() if tool.kind == "die" else z.min())

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from presswork import model_stamping
+from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.limits import Limits
 from presswork.case.names import Name, Title
@@ -20,14 +20,13 @@ from presswork.case.stamping.blank import Blank
 from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.stamping.tools import Tool
 from presswork.case.units import Force, Length, LineForce, Number, Rate, Time, Velocity, fault
-from presswork.model import ExplicitElement, SolverSettings
+from presswork.model import ExplicitElement, ExplicitSheet, SolverSettings
 
 VELOCITY = 2000.0
 """Of what moves farthest where a stage says nothing [mm/s]."""
 
-_EXPLICIT = model_stamping.ExplicitSettings()
-_SPRINGBACK = model_stamping.Springback()
-_OUTPUT = model_stamping.StampingOutput()
+_EXPLICIT = ExplicitSheet()
+_SPRINGBACK = model.Springback()
 _SOLVER = SolverSettings()
 Whole = Annotated[int, Field(strict=True, ge=1)]
 
@@ -221,11 +220,11 @@ class Implicit(Part):
 class StampingOutput(Part):
     """What is saved, and when."""
 
-    steps: Whole = Field(default=_OUTPUT.steps, description="saved steps of each stage")
+    steps: Whole = Field(default=10, description="saved steps of each stage")
     rows: Whole = Field(
-        default=_OUTPUT.rows, description="explicit: rows of history.csv for each stage; implicit: one an increment"
+        default=200, description="explicit: rows of history.csv for each stage; implicit: one an increment"
     )
-    checkpoint_every: Whole = Field(default=_OUTPUT.checkpoint_every, description="rows between checkpoints")
+    checkpoint_every: Whole = Field(default=50, description="rows between checkpoints")
 
     @model_validator(mode="after")
     def _check_steps(self) -> Self:

@@ -6,10 +6,11 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.case.stamping.tools import DrawnTool, HemisphericalTool, RectangularTool, RoundTool
-from presswork.geometry.swept_tool import SweptTool, draw_die, draw_hemispherical_punch, draw_holder, draw_punch
+from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_holder, draw_punch
+from presswork.model import SweptProfile
 
 
-def draw_shape(tool: DrawnTool, depth: float, face_width: float) -> SweptTool:
+def draw_shape(tool: DrawnTool, depth: float, face_width: float) -> SweptProfile:
     """Return the surface of a drawn tool.
 
     depth: height of its wall beyond the radius [mm]. face_width: of a die or holder [mm].

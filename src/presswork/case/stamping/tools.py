@@ -7,15 +7,15 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from presswork import model_stamping
 from presswork.case.part import Part
 from presswork.case.units import Length, Number, Point, Point3, fault
+from presswork.model import ToolKind
 
 
 class _Tool(Part):
     """What tools of any shape have."""
 
-    kind: model_stamping.ToolKind = Field(
+    kind: ToolKind = Field(
         description="punch, above the blank and working downwards; holder, likewise; die, below the blank"
     )
     mu: Number = Field(

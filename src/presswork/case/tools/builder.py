@@ -14,8 +14,9 @@ from presswork.case.tools.profile import Outline, ProfileError, draw_outline
 from presswork.case.tools.profile_file import read_outline
 from presswork.geometry.chain import ProfileFileError
 from presswork.geometry.crossing import find_crossing
+from presswork.geometry.pose import shift_segments, start_profile
 from presswork.geometry.segments import CENTRE, TURN, find_touch, measure_distance, reverse_segments, sample_points
-from presswork.model import FloatArray, Mesh, Spring, Tool
+from presswork.model import FloatArray, Friction, Mesh, Profile, Spring, Tool
 
 TOLERANCE = 1e-6
 """Of the size of the workpiece: how deep a node may lie in a tool at the start."""
@@ -47,7 +48,7 @@ def build_tool(
     segments = shift_segments(outline.segments, place)
     m, mu = np.where(np.isnan(outline.m), tool.m, outline.m), np.where(np.isnan(outline.mu), tool.mu, outline.mu)
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    backwards = tool.free_side == "right"
+    drawn, backwards = outline.segments, tool.free_side == "right"
     if tool.free_side == "auto":
         balance = _weigh_sides(nodes, segments)
         if abs(balance) < 1e-9 * size:
@@ -59,7 +60,8 @@ def build_tool(
             )
         backwards = balance < 0.0
     if backwards:
-        segments, m, mu = reverse_segments(segments), m[::-1].copy(), mu[::-1].copy()
+        drawn, m, mu = reverse_segments(drawn), m[::-1].copy(), mu[::-1].copy()
+        segments = shift_segments(drawn, place)
     problem = _check_clear(_key(name, tool), nodes, segments, TOLERANCE * size)
     if problem is not None:
         return problem
@@ -70,21 +72,15 @@ def build_tool(
     if tool.spring:
         direction = schema.unit_vector(tool.spring.direction)
         spring = Spring(tool.spring.stiffness, tool.spring.preload, direction)
-    centre = find_centre(segments) or (0.0, 0.0)
-    if tool.centre is not None:
-        centre = (tool.centre[0] + float(place[0]), tool.centre[1] + float(place[1]))
     return Tool(
-        name, segments, tool.contact, m=m, mu=mu, mirrored_across=mirrored, centre=centre, spring=spring,
-        origin=(float(place[0]), float(place[1])),
-    )  # fmt: skip
-
-
-def shift_segments(segments: FloatArray, place: FloatArray) -> FloatArray:
-    """Return a profile moved by `place` [mm]; centres of arcs move along."""
-    shifted = segments.copy()
-    shifted[:, 0:4] += np.tile(place, 2)
-    shifted[:, 4:6] += np.where(segments[:, TURN : TURN + 1] != 0.0, place, 0.0)
-    return shifted
+        name,
+        Profile(drawn),
+        (float(place[0]), float(place[1]), 0.0),
+        Friction(tool.contact, m, mu),
+        centre=tool.centre or find_centre(drawn) or (0.0, 0.0),
+        spring=spring,
+        mirrored_across=mirrored,
+    )
 
 
 def _find_place(
@@ -108,7 +104,7 @@ def find_way(case: schema.Case, name: str) -> tuple[float, float]:
     """Return the direction of a tool's first motion, of length 1; zero where it has none."""
     for stage in case.stages:
         motion = stage.tools[name].build() if name in stage.tools else None
-        x, y = (motion.direction if motion.force is not None else motion.move) if motion else (0.0, 0.0)
+        x, y = (motion.push.direction if motion.push else motion.move[:2]) if motion else (0.0, 0.0)
         if x or y:
             return schema.unit_vector((x, y))
     return 0.0, 0.0
@@ -122,13 +118,14 @@ def check_motions(case: schema.Case, tools: Sequence[Tool]) -> list[Problem]:
             motion, key = stage.tools.get(tool.name), f"stages.{index}.tools.{tool.name}"
             if motion is None:
                 continue
-            if motion.turn and case.tools[tool.name].centre is None and find_centre(tool.segments) is None:
+            if motion.turn and case.tools[tool.name].centre is None and find_centre(start_profile(tool)) is None:
                 remedy = f"set tools.{tool.name}.centre = [x, y]"
                 problems.append(Problem(f"{key}.turn", "the tool turns, but about which point?", remedy, motion.turn))
             if motion.turn and case.analysis == "axisymmetric":
                 remedy = "leave turn out, or take plane strain"
                 problems.append(Problem(f"{key}.turn", "a ring cannot turn in its plane", remedy, motion.turn))
-            across = motion.build().direction if motion.force is not None else (0.0, 0.0)
+            push = motion.build().push
+            across = push.direction if push else (0.0, 0.0)
             if any(part and mirrored for part, mirrored in zip(across, tool.mirrored_across, strict=True)):
                 remedy = "push along the symmetry plane, or set mirrored = []"
                 fault = "the tool and its mirror image cannot be pushed across their symmetry plane"

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.case.errors import Problem
 from presswork.geometry.polygon import contains
+from presswork.geometry.pose import start_profile
 from presswork.model import BoolArray, FloatArray, Model, Stage, Tool, ToolMotion
 
 CELLS = 160
@@ -36,7 +37,7 @@ HALVINGS = 12
 def check_cavity(model: Model) -> list[Problem]:
     """Return a problem for the first stage in which tools whose way is known leave too little room, if any does."""
     tools = [tool for tool in model.tools if _has_known_way(tool, model.stages)]
-    moves = [{tool.name: np.array(_motion(stage, tool).move) for tool in tools} for stage in model.stages]
+    moves = [{tool.name: np.array(_motion(stage, tool).move[:2]) for tool in tools} for stage in model.stages]
     if not any(move.any() for stage in moves for move in stage.values()):
         return []
     cavity = _Cavity(model, tools)
@@ -87,7 +88,7 @@ def _has_known_way(tool: Tool, stages: Sequence[Stage]) -> bool:
     """Say whether neither forces nor springs place the tool, it does not turn, and no stage places it anew."""
     motions = [_motion(stage, tool) for stage in stages]
     return tool.spring is None and all(
-        motion.force is None and motion.turn == 0.0 and motion.start is None for motion in motions
+        motion.push is None and motion.turn == 0.0 and motion.start is None for motion in motions
     )
 
 
@@ -135,7 +136,7 @@ class _Cavity:
         free, filled = self._open.copy(), np.ones(self._weight.shape)
         for tool in self._tools:
             local = np.ascontiguousarray((self._places - displacement[tool.name]).reshape(-1, 2))
-            gap, _, other_face, *_ = _core.touch_profile(np.ascontiguousarray(tool.segments), local)
+            gap, _, other_face, *_ = _core.touch_profile(start_profile(tool), local)
             cells = np.minimum(gap, other_face).reshape(free.shape) / self._cell
             free &= cells > -SHRUNK
             filled = np.minimum(filled, np.clip(0.5 + cells, 0.0, 1.0))

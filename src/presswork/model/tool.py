@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rigid tools and drawbeads: shape, place, friction. What a tool does in a stage, its stage says (stage.py)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from presswork.model.arrays import FloatArray, IntArray
+
+ContactLaw = Literal["frictionless", "sticking", "shear", "coulomb", "coulomb_capped"]
+ToolKind = Literal["punch", "die", "holder"]
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A profile in the plane."""
+
+    segments: FloatArray
+    """Shape (n_segments, 7): x0, y0, x1, y1, centre x, centre y, turn; turn is 0 for a line, +1 for an arc that runs
+    counter-clockwise, -1 clockwise. Directed so that the tool's metal is on the right, the workpiece on the left."""
+
+
+@dataclass(frozen=True)
+class SweptProfile:
+    """A profile of lines and arcs carried round a rectangle with rounded corners about the origin."""
+
+    half_widths: tuple[float, float]
+    """Of the plan along x and y [mm]; one may be infinite: a strip."""
+    corner_radius: float
+    """Of the plan [mm]; of a circle both half widths; of a strip it means nothing."""
+    segments: FloatArray
+    """Shape (n, 7) as in Profile, x and y meaning s, outwards from the plan's curve, and z."""
+
+
+@dataclass(frozen=True)
+class Triangulation:
+    """Triangles wound alike, counter-clockwise as seen from free space."""
+
+    points: FloatArray
+    """Shape (n_points, 3) [mm]."""
+    triangles: IntArray
+    """Shape (n, 3)."""
+    is_closed: bool
+
+
+Surface = SweptProfile | Triangulation
+"""The shape of a tool in space."""
+
+
+@dataclass(frozen=True)
+class Friction:
+    """What a tool's surface does along itself to the workpiece. Tools in space have "coulomb"."""
+
+    law: ContactLaw = "coulomb"
+    m: float | FloatArray = 0.0
+    """Friction factor of "shear" and "coulomb_capped", 0 to 1: tau = m k, k the shear flow stress; one, or one for each
+    segment of a profile (n_segments,)."""
+    mu: float | FloatArray = 0.0
+    """Coefficient of friction of "coulomb" and "coulomb_capped", in the same form."""
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring behind a tool, which rests against a stop until the workpiece pushes it with more than the preload."""
+
+    stiffness: float
+    """[N/mm] of the whole tool."""
+    preload: float
+    """[N] on the whole tool."""
+    direction: tuple[float, float]
+    """Unit vector along which the tool gives way."""
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A rigid tool."""
+
+    name: str
+    shape: Profile | Surface
+    """In the tool's own frame: a profile touches solids in the plane, a surface touches sheets."""
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where the origin of its frame is at the start [mm]; in the plane x and y count."""
+    friction: Friction = Friction()
+    kind: ToolKind | None = None
+    """Of a stamping: what it is for."""
+    way: tuple[float, float, float] | None = None
+    """Unit vector along which its stroke and its force count; None: that of its first motion or push."""
+    centre: tuple[float, float] = (0.0, 0.0)
+    """In the plane, in its own frame: about which it turns, and its torque is taken [mm]."""
+    spring: Spring | None = None
+    """In the plane: on which it rests; its stages move the spring's foot."""
+    mirrored_across: tuple[bool, bool] = (False, False)
+    """Plane strain: whether the whole tool is twice what is modelled, mirrored by a symmetry plane normal to x | y."""
+
+    @property
+    def profile(self) -> Profile:
+        """The shape of a tool in the plane."""
+        assert isinstance(self.shape, Profile), f"{self.name} has no profile"
+        return self.shape
+
+    @property
+    def surface(self) -> Surface:
+        """The shape of a tool in space."""
+        assert not isinstance(self.shape, Profile), f"{self.name} has no surface in space"
+        return self.shape
+
+    def friction_by_segment(self) -> tuple[FloatArray, FloatArray]:
+        """Return m and mu of each segment of its profile (n_segments,)."""
+        n = len(self.profile.segments)
+        return np.full(n, self.friction.m), np.full(n, self.friction.mu)
+
+
+@dataclass(frozen=True)
+class Drawbead:
+    """A drawbead: a line in the plan x, y, cut into points, that holds a shell back from flowing across it."""
+
+    name: str
+    place: FloatArray
+    """Of its points in the plan (n, 2) [mm]."""
+    across: FloatArray
+    """Unit normals of the line there (n, 2)."""
+    length: FloatArray
+    """Of the line that each point stands for (n,) [mm]."""
+    force: float
+    """Restraining force per length [N/mm]."""
+    tool: str | None = None
+    """That it moves with; None: it stands still."""
+    closing_force: float = 0.0
+    """Of a stamping: per length [N/mm], taken off the force of a pushed holder."""
