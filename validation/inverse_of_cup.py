@@ -19,8 +19,7 @@ import numpy as np
 from presswork import Result
 from presswork.case.onestep.schema import LAYERS
 from presswork.mesh.triangles import find_rims
-from presswork.model import Hardening, Material
-from presswork.model_onestep import OneStepModel
+from presswork.model import Hardening, Material, OneStepModel
 from presswork.onestep import OneStepResult, loads, solve_one_step
 from validation import square_cup
 

@@ -9,8 +9,7 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from presswork.mesh.triangles import find_rims
-from presswork.model import FloatArray, Hardening, IntArray, Material, YieldFunction
-from presswork.model_onestep import OneStepModel
+from presswork.model import FloatArray, Hardening, IntArray, Material, OneStepModel, YieldFunction
 
 SWIFT = (565.32, 0.007117, 0.2589)
 """NUMISHEET'93 mild steel."""

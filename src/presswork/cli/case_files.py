@@ -8,8 +8,7 @@ from pathlib import Path
 from presswork.case import build_model, read_case
 from presswork.case.errors import CaseError
 from presswork.cli.terminal import refuse
-from presswork.model import Model
-from presswork.model_onestep import OneStepModel
+from presswork.model import Model, OneStepModel
 
 
 def load_model(

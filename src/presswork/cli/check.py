@@ -10,7 +10,7 @@ import typer
 from presswork.case import describe
 from presswork.cli.case_files import load_model
 from presswork.cli.terminal import CaseFile, Settings, refuse
-from presswork.model_onestep import OneStepModel
+from presswork.model import OneStepModel
 from presswork.outcome import StartError
 from presswork.process.begin import check_start
 

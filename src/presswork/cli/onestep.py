@@ -15,7 +15,7 @@ from presswork.cli.case_files import picture_undercut
 from presswork.cli.pictures import draw
 from presswork.cli.terminal import GAVE_UP, console, refuse
 from presswork.mesh import MeshError
-from presswork.model_onestep import OneStepModel
+from presswork.model import OneStepModel
 from presswork.onestep.part import OneStepError
 from presswork.onestep.record import BLANK_DRAWING, BLANK_POINTS, run_one_step
 from presswork.results import OutputError, Result

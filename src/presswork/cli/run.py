@@ -15,8 +15,7 @@ import typer
 from presswork.cli.case_files import load_model
 from presswork.cli.pictures import draw
 from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, Settings, console, refuse
-from presswork.model import Model
-from presswork.model_onestep import OneStepModel
+from presswork.model import Model, OneStepModel
 from presswork.recorder import Outcome, Progress, StartError, run_model
 from presswork.results import OutputError
 

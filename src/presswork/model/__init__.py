@@ -31,6 +31,7 @@ from presswork.model.material import (
 )
 from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
 from presswork.model.model import Analysis, Model
+from presswork.model.onestep import OneStepModel, PartBead
 from presswork.model.settings import (
     Displacements,
     ExplicitSheet,
@@ -103,7 +104,9 @@ __all__ = [
     "Material",
     "Mesh",
     "Model",
+    "OneStepModel",
     "OutputSettings",
+    "PartBead",
     "PointForce",
     "PrescribedDisplacement",
     "Pressure",

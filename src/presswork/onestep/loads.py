@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from presswork.model import BoolArray, FloatArray
-from presswork.model_onestep import DrawBead
+from presswork.model import BoolArray, FloatArray, PartBead
 from presswork.onestep.newton import Friction
 from presswork.onestep.part import OneStepError, PartSurface
 
@@ -84,7 +83,7 @@ def radius_friction(part: PartSurface, tools: Tools, forces: FloatArray, mu: flo
     return Friction(mu * np.abs(normal), np.where(down, tools.punch_level, tools.die_level))
 
 
-def bead_friction(part: PartSurface, tools: Tools, beads: tuple[DrawBead, ...], share_of_edge: float) -> Friction:
+def bead_friction(part: PartSurface, tools: Tools, beads: tuple[PartBead, ...], share_of_edge: float) -> Friction:
     """Return the beads' force at the nodes that lie nearest to them, seen from above.
 
     share_of_edge: distance at which a bead is sampled [mm]. Raises OneStepError for a bead that misses the part.

@@ -10,7 +10,7 @@ the flange on, cell by cell; where it ceases to, the wall begins.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,8 +18,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from presswork.mesh.triangles import double_areas, find_rims, pair_triangles, split_quads
-from presswork.model import BoolArray, FloatArray, IntArray
-from presswork.model_onestep import OneStepModel
+from presswork.model import BoolArray, FloatArray, IntArray, OneStepModel, ToolKind, Triangulation
 from presswork.onestep.loads import FLAT
 from presswork.onestep.solve import mirror_part
 from presswork.results.whole_file import replace_whole
@@ -39,22 +38,11 @@ _SINGULAR = 0.02
 
 
 @dataclass(frozen=True)
-class OffsetTool:
-    """A tool's face, wound as seen from the sheet."""
-
-    kind: str
-    points: FloatArray
-    """(n_points, 3) [mm]."""
-    triangles: IntArray
-    """(n, 3)."""
-
-
-@dataclass(frozen=True)
 class OffsetTools:
     """The tools of a part."""
 
-    tools: tuple[OffsetTool, ...]
-    """Punch and die, and a holder if there is a level flange."""
+    faces: Mapping[ToolKind, Triangulation]
+    """Of punch and die, and of a holder if there is a level flange, wound as seen from the sheet."""
     stroke: float
     """Of the punch from where both touch the flat blank to the finished part [mm]."""
     smallest_radius: float
@@ -82,25 +70,25 @@ def offset_tools(model: OneStepModel, blank_reach: float, clearance: float = CLE
     points_above, face, beyond = _extend(above, triangles, flange, reach, thickness, keep=~outside)
     stroke = thickness + _highest(*die) - _lowest(points_above, face)
     punch = _raise_rim(points_above, face, beyond, stroke)
-    tools = [OffsetTool("punch", *_turned(*punch)), OffsetTool("die", *die)]
+    faces: dict[ToolKind, Triangulation] = {"punch": _compact(*_turned(*punch)), "die": _compact(*die)}
     if flange.any():
         level = points + np.array([0.0, 0.0, 0.5 * thickness])
         points_level, face, beyond = _extend(level, triangles, flange, reach, thickness, keep=flange)
         room = _distance_between(level[triangles[flange]], above[triangles[~outside]])
         holder = _roll_rim(points_level, face, beyond, min(_ROLL * thickness, 0.4 * room))
-        tools.append(OffsetTool("holder", *_turned(*holder)))
+        faces["holder"] = _compact(*_turned(*holder))
     notes = _find_faults(points, triangles, below, above, bool(flange.any()))
-    return OffsetTools(tuple(_compact(t) for t in tools), stroke, _smallest_radius(points, triangles), notes)
+    return OffsetTools(faces, stroke, _smallest_radius(points, triangles), notes)
 
 
-def write_stl(path: Path, tool: OffsetTool) -> None:
-    """Write a binary STL file [mm]. Raises OutputError."""
+def write_stl(path: Path, kind: ToolKind, tool: Triangulation) -> None:
+    """Write the face of a tool as a binary STL file [mm]. Raises OutputError."""
     corners = tool.points[tool.triangles]
     rows = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     rows["normal"] = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     rows["corners"] = corners
-    head = f"presswork {tool.kind}, mm".encode().ljust(80)
+    head = f"presswork {kind}, mm".encode().ljust(80)
     content = head + np.uint32(len(rows)).tobytes() + rows.tobytes()
     with replace_whole(path, needed_bytes=len(content)) as temporary:
         temporary.write_bytes(content)
@@ -333,10 +321,10 @@ def _add_rings(
     return np.concatenate(everything), np.concatenate(cells).astype(np.int32)
 
 
-def _compact(tool: OffsetTool) -> OffsetTool:
-    """Return the tool without points that no triangle uses."""
-    used, index = np.unique(tool.triangles, return_inverse=True)
-    return OffsetTool(tool.kind, tool.points[used], index.reshape(-1, 3).astype(np.int32))
+def _compact(points: FloatArray, triangles: IntArray) -> Triangulation:
+    """Return a face without points that no triangle uses."""
+    used, index = np.unique(triangles, return_inverse=True)
+    return Triangulation(points[used], index.reshape(-1, 3).astype(np.int32), is_closed=False)
 
 
 def _smallest_radius(points: FloatArray, triangles: IntArray) -> float:

@@ -19,8 +19,7 @@ from presswork.fields.formability_fields import judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.mesh.topology import find_boundary_edges
-from presswork.model import CellBlock, FloatArray, Mesh, Section
-from presswork.model_onestep import OneStepModel
+from presswork.model import CellBlock, FloatArray, Mesh, OneStepModel, Section
 from presswork.onestep.outline import BlankOutline, nest
 from presswork.onestep.solve import OneStepResult, solve_one_step
 from presswork.results import History, OutputError, append_step, open_output_folder, write_outline, write_summary

@@ -12,8 +12,7 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.addendum import ON_PLANE
 from presswork.mesh.triangles import find_rims
-from presswork.model import BoolArray, FloatArray, IntArray
-from presswork.model_onestep import OneStepModel
+from presswork.model import BoolArray, FloatArray, IntArray, OneStepModel
 from presswork.onestep.fields import cell_means, nodal_thickness, triangle_fields
 from presswork.onestep.flatten import flatten
 from presswork.onestep.law import find_metric, make_law

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from presswork.model_onestep import OneStepModel
+from presswork.model import OneStepModel
 from presswork.onestep.offset_tools import CLEARANCE, offset_tools, write_stl
 from presswork.onestep.outline import BlankOutline
 from presswork.results import OutputError
@@ -62,11 +62,9 @@ def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, 
     if data.get("materials"):
         case["materials"] = data["materials"]
     case["tools"] = {}
-    for tool in made.tools:
-        write_stl(_tool_path(path, tool.kind), tool)
-        case["tools"][tool.kind] = {
-            "kind": tool.kind, "shape": "file", "path": _tool_path(path, tool.kind).name, "mu": model.mu
-        }  # fmt: skip
+    for kind, face in made.faces.items():
+        write_stl(_tool_path(path, kind), kind, face)
+        case["tools"][kind] = {"kind": kind, "shape": "file", "path": _tool_path(path, kind).name, "mu": model.mu}
     actions: dict[str, Any] = {"punch": {"stroke": float(f"{made.stroke:.6g}")}}
     if "holder" in case["tools"] and model.holder_force > 0.0:
         actions["holder"] = {"force": model.holder_force}

@@ -8,9 +8,8 @@ import pytest
 
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.tool_file import read_tool
-from presswork.model import FloatArray
-from presswork.model_onestep import OneStepModel
-from presswork.onestep.offset_tools import CLEARANCE, OffsetTool, OffsetTools, offset_tools, write_stl
+from presswork.model import FloatArray, OneStepModel, Triangulation
+from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, offset_tools, write_stl
 from tests.problems.one_step import NO_TRIANGLES, cup_profile, fan, make_model, revolve
 
 T, RADIUS, CORNER, DEPTH, FLANGE = 0.8, 25.0, 5.0, 20.0, 42.0
@@ -50,8 +49,8 @@ def made(request) -> tuple[OneStepModel, OffsetTools]:
     return model, offset_tools(model, 70.0)
 
 
-def find(tools: OffsetTools, kind: str) -> OffsetTool:
-    return next(tool for tool in tools.tools if tool.kind == kind)
+def find(tools: OffsetTools, kind: str) -> Triangulation:
+    return tools.faces[kind]
 
 
 def test_the_stroke_is_the_parts_depth(made) -> None:
@@ -87,10 +86,10 @@ def test_the_holder_ends_where_the_dies_shoulder_begins_and_both_reach_beyond_th
 def test_punch_in_the_die_leaves_the_sheet_its_room(made, tmp_path) -> None:
     """Read from their files as a stamping reads them; at the end of the stroke, everywhere."""
     read = {}
-    for tool in made[1].tools:
-        write_stl(tmp_path / f"{tool.kind}.stl", tool)
-        facing = (0.0, 0.0, 1.0 if tool.kind == "die" else -1.0)
-        read[tool.kind], notes = read_tool(tmp_path / f"{tool.kind}.stl", facing=facing)
+    for kind, tool in made[1].faces.items():
+        write_stl(tmp_path / f"{kind}.stl", kind, tool)
+        facing = (0.0, 0.0, 1.0 if kind == "die" else -1.0)
+        read[kind], notes = read_tool(tmp_path / f"{kind}.stl", facing=facing)
         assert not any("turned over" in note or "no area" in note for note in notes), notes
     gap = make_surface(read["die"]).nearest(read["punch"].points)[0]
     assert gap.min() > T, "facets lie nearer than the arcs that they stand for"
@@ -131,7 +130,7 @@ def test_a_part_without_a_flange_has_no_holder_and_says_so() -> None:
     triangles, cells = index[: 3 * 48].reshape(-1, 3), index[3 * 48 :].reshape(-1, 4)
     model = make_model(points[used], triangles.astype(np.int32), cells.astype(np.int32), thickness=T)
     tools = offset_tools(model, 60.0)
-    assert [tool.kind for tool in tools.tools] == ["punch", "die"]
+    assert list(tools.faces) == ["punch", "die"]
     assert "no level flange" in tools.notes[0]
 
 

@@ -15,7 +15,7 @@ from presswork.case.description.shell import describe_sheet, describe_sheet_load
 from presswork.geometry.crossing import bound_segments
 from presswork.geometry.pose import start_profile
 from presswork.memory import available_memory, estimate_memory
-from presswork.model_onestep import OneStepModel
+from presswork.model import OneStepModel
 
 
 def describe(problem: model.Model | OneStepModel) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.case.description.material import describe_material
-from presswork.model_onestep import OneStepModel
+from presswork.model import OneStepModel
 
 
 def describe_onestep(problem: OneStepModel) -> list[str]:

@@ -23,7 +23,7 @@ from presswork.case.stamping.bead import Bead
 from presswork.case.units import LENGTH, Angle, Force, Length, Number, fault, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.part_file import PartMesh, read_part
-from presswork.model_onestep import DrawBead, OneStepModel
+from presswork.model import OneStepModel, PartBead
 
 _TRIANGLES = 10_000
 """About as many as a triangulated part is refined to where no element_size is given."""
@@ -144,7 +144,7 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
         symmetry=("x" in case.part.symmetry, "y" in case.part.symmetry),
         holder_force=case.process.holder_force,
         mu=case.process.mu,
-        beads=tuple(DrawBead(bead.polyline(), bead.force) for bead in case.process.beads),
+        beads=tuple(PartBead(bead.polyline(), bead.force) for bead in case.process.beads),
         layers=case.blank.points,
         notes=notes,
         case_text=case.text,

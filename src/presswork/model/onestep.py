@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Model of the one-step solver: a finished part whose blank is sought. Frozen data; units mm, N, MPa.
+"""The model of the one-step solver: a finished part whose blank is sought.
+
+It is no Model: nothing happens in time, so it has neither stages, tools, supports nor elements to choose.
 
 The part stands in the press's axes: the punch moves along -z, the blank lies in x, y.
 """
@@ -8,11 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from presswork.model import FloatArray, IntArray, Material
+from presswork.model.arrays import FloatArray, IntArray
+from presswork.model.material import Material
 
 
 @dataclass(frozen=True)
-class DrawBead:
+class PartBead:
     """A line on the part along which a bead holds the sheet back."""
 
     points: FloatArray
@@ -45,7 +48,7 @@ class OneStepModel:
     """Of the whole holder [N]."""
     mu: float
     """Coefficient of friction."""
-    beads: tuple[DrawBead, ...] = ()
+    beads: tuple[PartBead, ...] = ()
     layers: int = 3
     """Points through the thickness; 1: no bending."""
     notes: tuple[str, ...] = ()
