@@ -72,6 +72,7 @@ PYTHON_ROOMS = {
     },
     "post": {"fields", "formability", "geometry", "mesh", "model", "results"},
     "view": {"fields", "formability", "model", "post", "results"},
+    "report": {"fields", "formability", "model", "post", "results", "view"},
     "recorder": {"model", "outcome", "process", "results", "stop"},
     "study": {"api", "case", "geometry", "model", "post", "recorder", "results", "view"},
     "material": {"case", "formability", "law", "model", "view"},
@@ -91,6 +92,7 @@ PYTHON_ROOMS = {
         "process",
         "results",
         "recorder",
+        "report",
         "study",
         "view",
     },
@@ -129,7 +131,7 @@ def test_imports_run_forwards(path: Path) -> None:
     allowed = (
         PYTHON_ROOMS[room]
         | {room, "_core", "_cpu"}
-        | (public if room in {"cli", "onestep", "recorder", "results"} else set())
+        | (public if room in {"cli", "onestep", "recorder", "report", "results"} else set())
     )
     assert imports_of(path) <= allowed
 

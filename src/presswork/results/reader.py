@@ -65,6 +65,7 @@ class Result:
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
         self._file: h5py.File | None = None
+        self._kept: dict[str, NDArray[Any]] = {}
         if not self.folder.is_dir():
             raise ResultError(f"there is no folder {self.folder}")
         if not (self.folder / RESULTS).is_file():
@@ -117,7 +118,7 @@ class Result:
     def mesh_at(self, step: int = -1) -> ResultMesh:
         """Return the undeformed mesh of a saved step: one that a sheet was cut to, say, instead of the first."""
         with self._open() as file:
-            parts = find_body(file)["Steps/PartOffsets"]
+            parts = self._whole(find_body(file), "Steps/PartOffsets")
             part = int(parts[self._index(step, len(parts))])
         if part not in self._meshes:
             self._meshes[part] = self._read_mesh(part)
@@ -161,7 +162,7 @@ class Result:
         """Return how far a tool in space has moved since the start [mm], shape (3,)."""
         self._require(tool, self.surfaces, "tool")
         with self._open() as file:
-            saved = file[f"presswork/surfaces/{tool}/displacement"]
+            saved = self._whole(file, f"presswork/surfaces/{tool}/displacement")
             return np.asarray(saved[self._index(step, len(saved))], dtype=np.float64)
 
     @cached_property
@@ -182,9 +183,10 @@ class Result:
         """Return where a tool stands."""
         self._require(tool, self.tools, "tool")
         with self._open() as file:
-            saved = file[f"presswork/tools/{tool}"]
-            index = self._index(step, len(saved["displacement"]))
-            return ToolPose(saved["centre"][()], saved["displacement"][index], float(saved["angle"][index]))
+            names = ("centre", "displacement", "angle")
+            centre, displacement, angle = (self._whole(file, f"presswork/tools/{tool}/{name}") for name in names)
+            index = self._index(step, len(displacement))
+            return ToolPose(centre, displacement[index], float(angle[index]))
 
     def placed_tool(self, tool: str, step: int = -1) -> FloatArray:
         """Return a tool's profile where it is at a saved step, shape (n_segments, 7) as in model.Tool."""
@@ -201,9 +203,10 @@ class Result:
         group, count = ("PointData", "Points") if self.field_names[stored] == "point" else ("CellData", "Cells")
         with self._open() as file:
             root = find_body(file)
-            offsets = root[f"Steps/{group}Offsets/{stored}"]
+            offsets = self._whole(root, f"Steps/{group}Offsets/{stored}")
             index = self._index(step, len(offsets))
-            n, start = int(root[f"NumberOf{count}"][root["Steps/PartOffsets"][index]]), int(offsets[index])
+            part = self._whole(root, "Steps/PartOffsets")[index]
+            n, start = int(self._whole(root, f"NumberOf{count}")[part]), int(offsets[index])
             values = np.asarray(root[f"{group}/{stored}"][start : start + n], dtype=np.float64)
             if len(values) != n:
                 raise ValueError(f"{stored} has {len(values)} rows, not {n}")
@@ -306,6 +309,16 @@ class Result:
                 yield
             finally:
                 self._file = None
+                self._kept.clear()
+
+    def _whole(self, group: h5py.Group, path: str) -> NDArray[Any]:
+        """Return all of a small dataset; while the file is kept open, it is read once."""
+        if path not in self._kept:
+            values = group[path][()]
+            if self._file is None:
+                return np.asarray(values)
+            self._kept[path] = values
+        return self._kept[path]
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:

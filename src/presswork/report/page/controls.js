@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Toolbar and timeline: what is shown, and when.
+import { SCALES } from "./colours.js";
+import { make, makeButton, makeSelect, makeToggle } from "./elements.js";
+
+const find = (id) => document.getElementById(id);
+const FRAME = 180; // ms a step when playing, at least
+
+/** Return the fields of a run as options in groups: chosen first, components below. */
+function groupFields(run) {
+  const isPart = (name) => /_(xx|yy|zz|xy|yz|xz|x|y|z)$/.test(name);
+  const toOption = (field) => [field.name, field.unit && field.unit !== "–" ? `${field.label} [${field.unit}]` : field.label];
+  const whole = run.fields.filter((field) => !isPart(field.name)), parts = run.fields.filter((field) => isPart(field.name));
+  return parts.length ? [...whole.map(toOption), { label: "Components", options: parts.map(toOption) }] : whole.map(toOption);
+}
+
+export function makeToolbar(runs, store) {
+  const { state } = store, bar = find("toolbar"), set = (changes) => store.set(changes);
+  const group = (...children) => make("div", { class: "group" }, ...children);
+  const run = runs[state.run];
+  const parts = [makeSelect("Field", groupFields(run), state.field, (field) => set({ field, range: null }))];
+  if (runs.length > 1) parts.push(...makeComparison(runs, store));
+  if (runs.some((one) => one.axisymmetric))
+    parts.push(makeSelect("View", [["section", "Section"], ["revolved", "Revolved"]], state.view, (view) => { set({ view, direction: "iso" }); }));
+  parts.push(group(
+    makeToggle("Mesh", state.hasLines, (hasLines) => set({ hasLines }), "Show the lines of the mesh"),
+    makeToggle("Smooth", state.isSmooth, (isSmooth) => set({ isSmooth }), "Means at nodes instead of one colour a cell"),
+    makeToggle("Isolines", state.hasIsolines, (hasIsolines) => set({ hasIsolines }), "Ten lines of equal value; of smooth colours"),
+    makeToggle("Bands", state.hasBands, (hasBands) => set({ hasBands }), "Ten colours instead of a continuous scale"),
+    makeToggle("Min/max", state.hasExtremes, (hasExtremes) => set({ hasExtremes }), "Mark the smallest and the largest value"),
+  ));
+  parts.push(makeSelect("Colours", [["auto", "Automatic"], ...Object.entries(SCALES)], state.scale, (scale) => set({ scale })));
+  parts.push(makeSelect("Range", [["all", "All steps"], ["step", "This step"]], state.rangeOf, (rangeOf) => set({ rangeOf, range: null })));
+  if (run.tools.length)
+    parts.push(makeSelect("Tools", [["transparent", "Transparent"], ["solid", "Solid"], ["hidden", "Hidden"]], state.tools, (tools) => set({ tools })));
+  parts.push(makeCut(store));
+  parts.push(group(...[["Fit", "iso"], ["Front", "front"], ["Top", "top"], ["Side", "side"]].map(([word, direction]) =>
+    makeButton(word, () => set({ direction, looks: state.looks + 1 }), word === "Fit" ? "Show all of the part" : `Look at the part from ${{ front: "the front", top: "above", side: "the side" }[direction]}`))));
+  bar.replaceChildren(...parts);
+}
+
+function makeComparison(runs, store) {
+  const { state } = store, names = runs.map((run, i) => [String(i), run.name]);
+  const chosen = makeSelect("Run", names, String(state.run), (value) => store.set({ run: Number(value), step: runs[Number(value)].stepAt(runs[state.run].fraction(state.step)), picked: null }));
+  const other = makeSelect("less", names, String(state.other), (value) => store.set({ other: Number(value), range: null }));
+  const show = (layout) => { chosen.hidden = layout !== "one" && layout !== "difference"; other.hidden = layout !== "difference"; };
+  const layouts = [["side", "Side by side"], ["overlay", "Overlaid"], ["difference", "Difference"], ["one", "One run"]];
+  show(state.layout);
+  return [makeSelect("Runs", layouts, state.layout, (layout) => { show(layout); store.set({ layout, range: null }); }), chosen, other];
+}
+
+function makeCut(store) {
+  const change = (changes) => store.set({ clip: { ...store.state.clip, ...changes } });
+  const slider = make("input", { type: "range", min: "0", max: "1", step: "0.005", value: "0.5", "aria-label": "Place of the section plane", oninput: () => change({ part: Number(slider.value) }) });
+  const flip = makeToggle("Flip", false, (isFlipped) => change({ isFlipped }), "Show the other side of the section plane");
+  slider.hidden = flip.hidden = true;
+  slider.style.width = "90px";
+  const select = makeSelect("Cut", [["", "None"], ["x", "Across x"], ["y", "Across y"], ["z", "Across z"]], "", (axis) => {
+    slider.hidden = flip.hidden = !axis;
+    change({ axis });
+  });
+  return make("div", { class: "group" }, select, slider, flip);
+}
+
+/** Fill the timeline: play, slider, what the step is called. */
+export function makeTimeline(runs, store, stage) {
+  const slider = make("input", { type: "range", id: "time", min: "0", step: "1", "aria-label": "Saved step" });
+  const label = make("output", { id: "time-label", for: "time" });
+  let timer = null;
+  const run = () => runs[store.state.run];
+  const go = (step) => store.set({ step: Math.min(Math.max(step, 0), run().steps.length - 1) });
+  const play = makeToggle("Play", false, (isOn) => (isOn ? start() : stop()), "Play the steps in a loop");
+  const start = () => {
+    play.textContent = "Pause";
+    const next = async () => {
+      const before = performance.now(), { step } = store.state;
+      await store.set({ step: step + 1 < run().steps.length ? step + 1 : 0 });
+      timer = setTimeout(next, Math.max(FRAME - (performance.now() - before), 15));
+    };
+    timer = setTimeout(next, 0);
+  };
+  const stop = () => {
+    play.textContent = "Play";
+    play.setAttribute("aria-pressed", "false");
+    clearTimeout(timer);
+    timer = null;
+  };
+  slider.addEventListener("input", () => { stop(); go(Number(slider.value)); });
+  const jump = (change, title, text) => makeButton(text, () => { stop(); go(store.state.step + change); }, title);
+  find("timeline").replaceChildren(play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label);
+  document.addEventListener("keydown", (event) => {
+    if (event.target.closest("input, select, textarea, [role=slider], [role=tab]")) return;
+    const change = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity }[event.key];
+    if (change) { stop(); go(store.state.step + change); event.preventDefault(); }
+  });
+  store.listen(() => {
+    const { steps } = run(), { step } = store.state;
+    slider.max = String(steps.length - 1);
+    slider.value = String(step);
+    slider.disabled = play.disabled = steps.length < 2;
+    const text = `${step + 1}/${steps.length}  ${steps[step].label}`;
+    label.textContent = text;
+    slider.setAttribute("aria-valuetext", text);
+    void stage;
+  });
+}

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Curves of the history: force against stroke first, any column against any other; linked to the time slider both ways.
+import { Chart } from "./chart.js";
+import { formatNumber, LINES, withUnit } from "./colours.js";
+import { make, makeSelect, makeTable } from "./elements.js";
+
+export class CurvesPanel {
+  constructor(parent, runs, store, stage) {
+    Object.assign(this, { runs, store, stage });
+    this.charts = [];
+    const main = runs.find((run) => run.curves.columns.length) ?? runs[0];
+    if (!main.curves.columns.length) {
+      parent.append(make("p", { class: "soft" }, "This run has no history."));
+      return;
+    }
+    const first = main.curves.curves;
+    this.x = first[0]?.[0] ?? "time";
+    this.ys = first.length ? first.map(([, y]) => y) : [main.curves.columns.at(-1).name];
+    this.box = make("div");
+    this.values = make("div");
+    const columns = main.curves.columns.map(({ name, label, unit }) => [name, withUnit(label, unit)]);
+    const forces = first.length ? [["", first.map(([, y]) => main.findColumn(y).label).join(", ")]] : [];
+    parent.append(make("div", { class: "row" },
+      makeSelect("y", [...forces, ...columns], first.length ? "" : this.ys[0], (name) => { this.ys = name ? [name] : first.map(([, y]) => y); this.#draw(); }),
+      makeSelect("over", columns, this.x, (name) => { this.x = name; this.#draw(); })), this.box);
+    this.#addFixed(parent, main);
+    parent.append(this.values);
+    this.#draw();
+  }
+
+  static isFor = (run) => run.curves.columns.length > 0;
+
+  /** Draw the chart of the chosen columns, all runs in one. */
+  async #draw() {
+    this.chart?.destroy();
+    this.box.replaceChildren();
+    this.chart = await this.#makeChart(this.box, this.x, this.ys, 290);
+    this.update([]);
+  }
+
+  #addFixed(parent, main) {
+    const energies = main.curves.energies, iterations = ["iterations", "cycles"].find((name) => main.findColumn(name));
+    const add = async (title, ys) => {
+      const box = make("div");
+      parent.append(make("h2", {}, title), box);
+      this.charts.push(await this.#makeChart(box, "time", ys, 200));
+      this.update([]);
+    };
+    if (energies.length) add("Energy", energies);
+    if (iterations === "iterations") add("Convergence: iterations an increment", ["iterations"]);
+  }
+
+  async #makeChart(parent, x, ys, height) {
+    const series = [], { runs } = this;
+    for (const run of runs) {
+      const xs = await run.history(x);
+      if (!xs) continue;
+      for (const y of ys) {
+        const values = await run.history(y);
+        if (!values) continue;
+        const name = run.findColumn(y).label, label = runs.length > 1 ? `${run.name}: ${name}` : name;
+        series.push({ x: xs, y: values, label, colour: LINES[series.length % LINES.length], run, column: y });
+      }
+    }
+    const known = runs.find((run) => run.findColumn(x)), xColumn = known?.findColumn(x), yColumn = known && runs.map((run) => run.findColumn(ys[0])).find(Boolean);
+    const chart = new Chart(parent, {
+      label: `${yColumn?.label ?? ""} over ${xColumn?.label ?? ""}`, height,
+      xLabel: withUnit(xColumn?.label ?? x, xColumn?.unit), yLabel: withUnit(ys.length > 1 ? "" : yColumn?.label ?? "", yColumn?.unit).trim(),
+      onPick: (px, py, toPixels) => this.#go(series, px, py, toPixels),
+    });
+    chart.setSeries(series);
+    return chart;
+  }
+
+  /** Go to the step nearest to a place of a chart. */
+  async #go(series, px, py, toPixels) {
+    let best = null;
+    for (const one of series)
+      for (let i = 0; i < one.x.length; i++) {
+        const [x, y] = toPixels(one.x[i], one.y[i]), distance = Math.hypot(x - px, y - py);
+        if (!best || distance < best.distance) best = { distance, run: one.run, row: i };
+      }
+    if (!best) return;
+    const time = (await best.run.history("time"))[best.row], { run } = this.store.state;
+    const fraction = (time / (best.run.steps.at(-1).time || 1)) * (best.run.summary.fraction_computed ?? 1);
+    this.store.set({ step: this.runs[run].stepAt(fraction) });
+  }
+
+  /** Mark the present step on all charts, and list the columns' values there. */
+  async update(changed) {
+    if (!this.chart || (changed.length && !changed.some((name) => ["step", "run", "layout"].includes(name)))) return;
+    const main = this.runs[this.store.state.run], rows = new Map();
+    for (const run of this.runs) {
+      const times = await run.history("time"), { time } = run.steps[this.stage.stepOf(run.number)];
+      if (times) rows.set(run, findRow(times, time));
+    }
+    for (const chart of [this.chart, ...this.charts])
+      chart.setMarks(chart.series.filter((one) => rows.get(one.run) >= 0).map((one) => ({ x: one.x[rows.get(one.run)], y: one.y[rows.get(one.run)], colour: one.colour })));
+    await this.#list(main, rows.get(main));
+  }
+
+  async #list(run, row) {
+    if (row === undefined) return;
+    const found = [["Quantity at this step", run.name]];
+    for (const column of run.curves.columns) {
+      const values = await run.history(column.name);
+      found.push([column.label, row < 0 ? "before the first increment" : `${formatNumber(values[row], 5)} ${column.unit}`]);
+    }
+    this.values.replaceChildren(make("h2", {}, "All columns"), makeTable(found));
+  }
+
+  destroy() {
+    for (const chart of [this.chart, ...this.charts]) chart?.destroy();
+  }
+}
+
+/** Return the row nearest to a time; -1 before the first. */
+function findRow(times, time) {
+  let best = 0;
+  for (let i = 0; i < times.length; i++) if (Math.abs(times[i] - time) < Math.abs(times[best] - time)) best = i;
+  return times.length && time < 0.5 * times[0] ? -1 : best;
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Values of a field on a run's surface: at nodes for smooth colours, at faces for plain ones; extremes; differences.
+import { MISSING } from "./unpack.js";
+
+/** Return the mean of the faces around each node, weighted by the areas of their triangles as they were. */
+export function averageToNodes(mesh, values) {
+  const sum = new Float32Array(mesh.nodes), weight = new Float32Array(mesh.nodes);
+  for (let t = 0; t < mesh.face.length; t++) {
+    const value = values[mesh.face[t]];
+    if (value === MISSING) continue;
+    for (let c = 0; c < 3; c++) {
+      const node = mesh.triangles[3 * t + c];
+      sum[node] += mesh.areas[t] * value;
+      weight[node] += mesh.areas[t];
+    }
+  }
+  return sum.map((total, i) => (weight[i] > 0 ? total / weight[i] : MISSING));
+}
+
+/** Return the areas of a mesh's triangles as they were before forming. */
+export function measureAreas(mesh, k) {
+  const at = mesh.reference;
+  return Float32Array.from({ length: mesh.face.length }, (_, t) => {
+    const [a, b, c] = [0, 1, 2].map((i) => k * mesh.triangles[3 * t + i]);
+    const u = [0, 1, 2].map((i) => (i < k ? at[b + i] - at[a + i] : 0)), v = [0, 1, 2].map((i) => (i < k ? at[c + i] - at[a + i] : 0));
+    return 0.5 * Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) || 1e-12;
+  });
+}
+
+/** Return index and value of the smallest and the largest value; null if there is none. */
+export function findExtremes(values) {
+  let low = -1, high = -1;
+  for (let i = 0; i < values.length; i++) {
+    if (values[i] === MISSING) continue;
+    if (low < 0 || values[i] < values[low]) low = i;
+    if (high < 0 || values[i] > values[high]) high = i;
+  }
+  return low < 0 ? null : { low, high, lowest: values[low], highest: values[high] };
+}
+
+/** Return a function from a point to the nearest of points (n, k), by buckets of a grid. */
+export function makeNearest(points, k) {
+  const n = points.length / k, low = Array(k).fill(Infinity), high = Array(k).fill(-Infinity);
+  for (let i = 0; i < points.length; i++) {
+    low[i % k] = Math.min(low[i % k], points[i]);
+    high[i % k] = Math.max(high[i % k], points[i]);
+  }
+  const size = Math.max(...high.map((value, i) => value - low[i])) / Math.max(Math.sqrt(n), 1) || 1;
+  const cell = (point, from) => low.map((value, i) => Math.floor((point[from + i] - value) / size));
+  const buckets = new Map();
+  for (let i = 0; i < n; i++) {
+    const key = cell(points, k * i).join();
+    buckets.has(key) ? buckets.get(key).push(i) : buckets.set(key, [i]);
+  }
+  return (point, from) => {
+    const home = cell(point, from);
+    let best = -1, least = Infinity;
+    for (let reach = 1; best < 0 && reach < 64; reach *= 2)
+      for (const place of around(home, reach))
+        for (const i of buckets.get(place) ?? []) {
+          let distance = 0;
+          for (let c = 0; c < k; c++) distance += (points[k * i + c] - point[from + c]) ** 2;
+          if (distance < least) { least = distance; best = i; }
+        }
+    return best;
+  };
+}
+
+function* around(home, reach) {
+  const range = Array.from({ length: 2 * reach + 1 }, (_, i) => i - reach);
+  for (const dx of range) for (const dy of range)
+    if (home.length === 2) yield [home[0] + dx, home[1] + dy].join();
+    else for (const dz of range) yield [home[0] + dx, home[1] + dy, home[2] + dz].join();
+}

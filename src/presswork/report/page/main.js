@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts the page: reads the header, makes the runs, and joins stage, controls and panels by one state.
+import { makeTimeline, makeToolbar } from "./controls.js";
+import { makePanels } from "./panels.js";
+import { Run } from "./run.js";
+import { Stage } from "./stage.js";
+import { Store } from "./store.js";
+
+const find = (id) => document.getElementById(id);
+const header = JSON.parse(find("header").textContent);
+const runs = header.runs.map((run, i) => new Run(run, i));
+
+function showHead() {
+  const [run] = runs, { summary } = run, words = [];
+  find("title").textContent = runs.length > 1 ? runs.map((one) => one.title).filter((title, i, all) => all.indexOf(title) === i).join(" | ") : run.title;
+  if (run.analysis) words.push(run.analysis.replace("_", " "));
+  if (summary.work) words.push(summary.work);
+  if (summary.wall_seconds?.total) words.push(`${summary.wall_seconds.total.toFixed(1)} s`);
+  if (runs.length > 1) words.splice(0, words.length, runs.map((one) => one.name).join(", "));
+  words.push(`presswork ${summary.version ?? header.version}`, `written ${header.written}`);
+  find("facts").textContent = words.join("  ·  ");
+  const warnings = runs.reduce((sum, one) => sum + (one.summary.warnings?.length ?? 0), 0);
+  const failed = runs.filter((one) => one.summary.status && one.summary.status !== "completed");
+  const status = find("status");
+  status.textContent = failed.length ? failed.map((one) => `${runs.length > 1 ? `${one.name}: ` : ""}${one.summary.status.replace("_", " ")}`).join(", ")
+    : warnings ? `${warnings} warning${warnings > 1 ? "s" : ""}` : runs.every((one) => one.summary.status) ? "completed" : "not finished";
+  status.className = failed.length ? "bad" : warnings ? "warn" : "";
+}
+
+const state = {
+  run: 0, other: Math.min(1, runs.length - 1), step: runs[0].steps.length - 1, layout: runs.length > 1 ? "side" : "one",
+  field: runs[0].fields[0].name, view: "section", direction: "iso", looks: 0, isSmooth: true, hasLines: runs[0].meshes[0].faces < 6000, hasIsolines: false,
+  hasBands: false, hasExtremes: true, scale: "auto", rangeOf: "step", range: null, tools: "transparent", clip: { axis: "", part: 0.5, isFlipped: false }, picked: null,
+};
+
+async function start() {
+  showHead();
+  const store = new Store(state, () => stage.update()), stage = new Stage(runs, store);
+  makeToolbar(runs, store);
+  makeTimeline(runs, store, stage);
+  await store.set({});
+  document.documentElement.dataset.ready = String(Math.round(performance.now()));
+  makePanels(runs, store, stage);
+  Object.assign(window, { presswork: { store, stage, runs } });
+}
+
+start().catch((error) => {
+  find("message").textContent = `This page could not be drawn: ${error.message}. It needs a browser of 2023 or later with WebGL.`;
+  throw error;
+});

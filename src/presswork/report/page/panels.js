@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tabs beside the stage.
+import { make } from "./elements.js";
+import { CurvesPanel } from "./curves.js";
+import { LimitPanel } from "./limit.js";
+import { ContactPanel } from "./contact.js";
+import { PartPanel } from "./part.js";
+import { CasePanel } from "./case.js";
+
+const find = (id) => document.getElementById(id);
+
+/** Make the tabs that the runs have something for; the first is open. */
+export function makePanels(runs, store, stage) {
+  const all = [["Curves", CurvesPanel], ["Part", PartPanel], ["Forming limit", LimitPanel], ["Contact", ContactPanel], ["Case", CasePanel]];
+  const kinds = all.filter(([, Panel]) => !Panel.isFor || runs.some((run) => Panel.isFor(run)));
+  let open = null;
+  const show = (number) => {
+    open?.destroy?.();
+    const panel = find("panel");
+    panel.replaceChildren();
+    panel.setAttribute("aria-labelledby", `tab-${number}`);
+    panel.scrollTop = 0;
+    tabs.forEach((tab, i) => {
+      tab.setAttribute("aria-selected", String(i === number));
+      tab.tabIndex = i === number ? 0 : -1;
+    });
+    open = new kinds[number][1](panel, runs, store, stage);
+    open.update([]);
+  };
+  const tabs = kinds.map(([name], i) => make("button", { type: "button", role: "tab", id: `tab-${i}`, "aria-controls": "panel", onclick: () => show(i) }, name));
+  find("tabs").replaceChildren(...tabs);
+  find("tabs").addEventListener("keydown", (event) => {
+    const change = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!change) return;
+    const next = (tabs.indexOf(document.activeElement) + change + tabs.length) % tabs.length;
+    tabs[next].focus();
+    show(next);
+  });
+  store.listen((changed) => open?.update(changed));
+  show(0);
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part at the present step: what lies under the pin, extremes of all fields, zones, outline.
+import { Chart } from "./chart.js";
+import { formatNumber, withUnit, LINES } from "./colours.js";
+import { make, makeTable, makeButton } from "./elements.js";
+import { findExtremes } from "./fields.js";
+import { faceMiddles } from "./run.js";
+import { MISSING } from "./unpack.js";
+
+const FIELDS_FIRST = 12;
+
+export class PartPanel {
+  constructor(parent, runs, store, stage) {
+    Object.assign(this, { runs, store, stage, all: false });
+    this.pin = make("div");
+    this.extremes = make("div");
+    this.outline = make("div");
+    parent.append(this.pin, this.extremes, this.outline);
+  }
+
+  async update(changed) {
+    if (changed.length && !changed.some((name) => ["step", "run", "layout", "picked"].includes(name))) return;
+    this.turn = (this.turn ?? 0) + 1;
+    const { turn } = this, { state } = this.store, run = this.runs[state.run];
+    const tables = await Promise.all([this.#describePin(), this.#listExtremes(run, state.step), this.#drawOutline(run, state.step)]);
+    if (turn !== this.turn) return;
+    this.pin.replaceChildren(...tables[0]);
+    this.extremes.replaceChildren(...tables[1]);
+  }
+
+  async #describePin() {
+    const { picked } = this.store.state;
+    if (!picked) return [make("p", { class: "soft" }, "Click the part to pin a place: its values are listed here and follow it through the steps.")];
+    const run = this.runs[picked.run], step = this.stage.stepOf(picked.run), mesh = await run.mesh(step);
+    if (picked.face >= mesh.faces) return [make("p", { class: "soft" }, "The pinned place is not in the mesh of this step.")];
+    const points = await run.points(step), k = run.dimension, rows = [["Field at the pin", "Value"]];
+    rows.push(["place [mm]", Array.from(points.subarray(k * picked.node, k * picked.node + k), (value) => formatNumber(value, 5)).join(", ")]);
+    for (const [i, field] of run.fields.entries()) {
+      if (!this.all && i >= FIELDS_FIRST) break;
+      const values = await run.values(step, i), value = values[field.kind === "cell" ? picked.face : picked.node];
+      rows.push([withUnit(field.label, field.unit), field.zones?.[value]?.name ?? (value >= MISSING ? "–" : formatNumber(value))]);
+    }
+    return [makeTable(rows, `Face ${picked.face}`), makeButton("Remove the pin", () => this.store.set({ picked: null }))];
+  }
+
+  async #listExtremes(run, step) {
+    const rows = [["Field", "Smallest", "Largest"]], mesh = await run.mesh(step), points = await run.points(step), k = run.dimension;
+    const middles = faceMiddles(mesh, points, k), place = (from, i) => `at (${Array.from(from.subarray(k * i, k * i + k), (value) => formatNumber(value, 4)).join(", ")})`;
+    const count = this.all ? run.fields.length : Math.min(FIELDS_FIRST, run.fields.length);
+    for (let i = 0; i < count; i++) {
+      const field = run.fields[i], values = await run.values(step, i), found = findExtremes(values), from = field.kind === "cell" ? middles : points;
+      if (!found) continue;
+      if (field.zones) continue;
+      const name = makeButton(withUnit(field.label, field.unit), () => this.store.set({ field: field.name, range: null }), `Show ${field.label}`);
+      const cell = (value, index) => found.highest > found.lowest ? `${formatNumber(value)} ${place(from, index)}` : formatNumber(value);
+      rows.push([name, cell(found.lowest, found.low), found.highest > found.lowest ? cell(found.highest, found.high) : "the same"]);
+    }
+    const more = count < run.fields.length ? [makeButton(`List all ${run.fields.length} fields`, () => { this.all = true; this.update([]); })] : [];
+    return [...await this.#countZones(run, step), make("h2", {}, "Extremes at this step"), makeTable(rows), ...more];
+  }
+
+  async #countZones(run, step) {
+    const at = run.findField("formability_zone");
+    if (at < 0) return [];
+    const values = await run.values(step, at), rows = [["Zone", "Faces", "Share"]];
+    run.fields[at].zones.forEach(({ name }, zone) => {
+      const count = values.reduce((sum, value) => sum + (value === zone), 0);
+      rows.push([name, count, `${((100 * count) / values.length).toFixed(1)} %`]);
+    });
+    return [make("h2", {}, "Zones of formability"), makeTable(rows)];
+  }
+
+  /** Draw a sheet's outline from above, now and at the first step. */
+  async #drawOutline(run, step) {
+    if (!run.sheet) return;
+    const [mesh, points] = await Promise.all([run.mesh(step), run.points(step)]);
+    if (!mesh.boundary.length) return;
+    const trace = (from) => {
+      const x = [], y = [];
+      mesh.boundary.forEach((node, i) => {
+        if (i && i % 2 === 0) { x.push(NaN); y.push(NaN); }
+        x.push(from[3 * node]); y.push(from[3 * node + 1]);
+      });
+      return { x, y };
+    };
+    if (!this.chart) {
+      this.outline.append(make("h2", {}, "Outline from above"));
+      this.chart = new Chart(this.outline, { label: "Outline of the sheet from above, blank and now", xLabel: "x [mm]", yLabel: "y [mm]", height: 300 });
+    }
+    this.chart.setSeries([{ ...trace(mesh.reference), label: "blank", colour: LINES[5], dash: [5, 4], width: 1.2 }, { ...trace(points), label: "now", colour: LINES[0] }]);
+  }
+
+  destroy() {
+    this.chart?.destroy();
+  }
+}

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run of the report: its arrays, unpacked when they are first asked for.
+import { averageToNodes, makeNearest, measureAreas } from "./fields.js";
+import { makePlainShape, makeRevolvedShape } from "./shapes.js";
+import { MISSING, unpack } from "./unpack.js";
+
+export class Run {
+  #kept = new Map();
+
+  constructor(header, number) {
+    const { history, ...rest } = header;
+    Object.assign(this, rest);
+    this.curves = history;
+    this.number = number;
+    this.isSolid = header.dimension === 3 && !header.sheet;
+  }
+
+  /** Return what make() gives, which is called once a name. */
+  #once(name, make) {
+    if (!this.#kept.has(name)) this.#kept.set(name, make());
+    return this.#kept.get(name);
+  }
+
+  findField(name) {
+    return this.fields.findIndex((field) => field.name === name);
+  }
+
+  mesh(step) {
+    const number = this.steps[step].mesh;
+    return this.#once(`mesh ${number}`, async () => {
+      const packed = this.meshes[number], names = ["triangles", "face", "lines", "boundary", "reference"];
+      const arrays = await Promise.all(names.map((name) => unpack(packed[name])));
+      const mesh = { ...packed, ...Object.fromEntries(names.map((name, i) => [name, arrays[i]])) };
+      mesh.areas = measureAreas(mesh, this.dimension);
+      return mesh;
+    });
+  }
+
+  async shape(step, isRevolved) {
+    const mesh = await this.mesh(step);
+    return this.#once(`shape ${this.steps[step].mesh} ${isRevolved}`, () =>
+      isRevolved ? makeRevolvedShape(mesh) : makePlainShape(mesh, this.dimension));
+  }
+
+  /** Return the nodes' positions at a step (n, dimension) [mm]. */
+  points(step) {
+    return this.#once(`points ${step}`, () => unpack(this.steps[step].points));
+  }
+
+  /** Return a field's values at a step: of nodes or faces, as its kind says. */
+  values(step, field) {
+    return this.#once(`values ${step} ${field}`, () => unpack(this.steps[step].fields[field]));
+  }
+
+  /** Return a field's values at the nodes: themselves, or means of the faces around. */
+  async nodeValues(step, field) {
+    const values = await this.values(step, field);
+    return this.fields[field].kind === "point" ? values : averageToNodes(await this.mesh(step), values);
+  }
+
+  /** Return a field of this run less that of another, at the same places of the undeformed body. */
+  async difference(step, field, other, otherStep) {
+    const [own, mesh, theirs, theirMesh] = await Promise.all([
+      this.values(step, field), this.mesh(step), other.nodeValues(otherStep, other.findField(this.fields[field].name)), other.mesh(otherStep),
+    ]);
+    const nearest = other.#once(`nearest ${other.steps[otherStep].mesh}`, () => makeNearest(theirMesh.reference, other.dimension));
+    const places = this.fields[field].kind === "point" ? mesh.reference : faceMiddles(mesh, mesh.reference, this.dimension);
+    const isSame = this.fields[field].kind === "cell" && mesh.faces === theirMesh.faces && mesh.nodes === theirMesh.nodes;
+    const cells = isSame ? await other.values(otherStep, other.findField(this.fields[field].name)) : null;
+    return own.map((value, i) => {
+      const theirValue = cells ? cells[i] : theirs[nearest(places, this.dimension * i)];
+      return value === MISSING || theirValue === MISSING || theirValue === undefined ? MISSING : value - theirValue;
+    });
+  }
+
+  history(name) {
+    const column = this.findColumn(name);
+    return column ? this.#once(`history ${name}`, () => unpack(column.values)) : null;
+  }
+
+  findColumn(name) {
+    return this.curves.columns.find((column) => column.name === name);
+  }
+
+  /** Return how much of the whole process is done at a step. */
+  fraction(step) {
+    const last = this.steps.at(-1).time || 1;
+    return (this.steps[step].time / last) * (this.summary.fraction_computed ?? 1);
+  }
+
+  /** Return the step nearest to a part of the whole process. */
+  stepAt(fraction) {
+    let best = 0;
+    this.steps.forEach((_, i) => { if (Math.abs(this.fraction(i) - fraction) < Math.abs(this.fraction(best) - fraction)) best = i; });
+    return best;
+  }
+
+  /** Return the triangles and positions of a tool in space. */
+  toolSurface(number) {
+    return this.#once(`tool ${number}`, async () => {
+      const tool = this.tools[number];
+      const [points, triangles] = await Promise.all([unpack(tool.points), unpack(tool.triangles)]);
+      return { points, triangles };
+    });
+  }
+}
+
+/** Return the middles of a mesh's faces (n_faces, k), by their triangles. */
+export function faceMiddles(mesh, points, k) {
+  const found = new Float32Array(k * mesh.faces), count = new Float32Array(mesh.faces);
+  for (let t = 0; t < mesh.face.length; t++) {
+    const face = mesh.face[t];
+    for (let c = 0; c < 3; c++) for (let i = 0; i < k; i++) found[k * face + i] += points[k * mesh.triangles[3 * t + c] + i];
+    count[face] += 3;
+  }
+  return found.map((sum, i) => sum / (count[Math.floor(i / k)] || 1));
+}

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// One run in space: its part, the lines of its mesh, its tools, and the images that symmetry planes cut off.
+import { BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineSegments, Mesh, Scene } from "./libraries/three.js";
+import { makeCorners, revolveProfile } from "./shapes.js";
+import { MISSING } from "./unpack.js";
+import { makeBodyMaterial, makeLineMaterial, makeToolMaterial } from "./materials.js";
+
+const IMAGES = { "": [[1, 1]], x: [[1, 1], [-1, 1]], y: [[1, 1], [1, -1]], xy: [[1, 1], [-1, 1], [1, -1], [-1, -1]] };
+const TOOL_COLOURS = [[0.36, 0.4, 0.46], [0.55, 0.4, 0.24], [0.22, 0.42, 0.52], [0.36, 0.5, 0.26]];
+const MOST_EDGES = 60000;
+
+const attribute = (array, size = 3) => new BufferAttribute(array, size);
+
+export class RunScene {
+  constructor(run) {
+    this.run = run;
+    this.scene = new Scene();
+    this.body = new Mesh(new BufferGeometry(), makeBodyMaterial({ isLit: run.dimension === 3, isClosed: run.isSolid }));
+    this.lines = new LineSegments(new BufferGeometry(), makeLineMaterial(0.1, 0.12, 0.16, 0.42));
+    this.outline = new LineSegments(new BufferGeometry(), makeLineMaterial(0.1, 0.12, 0.16));
+    this.tools = [];
+    for (const object of [this.body, this.lines, this.outline]) object.frustumCulled = false;
+    this.images = (IMAGES[run.symmetry] ?? IMAGES[""]).map(([x, y]) => {
+      const image = new Group();
+      image.scale.set(x, y, 1);
+      for (const object of [this.body, this.lines, this.outline]) image.add(object.clone());
+      this.scene.add(image);
+      return image;
+    });
+  }
+
+  /** Show a step: shape, places and tools. isRevolved: as a body of revolution. */
+  async setStep(step, isRevolved) {
+    const [shape, points, mesh] = await Promise.all([this.run.shape(step, isRevolved), this.run.points(step), this.run.mesh(step)]);
+    this.shape = shape;
+    this.mesh = mesh;
+    this.positions = shape.place(points);
+    const { corners, normals } = makeCorners(shape, this.positions);
+    this.corners = corners;
+    const geometry = this.body.geometry;
+    geometry.setAttribute("position", attribute(corners));
+    geometry.setAttribute("normal", attribute(normals));
+    this.body.material.uniforms.isLit.value = isRevolved || this.run.dimension === 3;
+    this.body.material.uniforms.isClosed.value = isRevolved || this.run.isSolid;
+    setLines(this.lines.geometry, this.positions, shape.lines);
+    setLines(this.outline.geometry, this.positions, isRevolved ? new Uint32Array() : mesh.boundary);
+    await this.#placeTools(step, isRevolved);
+  }
+
+  /** Colour by values: of nodes, or of faces. */
+  setValues(values, isNodal) {
+    const { triangles, face, source } = this.shape;
+    const corners = new Float32Array(triangles.length);
+    if (isNodal) for (let i = 0; i < corners.length; i++) corners[i] = values[source[triangles[i]]];
+    else for (let i = 0; i < corners.length; i++) corners[i] = values[face[Math.floor(i / 3)]];
+    this.body.geometry.setAttribute("value", attribute(corners, 1));
+  }
+
+  setVisible({ body, lines, tools }) {
+    for (const image of this.images) {
+      image.children[0].visible = body;
+      image.children[1].visible = lines;
+    }
+    for (const { group, surface, edges } of this.tools) {
+      group.visible = tools !== "hidden";
+      const material = surface.material;
+      material.uniforms.plain.value.w = tools === "solid" ? 1 : this.isSection ? 0.4 : 0.09;
+      if (material.depthWrite !== (tools === "solid")) {
+        material.depthWrite = tools === "solid";
+        material.transparent = tools !== "solid";
+        material.needsUpdate = true;
+      }
+      edges.visible = true;
+    }
+  }
+
+  /** Return low and high corners of the part, its images with it. */
+  bounds() {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < this.positions.length; i++) {
+      const value = this.positions[i];
+      if (Math.abs(value) >= MISSING) continue;
+      low[i % 3] = Math.min(low[i % 3], value);
+      high[i % 3] = Math.max(high[i % 3], value);
+    }
+    for (const axis of this.run.symmetry) {
+      const i = axis === "x" ? 0 : 1, most = Math.max(Math.abs(low[i]), Math.abs(high[i]));
+      [low[i], high[i]] = [-most, most];
+    }
+    return { low, high };
+  }
+
+  /** Return a node of the part in space, its first image. */
+  nodePlace(node) {
+    const at = this.shape.source === this.mesh ? node : this.shape.source.indexOf(node);
+    return [...this.positions.subarray(3 * at, 3 * at + 3)];
+  }
+
+  /** Return the middle of a face in space: of its first triangle's shape. */
+  facePlace(face) {
+    const sum = [0, 0, 0];
+    let count = 0;
+    for (let t = this.shape.face.indexOf(face); t >= 0 && t < this.shape.face.length && this.shape.face[t] === face; t++) {
+      for (let k = 0; k < 9; k++) sum[k % 3] += this.corners[9 * t + k];
+      count += 3;
+    }
+    return sum.map((value) => value / (count || 1));
+  }
+
+  /** Return the length of the part's diagonal [mm]. */
+  #size() {
+    const { low, high } = this.bounds();
+    return Math.hypot(...high.map((value, i) => value - low[i])) || 1;
+  }
+
+  async #placeTools(step, isRevolved) {
+    if (this.toolsAre !== String(isRevolved)) {
+      for (const { group } of this.tools) this.scene.remove(group);
+      this.toolsAre = String(isRevolved);
+      this.isSection = this.run.dimension === 2 && !isRevolved;
+      this.tools = await Promise.all(this.run.tools.map((tool, i) => this.#makeTool(tool, i, isRevolved)));
+      for (const { group } of this.tools) this.scene.add(group);
+    }
+    this.run.steps[step].tools.forEach((place, i) => {
+      const { group, pivot } = this.tools[i];
+      if (this.run.dimension === 3) return group.position.set(...place);
+      const [dx, dy, angle] = place, [cx, cy] = this.run.tools[i].centre;
+      group.position.set(cx + dx, cy + dy, 0);
+      group.rotation.set(0, 0, angle);
+      pivot.position.set(-cx, -cy, 0);
+    });
+  }
+
+  async #makeTool(tool, number, isRevolved) {
+    const found = tool.lines
+      ? joinArrays(tool.lines.map(isRevolved ? revolveProfile : (line) => makeProfile(line, 0.035 * this.#size())))
+      : await this.#makeSurface(number);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", attribute(found.corners));
+    geometry.setAttribute("value", attribute(new Float32Array(found.corners.length / 3), 1));
+    geometry.computeVertexNormals();
+    const edgeGeometry = new BufferGeometry();
+    edgeGeometry.setAttribute("position", attribute(found.edges));
+    const [red, green, blue] = TOOL_COLOURS[number % TOOL_COLOURS.length];
+    const group = new Group(), pivot = new Group();
+    const surface = new Mesh(geometry, makeToolMaterial(red, green, blue));
+    const edges = new LineSegments(edgeGeometry, makeLineMaterial(0.75 * red, 0.75 * green, 0.75 * blue));
+    surface.frustumCulled = edges.frustumCulled = false;
+    surface.renderOrder = 2;
+    pivot.add(surface, edges);
+    group.add(pivot);
+    return { group, pivot, surface, edges };
+  }
+
+  async #makeSurface(number) {
+    const { points, triangles } = await this.run.toolSurface(number);
+    const corners = new Float32Array(3 * triangles.length);
+    triangles.forEach((node, i) => corners.set(points.subarray(3 * node, 3 * node + 3), 3 * i));
+    if (triangles.length > 3 * MOST_EDGES) return { corners, edges: new Float32Array() };
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", attribute(corners));
+    return { corners, edges: new EdgesGeometry(geometry, 20).getAttribute("position").array };
+  }
+}
+
+function setLines(geometry, positions, lines) {
+  const ends = new Float32Array(3 * lines.length);
+  for (let i = 0; i < lines.length; i++)
+    for (let k = 0; k < 3; k++) ends[3 * i + k] = positions[3 * lines[i] + k];
+  geometry.setAttribute("position", attribute(ends));
+}
+
+/** Return a profile in the plane as drawn for rigid bodies: its line, doubled to be thick, and hatched metal on its right. */
+function makeProfile(line, width) {
+  const corners = [], edges = [];
+  let way = 0;
+  for (let i = 0; i + 1 < line.length; i++) {
+    const [a, b] = [line[i], line[i + 1]], length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
+    const along = [(b[0] - a[0]) / length, (b[1] - a[1]) / length], right = [along[1], -along[0]];
+    const at = (place, across, on = 0) => [place[0] + across * right[0] + on * along[0], place[1] + across * right[1] + on * along[1], -0.01];
+    corners.push(...at(a, 0), ...at(b, 0), ...at(a, width), ...at(a, width), ...at(b, 0), ...at(b, width));
+    for (const across of [0, 0.04, 0.08]) edges.push(...at(a, across * width), ...at(b, across * width));
+    for (let on = Math.ceil(way / width) * width - way; on < length; on += width) edges.push(...at(a, 0, on), ...at(a, width, on - width));
+    way += length;
+  }
+  return { corners: new Float32Array(corners), edges: new Float32Array(edges) };
+}
+
+function joinArrays(parts) {
+  const join = (name) => Float32Array.from(parts.flatMap((part) => [...part[name]]));
+  return { corners: join("corners"), edges: join("edges") };
+}

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is drawn of a run's surface: itself, or a section revolved about its axis. A shape's nodes each stand for a node of
+// the surface, its triangles for a face, so that places and fields follow from those of the surface.
+
+const OPEN_ANGLE = 1.5 * Math.PI; // of a body of revolution: a quarter is cut away to see the section
+const MOST_TRIANGLES = 60000;
+
+/** Return the shape that is the surface itself. place(positions, k): positions in space of its nodes. */
+export function makePlainShape(mesh, dimension) {
+  const n = mesh.nodes, source = Uint32Array.from({ length: n }, (_, i) => i);
+  const place = (positions) => {
+    if (dimension === 3) return positions;
+    const found = new Float32Array(3 * n);
+    for (let i = 0; i < n; i++) found.set([positions[2 * i], positions[2 * i + 1], 0], 3 * i);
+    return found;
+  };
+  return { source, triangles: mesh.triangles, face: mesh.face, lines: mesh.lines, place, n };
+}
+
+/** Return which face lies at each line of the boundary. */
+function findBoundaryFaces(mesh) {
+  const at = new Map(), n = mesh.nodes, key = (a, b) => Math.min(a, b) * n + Math.max(a, b);
+  for (let i = 0; i < mesh.boundary.length; i += 2) at.set(key(mesh.boundary[i], mesh.boundary[i + 1]), i / 2);
+  const faces = new Uint32Array(mesh.boundary.length / 2);
+  for (let t = 0; t < mesh.triangles.length; t += 3)
+    for (let c = 0; c < 3; c++) {
+      const line = at.get(key(mesh.triangles[t + c], mesh.triangles[t + ((c + 1) % 3)]));
+      if (line !== undefined) faces[line] = mesh.face[t / 3];
+    }
+  return faces;
+}
+
+/** Return how a section (radius, height) is revolved: directions of its sectors in the plane x, z; the axis is y. */
+function makeSectors(nLines) {
+  const n = Math.max(12, Math.min(72, Math.floor(MOST_TRIANGLES / Math.max(2 * nLines, 1))));
+  return Array.from({ length: n + 1 }, (_, j) => [Math.cos((j / n) * OPEN_ANGLE), -Math.sin((j / n) * OPEN_ANGLE)]);
+}
+
+/** Return the body of revolution of a section about the axis y, with a quarter cut away. */
+export function makeRevolvedShape(mesh) {
+  const ring = [...new Set(mesh.boundary)], order = new Map(ring.map((node, i) => [node, i]));
+  const nLines = mesh.boundary.length / 2, lineFaces = findBoundaryFaces(mesh);
+  const sectors = makeSectors(nLines), nSectors = sectors.length - 1;
+  const n = ring.length * sectors.length + 2 * mesh.nodes;
+  const source = new Uint32Array(n), turn = new Uint32Array(n);
+  sectors.forEach((_, j) => ring.forEach((node, i) => { source[j * ring.length + i] = node; turn[j * ring.length + i] = j; }));
+  const caps = [0, nSectors].map((j, cap) => {
+    const first = ring.length * sectors.length + cap * mesh.nodes;
+    for (let i = 0; i < mesh.nodes; i++) { source[first + i] = i; turn[first + i] = j; }
+    return first;
+  });
+  const nRound = 2 * nLines * nSectors, nFlat = mesh.triangles.length / 3;
+  const triangles = new Uint32Array(3 * (nRound + 2 * nFlat)), face = new Uint32Array(nRound + 2 * nFlat);
+  let t = 0;
+  for (let j = 0; j < nSectors; j++)
+    for (let line = 0; line < nLines; line++) {
+      const [a, b] = [order.get(mesh.boundary[2 * line]), order.get(mesh.boundary[2 * line + 1])];
+      const [a0, b0, a1, b1] = [j * ring.length + a, j * ring.length + b, (j + 1) * ring.length + a, (j + 1) * ring.length + b];
+      triangles.set([a0, a1, b0, b0, a1, b1], 3 * t);
+      face[t++] = face[t++] = lineFaces[line];
+    }
+  caps.forEach((first, cap) => {
+    for (let i = 0; i < nFlat; i++) {
+      const corners = [0, 1, 2].map((c) => first + mesh.triangles[3 * i + (cap ? 2 - c : c)]);
+      triangles.set(corners, 3 * t);
+      face[t++] = mesh.face[i];
+    }
+  });
+  const lines = new Uint32Array(2 * mesh.lines.length);
+  caps.forEach((first, cap) => mesh.lines.forEach((node, i) => { lines[cap * mesh.lines.length + i] = first + node; }));
+  const place = (positions) => {
+    const found = new Float32Array(3 * n);
+    for (let i = 0; i < n; i++) {
+      const radius = positions[2 * source[i]], [x, z] = sectors[turn[i]];
+      found.set([radius * x, positions[2 * source[i] + 1], radius * z], 3 * i);
+    }
+    return found;
+  };
+  return { source, triangles, face, lines, place, n };
+}
+
+/** Return the triangles of a tool's profile revolved like its section: positions (n, 3) and the lines of its edges. */
+export function revolveProfile(line) {
+  const sectors = makeSectors(line.length), corners = [], edges = [];
+  const at = ([radius, height], [x, z]) => [radius * x, height, radius * z];
+  for (let i = 0; i + 1 < line.length; i++) {
+    for (let j = 0; j + 1 < sectors.length; j++) {
+      const [a, b, c, d] = [at(line[i], sectors[j]), at(line[i + 1], sectors[j]), at(line[i], sectors[j + 1]), at(line[i + 1], sectors[j + 1])];
+      corners.push(...a, ...c, ...b, ...b, ...c, ...d);
+    }
+    for (const sector of [sectors[0], sectors.at(-1)]) edges.push(...at(line[i], sector), ...at(line[i + 1], sector));
+  }
+  for (const point of [line[0], line.at(-1)])
+    for (let j = 0; j + 1 < sectors.length; j++) edges.push(...at(point, sectors[j]), ...at(point, sectors[j + 1]));
+  return { corners: new Float32Array(corners), edges: new Float32Array(edges) };
+}
+
+const SMOOTH = 0.82; // cosine of the angle up to which neighbours are shaded as one surface
+
+/** Return positions and normals of every corner of every triangle, (3 n_triangles, 3) each; edges stay sharp. */
+export function makeCorners(shape, positions) {
+  const { triangles } = shape, nT = triangles.length / 3;
+  const corners = new Float32Array(9 * nT), normals = new Float32Array(9 * nT);
+  const flat = new Float32Array(3 * nT), sum = new Float32Array(3 * shape.n);
+  for (let t = 0; t < nT; t++) {
+    const a = 3 * triangles[3 * t], b = 3 * triangles[3 * t + 1], c = 3 * triangles[3 * t + 2], at = 9 * t;
+    for (let k = 0; k < 3; k++) {
+      corners[at + k] = positions[a + k];
+      corners[at + 3 + k] = positions[b + k];
+      corners[at + 6 + k] = positions[c + k];
+    }
+    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
+    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    for (const node of [a, b, c]) { sum[node] += x; sum[node + 1] += y; sum[node + 2] += z; }
+    const length = Math.hypot(x, y, z) || 1;
+    flat[3 * t] = x / length; flat[3 * t + 1] = y / length; flat[3 * t + 2] = z / length;
+  }
+  for (let t = 0; t < nT; t++)
+    for (let corner = 0; corner < 3; corner++) {
+      const node = 3 * triangles[3 * t + corner], x = sum[node], y = sum[node + 1], z = sum[node + 2];
+      const length = Math.hypot(x, y, z) || 1, fx = flat[3 * t], fy = flat[3 * t + 1], fz = flat[3 * t + 2];
+      const isSmooth = (fx * x + fy * y + fz * z) / length > SMOOTH, at = 9 * t + 3 * corner;
+      normals[at] = isSmooth ? x / length : fx;
+      normals[at + 1] = isSmooth ? y / length : fy;
+      normals[at + 2] = isSmooth ? z / length : fz;
+    }
+  return { corners, normals };
+}

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stage: what the state asks for becomes shapes, colours, legend, marks and probe.
+import { formatNumber, makePixels, makeZonePixels, LINES } from "./colours.js";
+import { make } from "./elements.js";
+import { averageToNodes, findExtremes } from "./fields.js";
+import { Legend } from "./legend.js";
+import { makeTexture } from "./materials.js";
+import { RunScene } from "./run_scene.js";
+import { MISSING } from "./unpack.js";
+import { Viewer } from "./viewer.js";
+import { paintTriad } from "./triad.js";
+
+const BANDS = 10;
+const find = (id) => document.getElementById(id);
+
+export class Stage {
+  constructor(runs, store) {
+    this.runs = runs;
+    this.store = store;
+    this.scenes = runs.map((run) => new RunScene(run));
+    this.viewer = new Viewer(find("canvas"), () => this.#placeMarks());
+    this.legend = new Legend(find("legend"), (range) => store.set({ range }));
+    this.marks = [];
+    this.#listen();
+  }
+
+  /** Return the runs that are shown: of one at a time the chosen one. */
+  shown() {
+    const { layout, run } = this.store.state;
+    return layout === "one" || layout === "difference" ? [run] : this.runs.map((_, i) => i);
+  }
+
+  /** Return the step of a run that goes with the step of the chosen run: at the same part of the process. */
+  stepOf(number) {
+    const { run, step } = this.store.state;
+    return number === run ? step : this.runs[number].stepAt(this.runs[run].fraction(step));
+  }
+
+  /** Bring the stage to the state; calls that come meanwhile lead to one more round. */
+  async update() {
+    if (this.isBusy) { this.isStale = true; return; }
+    this.isBusy = true;
+    try {
+      do {
+        this.isStale = false;
+        await this.#update();
+      } while (this.isStale);
+    } finally {
+      this.isBusy = false;
+    }
+  }
+
+  async #update() {
+    const { state } = this.store, numbers = this.shown();
+    const isRevolved = state.view === "revolved";
+    await Promise.all(numbers.map((i) => this.#setStep(i, isRevolved && this.runs[i].axisymmetric)));
+    const coloured = await Promise.all(numbers.map((i) => this.#findValues(i)));
+    const field = this.#describeField(coloured[0]);
+    const range = state.range ?? field.range;
+    numbers.forEach((number, k) => this.#colour(number, coloured[k], field, range));
+    this.values = Object.fromEntries(numbers.map((number, k) => [number, coloured[k]]));
+    const counts = field.zones && field.zones.map((_, zone) => coloured[0].raw.reduce((sum, value) => sum + (value === zone), 0));
+    this.legend.show({ field, scale: this.#scaleOf(field), full: field.range, range, bands: state.hasBands ? BANDS : 0, counts });
+    const scenes = numbers.map((i) => this.scenes[i]);
+    const arrangement = state.layout === "overlay" ? "overlay" : "side";
+    this.viewer.setViews(arrangement === "overlay" ? [scenes] : scenes.map((scene) => [scene]));
+    this.#setClip();
+    this.#makeMarks(numbers, field);
+    const look = `${state.view} ${state.layout} ${this.runs[state.run].dimension} ${state.looks}`;
+    if (look !== this.looksAs) {
+      this.looksAs = look;
+      this.viewer.look(state.direction, { isFlat: this.isFlat(), isRevolved });
+    }
+    this.viewer.drawNow();
+  }
+
+  isFlat() {
+    const { state } = this.store;
+    return this.runs[state.run].dimension === 2 && state.view !== "revolved";
+  }
+
+  async #setStep(number, isRevolved) {
+    const step = this.stepOf(number), key = `${step} ${isRevolved}`, scene = this.scenes[number];
+    if (scene.key === key) return;
+    await scene.setStep(step, isRevolved);
+    scene.key = key;
+  }
+
+  /** Return what colours a run: values as saved, means at nodes, and which of both is shown. */
+  async #findValues(number) {
+    const { state } = this.store, run = this.runs[number], step = this.stepOf(number);
+    const index = run.findField(state.field);
+    if (index < 0) return null;
+    const field = run.fields[index], mesh = await run.mesh(step);
+    const other = state.layout === "difference" ? state.other : -1;
+    const raw = other >= 0 && this.runs[other].findField(state.field) >= 0
+      ? await run.difference(step, index, this.runs[other], this.stepOf(other))
+      : await run.values(step, index);
+    const isNodal = field.kind === "point" || (state.isSmooth && !field.zones && field.name !== "body");
+    const nodal = field.kind === "point" ? raw : isNodal ? averageToNodes(mesh, raw) : null;
+    return { raw, nodal, isNodal, field, isDifference: other >= 0 };
+  }
+
+  #describeField(coloured) {
+    const { state } = this.store;
+    if (!coloured) return { label: "no such field in this run", unit: "", range: [0, 1] };
+    const { field, isDifference, raw } = coloured;
+    if (!isDifference && state.rangeOf === "all") return field;
+    const extremes = findExtremes(raw) ?? { lowest: 0, highest: 1 };
+    if (!isDifference) return { ...field, range: [extremes.lowest, extremes.highest] };
+    const most = Math.max(Math.abs(extremes.lowest), Math.abs(extremes.highest)) || 1;
+    return { ...field, zones: undefined, label: `${field.label}, ${this.runs[state.run].name} less ${this.runs[state.other].name}`, range: [-most, most], signed: true };
+  }
+
+  #scaleOf(field) {
+    const { scale } = this.store.state;
+    return scale === "auto" ? (field.signed ? "signed" : "viridis") : scale;
+  }
+
+  #colour(number, coloured, field, range) {
+    const { state } = this.store, scene = this.scenes[number], { uniforms } = scene.body.material;
+    const isSecond = state.layout === "overlay" && number !== this.shown()[0];
+    scene.setVisible({ body: !isSecond, lines: state.hasLines || isSecond, tools: isSecond ? "hidden" : state.tools });
+    const line = isSecond ? LINES[number % LINES.length] : null;
+    if (line) scene.lines.material.uniforms.plain.value.set(...[1, 3, 5].map((i) => parseInt(line.slice(i, i + 2), 16) / 255), 1);
+    else scene.lines.material.uniforms.plain.value.set(0.1, 0.12, 0.16, 0.42);
+    uniforms.isPlain.value = !coloured;
+    if (!coloured) return scene.setValues(new Float32Array(scene.shape.n), true);
+    scene.setValues(coloured.isNodal ? coloured.nodal : coloured.raw, coloured.isNodal);
+    const key = field.zones ? "zones" : this.#scaleOf(field);
+    if (scene.texture !== key) {
+      uniforms.colours.value?.dispose();
+      uniforms.colours.value = makeTexture(field.zones ? makeZonePixels(field.zones) : makePixels(key), Boolean(field.zones));
+      scene.texture = key;
+    }
+    [uniforms.low.value, uniforms.high.value] = field.zones ? [-0.5, field.zones.length - 0.5] : signedRange(range, this.#scaleOf(field), state.range);
+    uniforms.bands.value = state.hasBands && !field.zones ? BANDS : 0;
+    uniforms.hasIsolines.value = state.hasIsolines && coloured.isNodal;
+  }
+
+  #setClip() {
+    const { axis, part, isFlipped } = this.store.state.clip;
+    if (!axis) return this.viewer.setClip(null);
+    const boxes = this.shown().map((i) => this.scenes[i].bounds()), i = "xyz".indexOf(axis);
+    const low = Math.min(...boxes.map((box) => box.low[i])), high = Math.max(...boxes.map((box) => box.high[i]));
+    const offset = low + part * (high - low), sign = isFlipped ? -1 : 1;
+    this.clipAt = offset;
+    this.viewer.setClip([0, 1, 2].map((k) => (k === i ? sign : 0)), sign * offset);
+  }
+
+  // --- marks and probe ---------------------------------------------------------------------------------------------
+
+  #makeMarks(numbers, field) {
+    const { state } = this.store;
+    this.marks = [];
+    numbers.forEach((number, view) => {
+      const scene = this.scenes[number], coloured = this.values[number], at = state.layout === "overlay" ? 0 : view;
+      if (coloured && state.hasExtremes && !field.zones) {
+        const { raw } = coloured, extremes = findExtremes(raw), isCell = coloured.field.kind === "cell";
+        if (extremes && extremes.highest > extremes.lowest && !(state.layout === "overlay" && view))
+          for (const [word, index, value] of [["max", extremes.high, extremes.highest], ["min", extremes.low, extremes.lowest]])
+            this.#addMark(`${word} ${formatNumber(value)}`, isCell ? scene.facePlace(index) : scene.nodePlace(index), at);
+      }
+      if (state.picked && state.picked.run === number && state.picked.face < scene.mesh.faces)
+        this.#addMark(this.#describePick(state.picked), scene.facePlace(state.picked.face), at, "pin");
+    });
+    if (this.runs.length > 1)
+      numbers.forEach((number, view) => {
+        if (state.layout === "overlay") return;
+        const caption = make("span", { class: "caption" }, this.runs[number].name);
+        caption.style.left = `${(100 * (view + 0.5)) / numbers.length}%`;
+        this.marks.push({ element: caption });
+      });
+    find("marks").replaceChildren(...this.marks.map((mark) => mark.element));
+  }
+
+  #describePick({ run, face, node }) {
+    const coloured = this.values?.[run];
+    if (!coloured) return `face ${face}`;
+    const value = coloured.field.kind === "cell" ? coloured.raw[face] : coloured.raw[node];
+    return `${formatNumber(value)} ${coloured.field.unit === "–" ? "" : coloured.field.unit}`.trim();
+  }
+
+  #addMark(text, place, view, kind = "") {
+    this.marks.push({ element: make("span", { class: `mark ${kind}` }, text), place, view });
+  }
+
+  #placeMarks() {
+    const width = find("stage").clientWidth;
+    for (const { element, place, view } of this.marks) {
+      if (!place) continue;
+      const [x, y] = this.viewer.project(place, view);
+      element.style.left = `${x}px`;
+      element.style.top = `${y}px`;
+      element.classList.toggle("left", x > width - 260 && x > 130);
+    }
+    paintTriad(find("marks"), this.viewer.camera, this.isFlat() && this.runs[this.store.state.run].axisymmetric);
+  }
+
+  #listen() {
+    const canvas = find("canvas"), probe = find("probe");
+    let down = null;
+    canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons) { probe.hidden = true; return; }
+      this.pointer = [event.offsetX, event.offsetY];
+      requestAnimationFrame(() => this.#showProbe());
+    });
+    canvas.addEventListener("pointerleave", () => { probe.hidden = true; this.pointer = null; });
+    canvas.addEventListener("pointerdown", (event) => { down = [event.offsetX, event.offsetY]; });
+    canvas.addEventListener("pointerup", (event) => {
+      if (!down || Math.hypot(event.offsetX - down[0], event.offsetY - down[1]) > 4) return;
+      const hit = this.#hit(event.offsetX, event.offsetY);
+      this.store.set({ picked: hit ? { run: hit.number, face: hit.face, node: hit.node } : null });
+    });
+  }
+
+  #hit(x, y) {
+    const hit = this.viewer.pick(x, y);
+    if (!hit) return null;
+    const { scene, triangle, weights } = hit, corners = [0, 1, 2].map((c) => scene.shape.source[scene.shape.triangles[3 * triangle + c]]);
+    const node = corners[weights.indexOf(Math.max(...weights))];
+    return { ...hit, number: this.scenes.indexOf(scene), face: scene.shape.face[triangle], node, corners };
+  }
+
+  async #showProbe() {
+    const probe = find("probe");
+    if (!this.pointer || this.isBusy) return;
+    const [x, y] = this.pointer, hit = this.#hit(x, y);
+    probe.hidden = !hit;
+    if (!hit) return;
+    const run = this.runs[hit.number], k = run.dimension, points = await run.points(this.stepOf(hit.number)), coloured = this.values[hit.number];
+    const mix = (values, size, i) => hit.corners.reduce((sum, node, c) => sum + hit.weights[c] * values[size * node + i], 0);
+    const place = Array.from({ length: k }, (_, i) => `${run.axisymmetric ? "rz"[i] : "xyz"[i]} ${mix(points, k, i).toFixed(3)}`);
+    const lines = [`${place.join("   ")} mm`];
+    if (coloured) {
+      const { field, raw } = coloured, value = field.kind === "cell" ? raw[hit.face] : mix(raw, 1, 0);
+      const zone = field.zones?.[value]?.name;
+      lines.unshift(`${field.label}: ${zone ?? (value >= MISSING ? "–" : `${formatNumber(value)} ${field.unit === "–" ? "" : field.unit}`)}`);
+    }
+    probe.textContent = lines.join("\n");
+    const { clientWidth } = find("stage");
+    probe.style.left = `${Math.min(x + 14, clientWidth - probe.offsetWidth - 6)}px`;
+    probe.style.top = `${Math.max(y - probe.offsetHeight - 10, 4)}px`;
+  }
+}
+
+/** Return the range of the colours; where sign matters and no one has set it, zero has the middle colour. */
+function signedRange(range, scale, chosen) {
+  if (scale !== "signed" || chosen) return range;
+  const most = Math.max(Math.abs(range[0]), Math.abs(range[1]));
+  return [-most, most];
+}

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a page draws of a mesh: triangles, the lines between cells, and the boundary of a section."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.model import FloatArray
+from presswork.post import count_corners, find_skin
+from presswork.results import ResultMesh
+from presswork.view.cells import triangulate
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The outer surface of a solid in space, a sheet, or a section; nodes and faces are numbered anew."""
+
+    nodes: Indices
+    """Node of the mesh of each node of the surface (n,)."""
+    cells: Indices
+    """Cell of the mesh of each face (n_faces,)."""
+    triangles: Indices
+    """Nodes of the surface (n_triangles, 3)."""
+    faces: Indices
+    """Face of each triangle (n_triangles,)."""
+    lines: Indices
+    """Ends of the lines between faces, each once (n_lines, 2)."""
+    boundary: Indices
+    """Ends of the lines around a section or a sheet (n, 2), mid-side nodes between; the body on the left."""
+
+    def take_points(self, values: FloatArray) -> FloatArray:
+        """Return the values of the surface's nodes out of those of all nodes."""
+        return np.asarray(values[self.nodes], dtype=np.float64)
+
+    def take_cells(self, values: FloatArray) -> FloatArray:
+        """Return the values of the faces out of those of all cells."""
+        return np.asarray(values[self.cells], dtype=np.float64)
+
+
+def find_surface(mesh: ResultMesh) -> Surface:
+    """Return what is seen of a mesh."""
+    skin, owner = find_skin(mesh)
+    parts = [triangulate(replace(skin, blocks=(block,))) for block in skin.blocks]
+    counts = [len(block.connectivity) for block in skin.blocks]
+    triangles_a_face = [len(part) // max(count, 1) for part, count in zip(parts, counts, strict=True)]
+    faces = np.repeat(np.arange(sum(counts)), np.repeat(triangles_a_face, counts))
+    triangles = np.concatenate(parts)
+    nodes, numbers = np.unique(triangles, return_inverse=True)
+    renumbered = np.zeros(len(mesh.points), dtype=np.int64)
+    renumbered[nodes] = np.arange(len(nodes))
+    boundary = mesh.boundary_edges
+    if boundary.shape[1] == 3:  # mid-side nodes last
+        boundary = np.concatenate([boundary[:, [0, 2]], boundary[:, [2, 1]]])
+    return Surface(
+        nodes=nodes,
+        cells=np.arange(sum(counts)) if owner is None else owner.astype(np.int64),
+        triangles=numbers.reshape(-1, 3),
+        faces=faces,
+        lines=_find_lines([renumbered[block.connectivity] for block in skin.blocks], len(nodes)),
+        boundary=renumbered[boundary].reshape(-1, 2),
+    )
+
+
+def _find_lines(blocks: list[Indices], n_nodes: int) -> Indices:
+    """Return the sides of all faces, those of two faces once; a side with a node in the middle as two lines."""
+    keys = []
+    for cells in blocks:
+        corners = count_corners(cells)
+        loop = cells[:, :corners]
+        if cells.shape[1] > corners:
+            loop = np.stack([cells[:, :corners], cells[:, corners : 2 * corners]], axis=2).reshape(len(cells), -1)
+        start, end = loop.ravel(), np.roll(loop, -1, axis=1).ravel()
+        keys.append(np.minimum(start, end) * n_nodes + np.maximum(start, end))
+    once = np.unique(np.concatenate(keys))
+    return np.column_stack(np.divmod(once, n_nodes))

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of a run in a real browser: what it shows is what was computed, every control works, no error is heard."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Page, chromium
+
+from presswork import Case, run
+from presswork.examples import copy_example
+from presswork.report import write_report
+from presswork.results import Result
+
+ATTACK = "</script><script>document.title = 'taken'</script>"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def upset(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """A cylinder upset by 60 %, with a title that would be a script."""
+    folder = tmp_path_factory.mktemp("upset")
+    changes = ["workpiece.mesh.cells=[8,8]", "stages.0.steps=10"]
+    case = Case.from_toml(copy_example("upsetting_q4", folder), overrides=changes[:1])
+    case = case.model_copy(update={"title": f"Upsetting {ATTACK}"})
+    return run(case, folder / "out").result
+
+
+@pytest.fixture
+def page(browser: Any, upset: Result) -> Iterator[Page]:
+    opened = Page(browser, write_report(upset))
+    yield opened
+    assert not opened.errors
+    assert not [address for address in opened.addresses if not address.startswith(("file:", "blob:", "data:"))]
+    opened.tab.close()
+
+
+def test_values_in_the_page_are_those_of_the_results(page: Page, upset: Result) -> None:
+    step = len(upset.times) - 1
+    for name in ("effective_stress", "stress_xy", "contact_pressure", "displacement"):
+        script = "async ([step, name]) => [...await presswork.runs[0].values(step, presswork.runs[0].findField(name))]"
+        values = upset.scalar(name, step)
+        np.testing.assert_allclose(page.ask(script, [step, name]), values, atol=2e-5 * np.ptp(values))
+    places = np.reshape(page.ask("async (step) => [...await presswork.runs[0].points(step)]", step), (-1, 2))
+    np.testing.assert_allclose(places, upset.points(step), atol=1e-3)
+
+
+def test_text_of_a_title_is_text(page: Page) -> None:
+    assert page.tab.locator("h1").inner_text() == f"Upsetting {ATTACK}"
+    assert page.tab.title().startswith("Upsetting </script>")
+
+
+def test_largest_value_is_marked_where_it_is(page: Page, upset: Result) -> None:
+    largest = int(np.argmax(upset.field("effective_stress")))
+    middle = upset.points()[upset.mesh.blocks[0].connectivity[largest]].mean(axis=0)
+    spot = page.ask("(place) => presswork.stage.viewer.project(place)", [*middle, 0.0])
+    (mark,) = page.tab.locator(".mark", has_text="max").all()
+    style = [mark.evaluate(f"(element) => parseFloat(element.style.{side})") for side in ("left", "top")]
+    np.testing.assert_allclose(style, spot, atol=1.0)
+    assert mark.inner_text() == f"max {upset.field('effective_stress').max():.4g}"
+
+
+def test_pointer_reads_place_and_value(page: Page, upset: Result) -> None:
+    cell = 20
+    middle = upset.points()[upset.mesh.blocks[0].connectivity[cell]].mean(axis=0)
+    x, y = page.ask("(place) => presswork.stage.viewer.project(place)", [*middle, 0.0])
+    page.tab.locator("#canvas").hover(position={"x": x, "y": y})
+    probe = page.tab.locator("#probe")
+    probe.wait_for(state="visible")
+    value, place = probe.inner_text().split("\n")
+    assert value == f"effective stress: {upset.field('effective_stress')[cell]:.4g} MPa"
+    radius, height = (float(word) for word in place.split() if word[0].isdigit())
+    np.testing.assert_allclose([radius, height], middle, atol=0.05)
+
+
+def test_slider_and_force_curve_are_linked(page: Page, upset: Result) -> None:
+    label = page.tab.locator("#time-label")
+    assert "stroke 9.00 mm" in label.inner_text()
+    page.tab.locator("#time").focus()
+    page.tab.keyboard.press("Home")
+    page.settle()
+    assert "stroke 0.00 mm" in label.inner_text()
+    page.tab.locator(".u-over").first.click(position={"x": 150, "y": 100})
+    page.settle()
+    step = page.ask("() => presswork.store.state.step")
+    assert 0 < step < len(upset.times) - 1
+    script = "() => document.querySelector('#panel table tbody tr:nth-child(4) td:nth-child(2)').textContent"
+    page.tab.wait_for_timeout(200)
+    shown = float(page.ask(script).split()[0])
+    row = np.abs(upset.history["time"] - upset.times[step]).argmin()
+    assert shown == pytest.approx(upset.history["punch.stroke"][row], rel=1e-4)
+
+
+def test_every_control_works_without_an_error(page: Page) -> None:
+    for toggle in ("Mesh", "Smooth", "Isolines", "Bands", "Min/max"):
+        button = page.tab.get_by_role("button", name=toggle, exact=True)
+        before = button.get_attribute("aria-pressed")
+        button.click()
+        page.settle()
+        assert button.get_attribute("aria-pressed") != before
+    for label in ("Field", "View", "Colours", "Range", "Tools", "Cut"):
+        select = page.tab.get_by_label(label, exact=True)
+        values = [option.get_attribute("value") for option in select.locator("option").all()]
+        assert len(values) > 1
+        for value in values:
+            page.choose(label, value)
+    page.tab.get_by_label("Place of the section plane").fill("0.3")
+    for name in ("Fit", "Front", "Top", "Side"):
+        page.tab.locator("#toolbar").get_by_text(name, exact=True).click()
+        page.settle()
+    for tab in page.tab.get_by_role("tab").all():
+        tab.click()
+        page.tab.wait_for_timeout(100)
+        assert tab.get_attribute("aria-selected") == "true"
+        assert page.tab.locator("#panel").inner_text().strip()
+
+
+def test_turned_section_is_drawn_in_colours_of_its_values(page: Page) -> None:
+    """Blue-violet where the stress is least, yellow where it is largest: viridis from end to end."""
+    for view in ("section", "revolved"):
+        page.choose("View", view)
+        if view == "section":
+            page.press("Mesh")  # lines off
+        picture = page.tab.locator("#canvas").screenshot()
+        image = pytest.importorskip("PIL.Image").open(io.BytesIO(picture)).convert("RGB")
+        pixels = np.asarray(image).reshape(-1, 3).astype(int)
+        coloured = pixels[np.ptp(pixels, axis=1) > 60]
+        assert len(coloured) > 0.05 * len(pixels)
+        red, green, blue = coloured.T
+        assert ((blue > green + 30) & (red < 120)).any(), "low values"
+        assert ((red > 140) & (green > 140) & (blue < 110)).any(), "high values"
+
+
+def test_every_control_has_a_name_for_a_screen_reader(page: Page) -> None:
+    session = page.tab.context.new_cdp_session(page.tab)
+    nodes = session.send("Accessibility.getFullAXTree")["nodes"]
+    kinds = {"button", "combobox", "slider", "tab", "image", "img", "textbox", "spinbutton", "tabpanel"}
+    named = [node for node in nodes if not node.get("ignored") and node["role"]["value"] in kinds]
+    assert len(named) > 15
+    assert not [node["role"]["value"] for node in named if not node.get("name", {}).get("value")]
+
+
+def test_page_fits_a_telephone(browser: Any, upset: Result) -> None:
+    page = Page(browser, write_report(upset), 390, 844)
+    assert page.ask("() => document.documentElement.scrollWidth") <= 390
+    assert not page.errors
+    page.tab.close()
