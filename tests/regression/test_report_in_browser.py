@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import Page, chromium
 
 from presswork import Case, run
 from presswork.examples import copy_example
 from presswork.report import write_report
 from presswork.results import Result
+from tests.regression.browser import Page, chromium
 
 ATTACK = "</script><script>document.title = 'taken'</script>"
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.report.pack import LEVELS, Blocks
-from report.unpack import unpack
+from tests.unit.report.unpack import unpack
 
 
 @pytest.mark.parametrize("shape", [(1,), (1000,), (500, 2), (500, 3)])

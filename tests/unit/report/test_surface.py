@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.upset_output import write_upset_output
 
 from presswork.report.surface import find_surface
 from presswork.results import Result, ResultMesh
 from presswork.results.reader import ResultBlock
+from tests.unit.results.upset_output import write_upset_output
 
 
 @pytest.mark.parametrize("elements", [("tri3",), ("quad4",), ("tri3", "quad4"), ("tri6_6pt", "quad8", "quad9")])

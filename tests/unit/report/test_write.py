@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.upset_output import write_upset_output
 from typer.testing import CliRunner
 
 from presswork.cli import app
 from presswork.report import write_report
 from presswork.report.choose import choose
 from presswork.results import Result
-from report.unpack import unpack
+from tests.unit.report.unpack import unpack
+from tests.unit.results.upset_output import write_upset_output
 
 
 def read_page(path: Path) -> tuple[dict, list[str]]:
