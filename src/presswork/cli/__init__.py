@@ -5,6 +5,7 @@
 """
 
 import gc
+import os
 import sys
 from typing import Any
 
@@ -16,6 +17,7 @@ def main() -> None:
     if sys.argv[1:] == ["--version"]:
         print(f"presswork {__version__}")
         return
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # which it would look for in every installed package
     gc.set_threshold(100_000)  # what is imported stays: searching it for garbage takes a tenth of a short command
     from presswork.cli.commands import app
 

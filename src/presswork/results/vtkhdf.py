@@ -92,11 +92,12 @@ def append_step(
             if is_new:
                 _write_frame(file, info or {})
                 _write_tools(file, tools or {}, tool_centre or {}, surfaces or {})
-            if is_new or not _is_last_mesh(file, mesh):
+            body = find_body(file)
+            if is_new or not _is_last_mesh(body, mesh):
                 _append_mesh(file, mesh)
             for kind, fields in data.items():
-                _append_fields(file, kind, fields)
-            _append_time(file, time)
+                _append_fields(body, kind, fields)
+            _append_time(body, time)
             _append_tool_positions(file, tool_displacement or {}, tool_angle or {})
             append_tool_steps(file)
 
@@ -223,10 +224,12 @@ def _append_mesh(file: h5py.File, mesh: Mesh) -> None:
 
 def locate_mesh(file: h5py.File, part: int) -> MeshPlace:
     """Return where a mesh lies among the points, cells and connectivity of all."""
-    root = find_body(file)
-    begin = [int(root[name][:part].sum()) for name in _COUNTS]
-    end = [start + int(root[name][part]) for start, name in zip(begin, _COUNTS, strict=True)]
-    points, cells, ids = (slice(*ends) for ends in zip(begin, end, strict=True))
+    return _locate_mesh(find_body(file), part)
+
+
+def _locate_mesh(body: h5py.Group, part: int) -> MeshPlace:
+    counts = [body[name][: part + 1] for name in _COUNTS]
+    points, cells, ids = (slice(int(count[:part].sum()), int(count[: part + 1].sum())) for count in counts)
     return MeshPlace(points, cells, ids, slice(cells.start + part, cells.stop + part + 1))
 
 
@@ -242,17 +245,16 @@ class MeshPlace:
     """One more than cells."""
 
 
-def _is_last_mesh(file: h5py.File, mesh: Mesh) -> bool:
+def _is_last_mesh(body: h5py.Group, mesh: Mesh) -> bool:
     """Say whether the mesh is that of the last step."""
-    root = find_body(file)
-    place = locate_mesh(file, len(root["NumberOfPoints"]) - 1)
+    place = _locate_mesh(body, len(body["NumberOfPoints"]) - 1)
     ids = np.concatenate([block.connectivity.ravel() for block in mesh.blocks])
     n_cells = sum(len(block.connectivity) for block in mesh.blocks)
     return (
         place.points.stop - place.points.start == len(mesh.points)
         and place.cells.stop - place.cells.start == n_cells
-        and np.array_equal(root["Connectivity"][place.ids], ids)
-        and np.array_equal(root["Points"][place.points, : mesh.points.shape[1]], mesh.points)
+        and np.array_equal(body["Connectivity"][place.ids], ids)
+        and np.array_equal(body["Points"][place.points, : mesh.points.shape[1]], mesh.points)
     )
 
 
@@ -276,9 +278,8 @@ def _write_tools(
         tool.create_dataset("displacement", (0, 3), np.float64, maxshape=(None, 3), chunks=(256, 3))
 
 
-def _append_fields(file: h5py.File, kind: str, fields: Mapping[str, FloatArray]) -> None:
+def _append_fields(body: h5py.Group, kind: str, fields: Mapping[str, FloatArray]) -> None:
     """Append one step's rows of every field, and note where they begin."""
-    body = find_body(file)
     group, offsets = body[f"{kind}Data"], body[f"Steps/{kind}DataOffsets"]
     if len(body["Steps/Values"]) == 0:
         for name, values in fields.items():
@@ -306,12 +307,11 @@ def _create_field(group: h5py.Group, name: str, values: FloatArray) -> None:
         field.attrs["units"] = unit
 
 
-def _append_time(file: h5py.File, time: float) -> None:
+def _append_time(body: h5py.Group, time: float) -> None:
     """Append one step on the last mesh."""
-    body = find_body(file)
     steps = body["Steps"]
     part = len(body["NumberOfPoints"]) - 1
-    place = locate_mesh(file, part)
+    place = _locate_mesh(body, part)
     append_rows(steps, "Values", np.array([time]))
     begins = (part, place.points.start, place.cells.start, place.ids.start)
     for name, begin in zip(_GEOMETRY_OFFSETS, begins, strict=True):
