@@ -10,6 +10,8 @@ namespace presswork {
 
 namespace {
 
+constexpr std::int64_t chunk_values = 4096;  // of the matrix, summed in a first-level cache
+
 // Index of entry (row, column) of a cell's matrix in the packed array; the lanes of one entry lie side by side.
 std::int64_t packed_index(int cell, int freedoms, int row, int column) {
   const std::int64_t pack = cell / pack_width;
@@ -74,6 +76,7 @@ Assembler<D>::Assembler(int n_nodes, const std::vector<BlockConnectivity>& block
     : n_nodes_(n_nodes), symmetric_(symmetric) {
   build_pairs(blocks, n_couplings, couplings);
   build_csr();
+  build_chunks();
   for (const auto& block : blocks) build_sources(block);
 }
 
@@ -122,6 +125,17 @@ void Assembler<D>::build_csr() {
 }
 
 template <int D>
+void Assembler<D>::build_chunks() {
+  chunk_start_.push_back(0);
+  for (int i = 0; i < n_nodes_; ++i) {
+    const auto first = pair_start_[chunk_start_.back()];
+    if (pair_start_[i + 1] - first > chunk_values / (D * D) && chunk_start_.back() < i) chunk_start_.push_back(i);
+    largest_chunk_ = std::max(largest_chunk_, pair_start_[i + 1] - pair_start_[chunk_start_.back()]);
+  }
+  chunk_start_.push_back(n_nodes_);
+}
+
+template <int D>
 std::int64_t Assembler<D>::find_pair(int row, int column) const {
   const auto first = pair_column_.begin() + pair_start_[row], last = pair_column_.begin() + pair_start_[row + 1];
   const auto it = std::lower_bound(first, last, column);
@@ -133,28 +147,27 @@ void Assembler<D>::build_sources(const BlockConnectivity& block) {
   if (packed_index(block.n_cells, D * block.nodes, 0, 0) > UINT32_MAX)
     throw std::length_error("a block of cells is too large for 32-bit offsets: split it");
   const int n = block.nodes, cell_freedoms = D * n;
-  const std::int64_t n_pairs = pair_start_[n_nodes_], per_cell = static_cast<std::int64_t>(n) * n;
-  std::vector<std::int64_t> pair_of(block.n_cells * per_cell, -1);
+  const std::size_t n_chunks = chunk_start_.size() - 1;
+  std::vector<std::uint32_t> chunk_of(n_nodes_);
+  for (std::size_t k = 0; k < n_chunks; ++k)
+    std::fill(chunk_of.begin() + chunk_start_[k], chunk_of.begin() + chunk_start_[k + 1], k);
   PairSources pairs;
   pairs.freedoms = cell_freedoms;
-  pairs.start.assign(n_pairs + 1, 0);
+  pairs.start.assign(n_chunks + 1, 0);
   NodeSources nodes;
   nodes.start.assign(n_nodes_ + 1, 0);
+  const auto is_stored = [&](int row, int column) { return !symmetric_ || column >= row; };
   for (int e = 0; e < block.n_cells; ++e) {
     const int* cell = block.connectivity + static_cast<std::int64_t>(e) * n;
     for (int a = 0; a < n; ++a) {
       ++nodes.start[cell[a] + 1];
-      for (int b = 0; b < n; ++b) {
-        if (symmetric_ && cell[b] < cell[a]) continue;
-        const auto p = find_pair(cell[a], cell[b]);
-        pair_of[e * per_cell + a * n + b] = p;
-        ++pairs.start[p + 1];
-      }
+      for (int b = 0; b < n; ++b) pairs.start[chunk_of[cell[a]] + 1] += is_stored(cell[a], cell[b]);
     }
   }
-  for (std::int64_t p = 0; p < n_pairs; ++p) pairs.start[p + 1] += pairs.start[p];
+  for (std::size_t k = 0; k < n_chunks; ++k) pairs.start[k + 1] += pairs.start[k];
   for (int i = 0; i < n_nodes_; ++i) nodes.start[i + 1] += nodes.start[i];
   pairs.source.resize(pairs.start.back());
+  pairs.pair.resize(pairs.start.back());
   nodes.source.resize(nodes.start.back());
   auto pair_fill = pairs.start;
   auto node_fill = nodes.start;
@@ -162,10 +175,13 @@ void Assembler<D>::build_sources(const BlockConnectivity& block) {
     const int* cell = block.connectivity + static_cast<std::int64_t>(e) * n;
     for (int a = 0; a < n; ++a) {
       nodes.source[node_fill[cell[a]]++] = (e / pack_width * cell_freedoms + D * a) * pack_width + e % pack_width;
+      const auto chunk = chunk_of[cell[a]];
+      const auto first = pair_start_[chunk_start_[chunk]];
       for (int b = 0; b < n; ++b) {
-        const auto p = pair_of[e * per_cell + a * n + b];
-        if (p >= 0)
-          pairs.source[pair_fill[p]++] = static_cast<std::uint32_t>(packed_index(e, cell_freedoms, D * a, D * b));
+        if (!is_stored(cell[a], cell[b])) continue;
+        const auto at = pair_fill[chunk]++;
+        pairs.source[at] = static_cast<std::uint32_t>(packed_index(e, cell_freedoms, D * a, D * b));
+        pairs.pair[at] = static_cast<std::uint32_t>(find_pair(cell[a], cell[b]) - first);
       }
     }
   }
@@ -188,23 +204,40 @@ void Assembler<D>::store_pair(std::int64_t pair, int row, int column, const doub
 template <int D>
 void Assembler<D>::assemble_matrix(const std::vector<const double*>& stiffness, const std::uint8_t* turned,
                                    const double* frames, double* data) const {
-#pragma omp parallel for schedule(static)
-  for (int row = 0; row < n_nodes_; ++row)
-    for (auto p = pair_start_[row]; p < pair_start_[row + 1]; ++p) {
-      double k[D * D] = {};
-      for (std::size_t block = 0; block < stiffness.size(); ++block) {
-        const auto& sources = pair_sources_[block];
-        const std::int64_t next_row = static_cast<std::int64_t>(sources.freedoms) * pack_width;
-        for (auto s = sources.start[p]; s < sources.start[p + 1]; ++s) {
-          const double* entry = stiffness[block] + sources.source[s];
-          for (int r = 0; r < D; ++r)
-            for (int c = 0; c < D; ++c) k[D * r + c] += entry[r * next_row + c * pack_width];
+  const int n_chunks = static_cast<int>(chunk_start_.size()) - 1;
+#pragma omp parallel
+  {
+    std::vector<double> sums(largest_chunk_ * D * D);
+#pragma omp for schedule(static) nowait
+    for (int chunk = 0; chunk < n_chunks; ++chunk) {
+      sum_chunk(chunk, stiffness, sums.data());
+      const double* sum = sums.data();
+      for (int row = chunk_start_[chunk]; row < chunk_start_[chunk + 1]; ++row)
+        for (auto p = pair_start_[row]; p < pair_start_[row + 1]; ++p, sum += D * D) {
+          const int column = pair_column_[p];
+          double k[D * D];
+          std::copy_n(sum, D * D, k);
+          turn_block(frame_of<frame_size>(row, turned, frames), frame_of<frame_size>(column, turned, frames), k);
+          store_pair(p, row, column, k, data, false);
         }
-      }
-      const int column = pair_column_[p];
-      turn_block(frame_of<frame_size>(row, turned, frames), frame_of<frame_size>(column, turned, frames), k);
-      store_pair(p, row, column, k, data, false);
     }
+  }
+}
+
+template <int D>
+void Assembler<D>::sum_chunk(int chunk, const std::vector<const double*>& stiffness, double* sums) const {
+  const auto n_pairs = pair_start_[chunk_start_[chunk + 1]] - pair_start_[chunk_start_[chunk]];
+  std::fill_n(sums, n_pairs * D * D, 0.0);
+  for (std::size_t block = 0; block < stiffness.size(); ++block) {
+    const auto& sources = pair_sources_[block];
+    const std::int64_t next_row = static_cast<std::int64_t>(sources.freedoms) * pack_width;
+    for (auto s = sources.start[chunk]; s < sources.start[chunk + 1]; ++s) {
+      const double* entry = stiffness[block] + sources.source[s];
+      double* k = sums + static_cast<std::int64_t>(D * D) * sources.pair[s];
+      for (int r = 0; r < D; ++r)
+        for (int c = 0; c < D; ++c) k[D * r + c] += entry[r * next_row + c * pack_width];
+    }
+  }
 }
 
 template <int D>
@@ -241,18 +274,27 @@ void Assembler<D>::assemble_vector(const std::vector<const double*>& element_for
 template <int D>
 void Assembler<D>::constrain(const std::uint8_t* mask, const double* value, double scale, double* data,
                              double* rhs) const {
-  const int n = D * n_nodes_;
+  std::vector<std::uint8_t> held(n_nodes_);  // nodes with a prescribed freedom
+  for (int node = 0; node < n_nodes_; ++node)
+    held[node] = std::any_of(mask + D * node, mask + D * (node + 1), [](std::uint8_t m) { return m != 0; });
   // columns of prescribed freedoms leave the free rows
 #pragma omp parallel for schedule(static) if (n_nodes_ > 5000)
-  for (int row = 0; row < n; ++row) {
-    if (mask[row]) continue;
-    for (int at = indptr_[row]; at < indptr_[row + 1]; ++at) {
-      const int column = indices_[at];
-      if (!mask[column]) continue;
-      rhs[row] -= data[at] * value[column];
-      data[at] = 0.0;
+  for (int node = 0; node < n_nodes_; ++node)
+    for (auto p = pair_start_[node]; p < pair_start_[node + 1]; ++p) {
+      if (!held[pair_column_[p]]) continue;
+      for (int row = D * node; row < D * (node + 1); ++row) {
+        if (mask[row]) continue;
+        const int lost = symmetric_ ? row - D * node : 0;
+        double* at = data + indptr_[row] + D * (p - pair_start_[node]) - lost;
+        for (int c = pair_column_[p] == node ? lost : 0; c < D; ++c) {
+          const int column = D * pair_column_[p] + c;
+          if (!mask[column]) continue;
+          rhs[row] -= at[c] * value[column];
+          at[c] = 0.0;
+        }
+      }
     }
-  }
+  const int n = D * n_nodes_;
   // rows of prescribed freedoms; above the diagonal of a symmetric matrix they stand for columns too
   for (int row = 0; row < n; ++row) {
     if (!mask[row]) continue;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sparsity pattern and scatter, D freedoms a node: 2 for solids in the plane, 3 for solids in space, 6 for shells.
 //
-// Element arrays are gathered, not scattered: every DxD node pair of the global matrix knows which element entries add
-// up to it, in a fixed order, so that rows can be filled by any number of threads with the same bits. Symmetric
-// patterns store the upper triangle only.
+// Rows are filled in chunks. A chunk knows the element entries that add up to its DxD node pairs, cell by cell, so that
+// the element arrays are read in order. Every pair is summed in the order of its cells by one thread: the bits do not
+// depend on the number of threads. Symmetric patterns store the upper triangle only.
 #pragma once
 
 #include <cstdint>
@@ -50,10 +50,11 @@ class Assembler {
   void constrain(const std::uint8_t* mask, const double* value, double scale, double* data, double* rhs) const;
 
  private:
-  struct PairSources {  // per node pair, the element entries that add up to it
+  struct PairSources {  // per chunk of rows, the element entries that add up to its node pairs, in the order of cells
     int freedoms = 0;
-    std::vector<std::int64_t> start;    // (n_pairs + 1)
+    std::vector<std::int64_t> start;    // (n_chunks + 1)
     std::vector<std::uint32_t> source;  // offset of entry (D a, D b) in the packed array
+    std::vector<std::uint32_t> pair;    // to which it is added, counted from the first of the chunk
   };
   struct NodeSources {
     std::vector<std::int64_t> start;
@@ -62,14 +63,18 @@ class Assembler {
 
   void build_pairs(const std::vector<BlockConnectivity>& blocks, int n_couplings, const int* couplings);
   void build_csr();
+  void build_chunks();
   void build_sources(const BlockConnectivity& block);
   std::int64_t find_pair(int row, int column) const;
+  void sum_chunk(int chunk, const std::vector<const double*>& stiffness, double* sums) const;
   void store_pair(std::int64_t pair, int row, int column, const double k[D * D], double* data, bool add) const;
 
   int n_nodes_;
   bool symmetric_;
   std::vector<std::int64_t> pair_start_;  // (n_nodes + 1)
   std::vector<int> pair_column_;
+  std::vector<int> chunk_start_;    // (n_chunks + 1), of nodes
+  std::int64_t largest_chunk_ = 0;  // [node pairs]
   std::vector<int> indptr_, indices_;
   std::vector<PairSources> pair_sources_;
   std::vector<NodeSources> node_sources_;
