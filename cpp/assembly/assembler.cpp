@@ -11,6 +11,7 @@ namespace presswork {
 namespace {
 
 constexpr std::int64_t chunk_values = 4096;  // of the matrix, summed in a first-level cache
+constexpr std::int64_t lead = 64;            // how many sources ahead the element arrays are fetched from memory
 
 // Index of entry (row, column) of a cell's matrix in the packed array; the lanes of one entry lie side by side.
 std::int64_t packed_index(int cell, int freedoms, int row, int column) {
@@ -231,7 +232,10 @@ void Assembler<D>::sum_chunk(int chunk, const std::vector<const double*>& stiffn
   for (std::size_t block = 0; block < stiffness.size(); ++block) {
     const auto& sources = pair_sources_[block];
     const std::int64_t next_row = static_cast<std::int64_t>(sources.freedoms) * pack_width;
+    const std::int64_t last = static_cast<std::int64_t>(sources.source.size()) - 1;
     for (auto s = sources.start[chunk]; s < sources.start[chunk + 1]; ++s) {
+      const double* ahead = stiffness[block] + sources.source[std::min(s + lead, last)];
+      for (int r = 0; r < D; ++r) __builtin_prefetch(ahead + r * next_row);
       const double* entry = stiffness[block] + sources.source[s];
       double* k = sums + static_cast<std::int64_t>(D * D) * sources.pair[s];
       for (int r = 0; r < D; ++r)
