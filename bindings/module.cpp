@@ -19,6 +19,7 @@ void bind_assembly(nb::module_& m);
 void bind_explicit(nb::module_& m);
 void bind_one_step(nb::module_& m);
 void bind_explicit_solids(nb::module_& m);
+void bind_heat(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -41,4 +42,5 @@ NB_MODULE(_core, m) {
   bind_explicit(m);
   bind_one_step(m);
   bind_explicit_solids(m);
+  bind_heat(m);
 }

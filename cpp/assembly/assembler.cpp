@@ -19,6 +19,9 @@ std::int64_t packed_index(int cell, int freedoms, int row, int column) {
   return ((pack * freedoms + row) * freedoms + column) * pack_width + cell % pack_width;
 }
 
+// A temperature has no direction.
+void turn_block(const double*, const double*, double (&)[1]) {}
+
 // Q K Q^T of a 2x2 block, with the frame of its row on the left and of its column on the right.
 void turn_block(const double* row_frame, const double* column_frame, double (&k)[4]) {
   if (row_frame) {
@@ -311,6 +314,7 @@ void Assembler<D>::constrain(const std::uint8_t* mask, const double* value, doub
   }
 }
 
+template class Assembler<1>;
 template class Assembler<2>;
 template class Assembler<3>;
 template class Assembler<6>;

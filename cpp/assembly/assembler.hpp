@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sparsity pattern and scatter, D freedoms a node: 2 for solids in the plane, 3 for solids in space, 6 for shells.
+// Sparsity pattern and scatter, D freedoms a node: 1 for heat, 2 for solids in the plane, 3 for solids in space, 6 for
+// shells.
 //
 // Rows are filled in chunks. A chunk knows the element entries that add up to its DxD node pairs, cell by cell, so that
 // the element arrays are read in order. Every pair is summed in the order of its cells by one thread: the bits do not
@@ -80,6 +81,7 @@ class Assembler {
   std::vector<NodeSources> node_sources_;
 };
 
+extern template class Assembler<1>;
 extern template class Assembler<2>;
 extern template class Assembler<3>;
 extern template class Assembler<6>;

@@ -573,6 +573,31 @@ class SheetUnder:
         triangle's fourth is zero) and the sheet's normal (n, 3), of any length.
         """
 
+class ScalarAssembler:
+    """Sparsity pattern and scatter of element arrays, one freedom a node."""
+
+    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
+
+    @property
+    def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
+    @property
+    def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+
+    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """
+        Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
+        """
+
+    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Add blocks (n, D, D) at node pairs (n, 2)."""
+
+    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+        """Nodal force (n_nodes, D) of packed element forces."""
+
+    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+        """Prescribe the masked freedoms in the matrix and the right-hand side."""
+
 class Assembler:
     """Sparsity pattern and scatter of element arrays, two freedoms a node."""
 
@@ -1333,3 +1358,13 @@ class SolidLoop:
 
     @cell_work.setter
     def cell_work(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+def conduct_heat(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductivity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float, flow: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], conduction: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None) -> int:
+    """
+    Fill flow, the heat that leaves the nodes of each cell [N mm/s], and its derivative by their temperatures.
+
+    conductivity: rows of temperature and value (n, 2). Returns the number of a cell turned inside out, or -1.
+    """
+
+def lump_volumes(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float) -> NDArray[numpy.float64]:
+    """Volume that each node of each cell stands for (n_cells, nodes) [mm3]."""

@@ -17,7 +17,7 @@ _BYTES_PER_LAYER = 3 * 8 * 8
 """Three copies of about 8 numbers at a point of a layer of a shell."""
 _BYTES_PER_ENTRY = 8 + 0.6 * 12
 """Of an element's matrix: the value, and 12 bytes an entry once merged."""
-_FACTOR_BYTES_PER_FREEDOM = {2: 2500.0, 3: 12000.0, 6: 3500.0}
+_FACTOR_BYTES_PER_FREEDOM = {1: 2500.0, 2: 2500.0, 3: 12000.0, 6: 3500.0}
 """Of a sparse factorisation at 100,000 freedoms, by freedoms of a node; grows with the logarithm of their number."""
 _EXPLICIT_BYTES_PER_CELL = 2000.0
 """Of an explicit cell beside its layers: mesh, forces, work arrays and what is written."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from presswork.case.errors import CaseError, Problem, suggest
 
 if TYPE_CHECKING:
+    from presswork.case.heat.schema import HeatCase
     from presswork.case.onestep.schema import OneStepCase
     from presswork.case.shell.schema import ShellCase
     from presswork.case.solid.schema import Case
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from presswork.case.stamping.schema import StampingCase
     from presswork.model import Model
 
-    AnyCase: TypeAlias = Case | SpaceCase | ShellCase | StampingCase | OneStepCase
+    AnyCase: TypeAlias = Case | SpaceCase | ShellCase | StampingCase | HeatCase | OneStepCase
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,7 @@ KINDS = {
         "presswork.case.stamping.schema:StampingCase",
         "presswork.case.stamping.builder:build_stamping_model",
     ),
+    "heat": Kind(("heat",), "presswork.case.heat.schema:HeatCase", "presswork.case.heat.builder:build_heat_model"),
     "onestep": Kind(("onestep",), "presswork.case.onestep.schema:OneStepCase"),
 }
 """By the names that `presswork schema` knows."""

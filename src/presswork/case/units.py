@@ -51,6 +51,10 @@ VELOCITY = Dimension("a velocity", "mm/s", "2 m/s", 1e9)
 DENSITY = Dimension("a density", "t/mm^3", "7850 kg/m^3")
 RATE = Dimension("a rate", "1/s", "100 1/s")
 HEAT_CAPACITY = Dimension("a specific heat capacity", "mm^2/(s^2*K)", "460 J/(kg*K)")
+CONDUCTIVITY = Dimension("a thermal conductivity", "N/(s*K)", "30 W/(m*K)", 1e5)
+HEAT_TRANSFER = Dimension("a coefficient of heat transfer", "N/(mm*s*K)", "2000 W/(m^2*K)", 1e4)
+HEAT_FLUX = Dimension("a heat flux", "N/(mm*s)", "50 kW/m^2")
+HEAT_OF_MASS = Dimension("a heat per mass", "mm^2/s^2", "250 kJ/kg")
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3", 1e30)
 
 _USUAL = {
@@ -63,6 +67,10 @@ _USUAL = {
     VELOCITY: {"mm/s": 1.0, "m/s": 1e3},
     DENSITY: {"t/mm^3": 1.0, "kg/m^3": 1.0000000000000002e-12},
     HEAT_CAPACITY: {"J/(kg*K)": 1e6},
+    CONDUCTIVITY: {"W/(m*K)": 1.0},
+    HEAT_TRANSFER: {"W/(m^2*K)": 1e-3, "kW/(m^2*K)": 1.0},
+    HEAT_FLUX: {"W/m^2": 1e-3, "kW/m^2": 1.0},
+    HEAT_OF_MASS: {"kJ/kg": 1e9, "J/kg": 1e6},
 }
 """Factors that pint gives, to the last bit, of the units in most cases: pint takes as long to load as such a run."""
 
@@ -201,6 +209,10 @@ Stiffness = Annotated[float, *_scalar(STIFFNESS)]
 Velocity = Annotated[float, *_scalar(VELOCITY)]
 Density = Annotated[float, *_scalar(DENSITY)]
 Rate = Annotated[float, *_scalar(RATE)]
+Conductivity = Annotated[float, *_scalar(CONDUCTIVITY)]
+HeatTransfer = Annotated[float, *_scalar(HEAT_TRANSFER)]
+HeatFlux = Annotated[float, *_scalar(HEAT_FLUX)]
+HeatOfMass = Annotated[float, *_scalar(HEAT_OF_MASS)]
 HeatCapacity = Annotated[float, *_scalar(HEAT_CAPACITY)]
 Number = Annotated[float, *_scalar(PURE_NUMBER)]
 Point = Annotated[tuple[float, float], *_pair(LENGTH)]

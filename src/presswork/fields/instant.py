@@ -73,6 +73,8 @@ class Instant:
     """Displacement since the part was let go (n_points, 3) [mm]."""
     deviation: FloatArray | None = None
     """Distance from the shape that the part had in its tools (n_points,) [mm]."""
+    temperature: FloatArray | None = None
+    """Of bodies that conduct heat (n_points,) [degrees C]."""
     points: SolidPoints | None = None
     find_contact: Callable[[], NodalContact] | None = None
     find_sheet: Callable[[], Mapping[str, FloatArray]] | None = None

@@ -99,6 +99,8 @@ def _hydrostatic_stress(now: Instant) -> FloatArray | None:
 
 
 def _temperature(now: Instant) -> FloatArray | None:
+    if (nodal := now.temperature) is not None:
+        return np.concatenate([nodal[block.connectivity].mean(axis=1) for block in now.model.mesh.blocks])
     return now.sheet.get("temperature") if now.points is None else now.points.temperature
 
 
@@ -139,6 +141,7 @@ ROWS = (
     Field("contact_force", "N", "point", _contact_force, components=VECTOR),
     Field("springback", "mm", "point", lambda now: now.springback, components=VECTOR),
     Field("deviation", "mm", "point", lambda now: now.deviation),
+    Field("nodal_temperature", "degrees C", "point", lambda now: now.temperature, label="temperature"),
     Field("thickness", "mm", "cell", _of_sheet("thickness")),
     Field("thickness_strain", "1", "cell", _of_sheet("thickness_strain")),
     Field("equivalent_plastic_strain", "1", "cell", _equivalent_plastic_strain, alias="eqps"),

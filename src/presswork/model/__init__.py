@@ -17,6 +17,18 @@ from presswork.model.elements import (
     SpaceElement,
     list_names,
 )
+from presswork.model.heat import (
+    STEFAN_BOLTZMANN,
+    ZERO_CELSIUS,
+    Convection,
+    Heat,
+    HeatContact,
+    HeatFlux,
+    HeatStage,
+    PrescribedTemperature,
+    Radiation,
+    Thermal,
+)
 from presswork.model.limits import Limits
 from presswork.model.material import (
     Hardening,
@@ -73,6 +85,8 @@ from presswork.model.tool import (
 
 __all__ = [
     "ELEMENTS",
+    "STEFAN_BOLTZMANN",
+    "ZERO_CELSIUS",
     "Analysis",
     "Body",
     "BodyContact",
@@ -80,6 +94,7 @@ __all__ = [
     "BoolArray",
     "CellBlock",
     "ContactLaw",
+    "Convection",
     "Displacements",
     "Drawbead",
     "EdgeForce",
@@ -94,6 +109,10 @@ __all__ = [
     "FrictionTangent",
     "Hardening",
     "HardeningLaw",
+    "Heat",
+    "HeatContact",
+    "HeatFlux",
+    "HeatStage",
     "Heating",
     "IndexArray",
     "IntArray",
@@ -109,9 +128,11 @@ __all__ = [
     "PartBead",
     "PointForce",
     "PrescribedDisplacement",
+    "PrescribedTemperature",
     "Pressure",
     "Profile",
     "Push",
+    "Radiation",
     "Rate",
     "Refinement",
     "Section",
@@ -128,6 +149,7 @@ __all__ = [
     "Surface",
     "SweptProfile",
     "TangentTerms",
+    "Thermal",
     "ThicknessRule",
     "Tool",
     "ToolKind",

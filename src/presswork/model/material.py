@@ -8,6 +8,7 @@ from typing import Literal
 
 from presswork.formability import Formability
 from presswork.model.arrays import FloatArray
+from presswork.model.heat import Thermal
 
 HardeningLaw = Literal[
     "linear", "swift", "ludwik", "voce", "linear_voce", "hockett_sherby", "table", "swift_voce", "monotone_table"
@@ -114,5 +115,7 @@ class Material:
     """[t/mm3]; dynamics and heating ask for it."""
     heating: Heating | None = None
     """None: the material does not know of temperature."""
+    thermal: Thermal | None = None
+    """None: it conducts no heat."""
     formability: Formability = field(default_factory=Formability)
     """Of a sheet: what its strains are judged by."""

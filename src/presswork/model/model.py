@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork.model.arrays import IntArray
 from presswork.model.contact import Body, BodyContact
+from presswork.model.heat import Heat
 from presswork.model.limits import Limits
 from presswork.model.material import Material
 from presswork.model.mesh import Mesh, Section
@@ -57,6 +58,8 @@ class Model:
     """Of a stamping, after the last stage."""
     springback: Springback | None = None
     """Of a stamping, after the last stage and the trimming; None: the part stays as it is."""
+    heat: Heat | None = None
+    """Of bodies that conduct heat and do not deform; None: temperatures are those of the materials' own heating."""
     limits: Limits = field(default_factory=Limits)
     case_text: str = ""
     """The case file as read, kept with the results."""
@@ -68,7 +71,9 @@ class Model:
 
     @property
     def freedoms(self) -> int:
-        """How many freedoms a node has: its displacement, of a shell its rotation too."""
+        """How many freedoms a node has: its displacement, of a shell its rotation too; of heat one."""
+        if self.heat is not None:
+            return 1
         return 6 if self.analysis in ("shell", "stamping") else self.dimension
 
     @property

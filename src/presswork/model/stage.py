@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from presswork.model.arrays import FloatArray
+from presswork.model.heat import HeatStage
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,7 @@ class Stage:
     face_pressures: tuple[FacePressure, ...] = ()
     face_forces: tuple[FaceForce, ...] = ()
     body_forces: tuple[BodyForce, ...] = ()
+    heat: HeatStage | None = None
 
     def time_between(self, start: float, end: float) -> float:
         """Return the time between two parts of the stage [s]."""

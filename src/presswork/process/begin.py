@@ -38,6 +38,10 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.stamping import ExplicitStamping
 
         return ExplicitStamping(model, threads=threads)
+    if model.heat is not None:
+        from presswork.process.heat_recording import HeatRecording
+
+        return HeatRecording(model, threads=threads)
     if model.explicit is not None:
         from presswork.process.impact import ExplicitImpact
 

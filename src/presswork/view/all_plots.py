@@ -34,6 +34,7 @@ from presswork.view.section_plot import comes_in, plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell
 from presswork.view.springback_plot import plot_springback
 from presswork.view.style import bare_figure, create_folder, is_let_go, require_matplotlib, save_picture
+from presswork.view.temperature_plot import find_widest_step, has_temperatures, plot_temperatures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,6 +48,8 @@ SPRINGBACK_FIELDS = ("springback", "deviation")
 """Displacement since the part was let go; distance from its shape in the tools."""
 TEMPERATURE = "temperature"
 """Of a solid that plastic work heats."""
+NODAL_TEMPERATURE = "nodal_temperature"
+"""Of bodies that conduct heat."""
 
 
 def plot_all(
@@ -67,7 +70,8 @@ def plot_all(
     the outline from above with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part,
     mirrored by its symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
     `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a stamping
-    STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS; `out_dir` is the folder "plots" in the output folder. sections:
+    STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at the one
+    with the widest range; `out_dir` is the folder "plots" in the output folder. sections:
     x, y of where a section begins [mm], and its angle from x [degree]; each is drawn, and its thickness written as CSV.
     Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
     """
@@ -89,6 +93,8 @@ def _plot_all(
 ) -> list[Path]:
     """Write the pictures, as plot_all says."""
     chosen = [-1] if steps == "last" else list(steps)
+    if steps == "last" and FIELDS[0] not in result.field_names and NODAL_TEMPERATURE in result.field_names:
+        chosen = sorted({find_widest_step(result), len(result.times) - 1})
     if fields is None:
         fields = default_fields(result)
         fields = [field for field in fields if field in result.field_names or field not in FORMABILITY_FIELDS]
@@ -133,7 +139,7 @@ def _plot_all(
             paths.append(save_picture(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
     if result.is_onestep:
         return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=bare_figure()), folder / "blank.png")]
-    paths += [*_plot_forces(result, folder), *_plot_energies(result, folder)]
+    paths += [*_plot_forces(result, folder), *_plot_energies(result, folder), *_plot_temperatures(result, folder)]
     if result.surfaces and count > 1 and comes_in(result):
         paths.append(save_picture(plot_draw_in(result, figure=bare_figure()), folder / "draw_in.png"))
     return [*paths, *_plot_interfaces(result, folder, steps)]
@@ -147,7 +153,9 @@ def default_fields(result: Result) -> Sequence[str]:
         return ONESTEP_FIELDS
     if result.is_shell:
         return SHELL_FIELDS
-    return (*FIELDS, *(name for name in (TEMPERATURE,) if name in result.field_names))
+    fields = FIELDS if FIELDS[0] in result.field_names else ()
+    temperature = NODAL_TEMPERATURE if NODAL_TEMPERATURE in result.field_names else TEMPERATURE
+    return (*fields, *(name for name in (temperature,) if name in result.field_names))
 
 
 def _is_told(result: Result, field: str, steps: Sequence[int]) -> bool:
@@ -213,6 +221,15 @@ def _plot_energies(result: Result, folder: Path) -> list[Path]:
     figure = bare_figure()
     plot_energies(result, figure.subplots())
     return [save_picture(figure, folder / "energies.png")]
+
+
+def _plot_temperatures(result: Result, folder: Path) -> list[Path]:
+    """Write the temperatures against time, if a run has computed them."""
+    if not has_temperatures(result.history):
+        return []
+    figure = bare_figure()
+    plot_temperatures(result, figure.subplots())
+    return [save_picture(figure, folder / "temperature_time.png")]
 
 
 def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequence[int]) -> list[Path]:

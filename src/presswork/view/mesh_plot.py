@@ -102,7 +102,8 @@ def plot_mesh_and_contours(
     left, right = figure.subplots(1, 2, sharex=True, sharey=True)
     plot_mesh(result, None, step, left, mirror=mirror)
     plot_contours(result, field, step, right, mirror=mirror)
-    left.set_title("deformed mesh", fontsize="medium")
+    moved = bool(result.field("displacement", step).any())
+    left.set_title("deformed mesh" if moved else "mesh", fontsize="medium")
     extremes = right.get_title().partition("\n")[2]
     right.set_title(f"{label_field(result, field).partition(' [')[0]}\n{extremes}".rstrip(), fontsize="medium")
     right.set_ylabel("")

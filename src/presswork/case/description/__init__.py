@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.description.explicit import describe_explicit
+from presswork.case.description.heat import describe_heat
 from presswork.case.description.material import describe_material
 from presswork.case.description.shell import describe_sheet, describe_sheet_loads
 from presswork.geometry.crossing import bound_segments
@@ -29,6 +30,13 @@ def describe(problem: model.Model | OneStepModel) -> str:
 
         return "\n".join([problem.title, *describe_stamping(problem), _describe_memory(problem)])
     lines = [problem.title, *_describe_body(problem)]
+    if problem.heat is not None:
+        lines += [
+            *describe_heat(problem, problem.heat),
+            f"output: {_describe_output(problem)}",
+            _describe_memory(problem),
+        ]
+        return "\n".join(lines)
     lines += [f"material {material.name}: {describe_material(material)}" for material in problem.materials]
     lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.tools]
     lines += [f"contact {contact.name}: {_describe_contact(problem, contact)}" for contact in problem.contacts]
@@ -41,7 +49,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
     if isinstance(problem.explicit, model.ExplicitSolid):
         return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
-    lines += [f"output: {_describe_settings(problem.output, model.OutputSettings())}"]
+    lines += [f"output: {_describe_output(problem)}"]
     lines += list(_warn_of_steps(problem))
     lines += [_describe_memory(problem)]
     return "\n".join(lines)
@@ -56,7 +64,8 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
         yield from _describe_space_solid(problem)
         return
     depth = f", depth {problem.depth:g} mm" if problem.analysis == "plane_strain" else " (x is the radius, y the axis)"
-    yield f"analysis: {problem.analysis.replace('_', ' ')}{depth}"
+    kind = problem.analysis.replace("_", " ") if problem.heat is None else f"heat, {problem.analysis.split('_')[0]}"
+    yield f"analysis: {kind}{depth}"
     whole = model.Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks)))
     for body in problem.bodies or (whole,):
         points = mesh.points[body.points.start : body.points.stop]
@@ -65,7 +74,8 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
         for block in mesh.blocks[body.blocks.start : body.blocks.stop]:
             yield _describe_block(problem, block)
     n_points = len(mesh.points)
-    yield f"nodes: {n_points}, freedoms: {2 * n_points} before supports, boundary edges: {len(mesh.boundary_edges)}"
+    freedoms = problem.freedoms * n_points
+    yield f"nodes: {n_points}, freedoms: {freedoms} before supports, boundary edges: {len(mesh.boundary_edges)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     yield f"edge sets: {', '.join(f'{name} ({len(edges)})' for name, edges in sorted(mesh.edge_sets.items()))}"
 
@@ -84,7 +94,8 @@ def _describe_space_solid(problem: model.Model) -> Iterator[str]:
     for block in mesh.blocks:
         yield _describe_block(problem, block)
     n_points = len(mesh.points)
-    yield f"nodes: {n_points}, freedoms: {3 * n_points} before supports, boundary faces: {len(mesh.boundary_faces)}"
+    freedoms = problem.freedoms * n_points
+    yield f"nodes: {n_points}, freedoms: {freedoms} before supports, boundary faces: {len(mesh.boundary_faces)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     yield f"face sets: {', '.join(f'{name} ({len(faces)})' for name, faces in sorted(mesh.face_sets.items()))}"
 
@@ -175,6 +186,10 @@ def _describe_settings(settings: object, default: object) -> str:
         if getattr(settings, entry.name) != getattr(default, entry.name)
     ]
     return ", ".join(differing) or "defaults"
+
+
+def _describe_output(problem: model.Model) -> str:
+    return _describe_settings(problem.output, model.OutputSettings())
 
 
 def _warn_of_steps(problem: model.Model) -> Iterator[str]:

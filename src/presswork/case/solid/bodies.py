@@ -12,7 +12,7 @@ from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.solid import schema
 from presswork.case.solid.grid import grid_lines
-from presswork.case.solid.workpiece import Rectangle, Workpiece
+from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError, mesh_rectangle, read_mesh
 from presswork.mesh.joined import join_meshes
@@ -35,26 +35,35 @@ def list_bodies(case: schema.Case) -> dict[str, tuple[str, Workpiece]]:
 
 def build_bodies(case: schema.Case) -> tuple[model.Mesh, tuple[model.Body, ...]]:
     """Mesh all bodies into one mesh; raises CaseError for a mesh file that cannot be read."""
-    bodies = list_bodies(case)
-    return join_meshes({name: _build_mesh(case, key, body) for name, (key, body) in bodies.items()})
+    materials = list(case.materials)
+    return join_meshes(
+        {
+            name: mesh_body(key, body.mesh, body.element, materials.index(body.material), case.source)
+            for name, (key, body) in list_bodies(case).items()
+        }
+    )
 
 
-def _build_mesh(case: schema.Case, key: str, body: Workpiece) -> model.Mesh:
-    """Mesh a body, or read its mesh."""
-    material = list(case.materials).index(body.material)
-    if isinstance(body.mesh, Rectangle):
-        x_lines, y_lines = grid_lines(body.mesh)
-        return mesh_rectangle(x_lines, y_lines, element=body.element, pattern=body.mesh.pattern, material=material)
-    folder = case.source.parent if case.source is not None else Path()
-    scale = unit_factor(body.mesh.unit, LENGTH)
+def mesh_body(
+    key: str, mesh: Rectangle | MeshFile, element: model.SolidElement, material: int, source: Path | None
+) -> model.Mesh:
+    """Mesh a body in the plane, or read its mesh; raises CaseError for a file that cannot be read.
+
+    key: under which the case describes the body. material: its index. source: the case file, to which paths are
+    relative.
+    """
+    if isinstance(mesh, Rectangle):
+        x_lines, y_lines = grid_lines(mesh)
+        return mesh_rectangle(x_lines, y_lines, element=element, pattern=mesh.pattern, material=material)
+    folder = source.parent if source is not None else Path()
+    scale = unit_factor(mesh.unit, LENGTH)
     try:
-        mesh, notes = read_mesh(folder / body.mesh.path, element=body.element, scale=scale, material=material)
+        found, notes = read_mesh(folder / mesh.path, element=element, scale=scale, material=material)
     except MeshError as error:
-        problem = Problem(f"{key}.mesh.path", error.fault, error.remedy, body.mesh.path)
-        raise CaseError([problem], case.source) from error
+        raise CaseError([Problem(f"{key}.mesh.path", error.fault, error.remedy, mesh.path)], source) from error
     for note in notes:
-        logger.warning("%s.mesh.path = %s: %s", key, body.mesh.path, note)
-    return mesh
+        logger.warning("%s.mesh.path = %s: %s", key, mesh.path, note)
+    return found
 
 
 def check_bodies(case: schema.Case) -> list[Problem]:

@@ -13,6 +13,7 @@ from presswork.case.settings import build_output, build_solver, check_small_disp
 from presswork.case.solid.builder import build_material
 from presswork.case.solid.law_checks import check_integrator
 from presswork.case.solid.references import check_set_names
+from presswork.case.solid.workpiece import MeshFile
 from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_box, explain_shortage
@@ -26,7 +27,9 @@ logger = logging.getLogger(__name__)
 def build_space_model(case: SpaceCase) -> model.Model:
     """Build the Model of a solid in space; raises CaseError with every problem of the first kind that is found."""
     _stop_at(_check_names(case), case)
-    mesh = _build_mesh(case)
+    piece = case.workpiece
+    material = list(case.materials).index(piece.material)
+    mesh = mesh_space_body("workpiece", piece.mesh, piece.element, material, case.source)
     _stop_at(_check_sets(case, mesh), case)
     materials = tuple(
         build_material(name, material)
@@ -135,26 +138,25 @@ def _check_sets(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
     return check_set_names(uses, mesh, sides="face")
 
 
-def _build_mesh(case: SpaceCase) -> model.Mesh:
-    """Mesh the body, or read its mesh."""
-    piece = case.workpiece
-    material = list(case.materials).index(piece.material)
-    if isinstance(piece.mesh, Box):
-        box = piece.mesh
+def mesh_space_body(
+    key: str, mesh: Box | MeshFile, element: model.SpaceElement, material: int, source: Path | None
+) -> model.Mesh:
+    """Mesh a body in space, or read its mesh; arguments and errors as those of solid.bodies.mesh_body."""
+    if isinstance(mesh, Box):
         x, y, z = (
-            grade_line(box.origin[axis], [(box.size[axis], box.cells[axis], box.grading[axis])]) for axis in range(3)
+            grade_line(mesh.origin[axis], [(mesh.size[axis], mesh.cells[axis], mesh.grading[axis])])
+            for axis in range(3)
         )
-        return mesh_box(x, y, z, element=piece.element, material=material)
-    folder = case.source.parent if case.source is not None else Path()
-    scale = unit_factor(piece.mesh.unit, LENGTH)
+        return mesh_box(x, y, z, element=element, material=material)
+    folder = source.parent if source is not None else Path()
+    scale = unit_factor(mesh.unit, LENGTH)
     try:
-        mesh, notes = read_solid_mesh(folder / piece.mesh.path, element=piece.element, scale=scale, material=material)
+        found, notes = read_solid_mesh(folder / mesh.path, element=element, scale=scale, material=material)
     except MeshError as error:
-        problem = Problem("workpiece.mesh.path", error.fault, error.remedy, piece.mesh.path)
-        raise CaseError([problem], case.source) from error
+        raise CaseError([Problem(f"{key}.mesh.path", error.fault, error.remedy, mesh.path)], source) from error
     for note in notes:
-        logger.warning("workpiece.mesh.path = %s: %s", piece.mesh.path, note)
-    return mesh
+        logger.warning("%s.mesh.path = %s: %s", key, mesh.path, note)
+    return found
 
 
 def _build_stage(stage: SpaceStage, mesh: model.Mesh) -> model.Stage:

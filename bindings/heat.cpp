@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arrays.hpp"
+#include "element/heat_block.hpp"
+
+namespace presswork::bindings {
+
+namespace {
+
+const HeatCellType& cell_named(const std::string& name) {
+  const auto* type = find_heat_cell(name);
+  if (!type) throw std::invalid_argument("no heat conduction in cells of kind " + name);
+  return *type;
+}
+
+HeatBlock view_block(const HeatCellType& type, Ints connectivity, Doubles points, bool axisymmetric, double depth) {
+  require(connectivity.ndim() == 2 && connectivity.shape(1) == std::size_t(type.nodes),
+          "connectivity must have shape (n_cells, nodes)");
+  require(points.ndim() == 2 && points.shape(1) == std::size_t(type.dim), "points must have shape (n_points, d)");
+  const int n = static_cast<int>(points.shape(0));
+  for (std::size_t i = 0; i < connectivity.size(); ++i)
+    require(connectivity.data()[i] >= 0 && connectivity.data()[i] < n, "connectivity must be node indices");
+  return {static_cast<int>(connectivity.shape(0)), connectivity.data(), points.data(), {axisymmetric, depth, 0.0}};
+}
+
+}  // namespace
+
+void bind_heat(nb::module_& m) {
+  m.def(
+      "conduct_heat",
+      [](const std::string& cell, Ints connectivity, Doubles points, Doubles temperature, Doubles conductivity,
+         bool axisymmetric, double depth, MutableDoubles flow, std::optional<MutableDoubles> conduction) {
+        const auto& type = cell_named(cell);
+        const auto block = view_block(type, connectivity, points, axisymmetric, depth);
+        const std::size_t packs = (block.n_cells + pack_width - 1) / pack_width, n = type.nodes;
+        require(temperature.size() == points.shape(0), "temperature must have shape (n_points,)");
+        require(conductivity.ndim() == 2 && conductivity.shape(0) > 0 && conductivity.shape(1) == 2,
+                "conductivity must have shape (n, 2)");
+        require(flow.size() == packs * n * pack_width, "flow must have shape (n_packs, nodes, pack_width)");
+        require(!conduction || conduction->size() == packs * n * n * pack_width,
+                "conduction must have shape (n_packs, nodes, nodes, pack_width)");
+        const TemperatureTable table{conductivity.data(), static_cast<int>(conductivity.shape(0))};
+        nb::gil_scoped_release release;
+        return conduct_heat(type, block, table, temperature.data(), flow.data(),
+                            conduction ? conduction->data() : nullptr);
+      },
+      nb::arg("cell"), nb::arg("connectivity"), nb::arg("points"), nb::arg("temperature"), nb::arg("conductivity"),
+      nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth"), nb::arg("flow"), nb::arg("conduction").none(),
+      "Fill flow, the heat that leaves the nodes of each cell [N mm/s], and its derivative by their temperatures.\n\n"
+      "conductivity: rows of temperature and value (n, 2). Returns the number of a cell turned inside out, or -1.");
+  m.def(
+      "lump_volumes",
+      [](const std::string& cell, Ints connectivity, Doubles points, bool axisymmetric, double depth) {
+        const auto& type = cell_named(cell);
+        const auto block = view_block(type, connectivity, points, axisymmetric, depth);
+        double* volume;
+        auto result = new_array({connectivity.shape(0), connectivity.shape(1)}, &volume);
+        type.lump(block, volume);
+        return result;
+      },
+      nb::arg("cell"), nb::arg("connectivity"), nb::arg("points"), nb::kw_only(), nb::arg("axisymmetric"),
+      nb::arg("depth"), "Volume that each node of each cell stands for (n_cells, nodes) [mm3].");
+}
+
+}  // namespace presswork::bindings

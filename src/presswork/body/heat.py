@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bodies that conduct and store heat: one temperature a node, lumped capacity (docs/theory/heat.md)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import ELEMENTS, FloatArray, IntArray, MaskArray, Model, Thermal
+
+
+def sum_at_nodes(nodes: IntArray, values: FloatArray, n_points: int) -> FloatArray:
+    """Return the sums of values at their nodes (n_points,)."""
+    return np.bincount(nodes.ravel(), values.ravel(), minlength=n_points).astype(np.float64)
+
+
+class Enthalpy:
+    """Heat content of a unit of mass by temperature: the integral of the specific heat, and latent heat."""
+
+    def __init__(self, thermal: Thermal) -> None:
+        self._temperature, self._value = thermal.specific_heat.T
+        widths = np.diff(self._temperature)
+        steps = 0.5 * widths * (self._value[1:] + self._value[:-1])
+        self._content = np.concatenate([[0.0], np.cumsum(steps)])
+        self._latent = thermal.latent_heat
+        self._start, self._end = thermal.transformation
+
+    def find(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the heat content [mm2/s2], zero at the first row of the table, and its derivative [mm2/(s2 K)]."""
+        rows, values = self._temperature, self._value
+        row = np.clip(np.searchsorted(rows, temperature, side="right") - 1, 0, len(rows) - 1)
+        specific = np.interp(temperature, rows, values)
+        content = self._content[row] + 0.5 * (values[row] + specific) * (temperature - rows[row])
+        below = temperature < rows[0]
+        content = np.where(below, values[0] * (temperature - rows[0]), content)
+        if self._latent:
+            part = (temperature - self._start) / (self._end - self._start)
+            content = content + self._latent * np.clip(part, 0.0, 1.0)
+            specific = specific + np.where((part > 0) & (part < 1), self._latent / (self._end - self._start), 0.0)
+        return np.asarray(content), np.asarray(specific)
+
+
+class Conduction:
+    """Conducts heat in all cells of a model and stores it at the nodes.
+
+    Raises ValueError for cells that are turned inside out, and for materials without thermal properties.
+    """
+
+    def __init__(self, model: Model, couplings: IntArray) -> None:
+        mesh = model.mesh
+        self.n_points = len(mesh.points)
+        self._axisymmetric, self._depth = model.analysis == "axisymmetric", model.depth
+        self._cells = [ELEMENTS[b.element].cell for b in mesh.blocks]
+        self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in mesh.blocks]
+        self._thermal: list[Thermal] = []
+        for block in mesh.blocks:
+            thermal = model.materials[block.material].thermal
+            if thermal is None:
+                raise ValueError(f"the material {model.materials[block.material].name} has no thermal properties")
+            self._thermal.append(thermal)
+        self._enthalpy = [Enthalpy(thermal) for thermal in self._thermal]
+        self._table = [np.ascontiguousarray(thermal.conductivity) for thermal in self._thermal]
+        self.symmetric = all(len(table) == 1 for table in self._table)
+        """Whether the derivative of the heat flow is symmetric: conductivities are constant."""
+        self.assembler = _core.ScalarAssembler(self.n_points, self._connectivity, self.symmetric, couplings)
+        self.mass = self._lump(mesh.points)
+        """Mass of each block at the nodes, (n_points,) each [t]."""
+        self._flow, self._conduction = [], []
+        for connectivity in self._connectivity:
+            cells, nodes = connectivity.shape
+            packs = -(-cells // _core.pack_width)
+            self._flow.append(np.zeros((packs, nodes, _core.pack_width)))
+            self._conduction.append(np.zeros((packs, nodes, nodes, _core.pack_width)))
+        self._turned: MaskArray = np.zeros(self.n_points, dtype=np.uint8)
+        self._frames = np.ones((self.n_points, 1, 1))
+
+    def _lump(self, points: FloatArray) -> list[FloatArray]:
+        masses = []
+        for cell, connectivity, thermal in zip(self._cells, self._connectivity, self._thermal, strict=True):
+            volume = _core.lump_volumes(cell, connectivity, points, axisymmetric=self._axisymmetric, depth=self._depth)
+            masses.append(thermal.density * sum_at_nodes(connectivity, np.asarray(volume), self.n_points))
+        return masses
+
+    def content(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the heat stored at the nodes (n_points,) [N mm] and its derivative [N mm/K]; its zero is arbitrary."""
+        total, slope = np.zeros(self.n_points), np.zeros(self.n_points)
+        for mass, enthalpy in zip(self.mass, self._enthalpy, strict=True):
+            content, specific = enthalpy.find(temperature)
+            total += mass * content
+            slope += mass * specific
+        return total, slope
+
+    def conduct(self, points: FloatArray, temperature: FloatArray, *, with_matrix: bool = True) -> FloatArray:
+        """Return the heat that leaves the nodes by conduction (n_points,) [N mm/s]; its derivative is kept.
+
+        points: where the nodes are (n_points, d) [mm].
+        """
+        for i, cell in enumerate(self._cells):
+            failed = _core.conduct_heat(
+                cell,
+                self._connectivity[i],
+                points,
+                temperature,
+                self._table[i],
+                axisymmetric=self._axisymmetric,
+                depth=self._depth,
+                flow=self._flow[i],
+                conduction=self._conduction[i] if with_matrix else None,
+            )
+            if failed >= 0:
+                raise ValueError(f"cell {failed + 1} of block {i + 1} is turned inside out")
+        return np.asarray(self.assembler.assemble_vector(self._flow)).ravel()
+
+    def assemble(self, diagonal: FloatArray, pairs: IntArray, blocks: FloatArray) -> FloatArray:
+        """Return the values (nnz) of the matrix: conduction as last evaluated, `diagonal` and further entries.
+
+        diagonal (n_points,); pairs (n, 2) of nodes and blocks (n,) [N mm/(s K)].
+        """
+        data = np.zeros(len(self.assembler.indices))
+        self.assembler.assemble_matrix(self._conduction, self._turned, self._frames, data)
+        nodes = np.arange(self.n_points, dtype=np.int32)
+        every = np.concatenate([np.column_stack([nodes, nodes]), pairs]).astype(np.int32)
+        values = np.concatenate([diagonal, blocks]).reshape(-1, 1, 1)
+        self.assembler.add_blocks(every, values, self._turned, self._frames, data)
+        return data
+
+    def mean(self, temperature: FloatArray, nodes: slice = slice(None)) -> float:
+        """Return the mean temperature of nodes, weighted by mass."""
+        mass = np.sum(self.mass, axis=0)[nodes]
+        return float(mass @ temperature[nodes] / mass.sum())

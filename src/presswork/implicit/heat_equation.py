@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One time step of the heat equation by backward Euler and Newton's method (docs/theory/heat.md).
+
+    (H(T) - H(T_n)) / dt + K(T) T = power of the films + sources
+
+H is the heat content of the lumped masses, so that what a step stores is what flows in, to the tolerance of the
+iteration, however the specific heat depends on temperature.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from presswork.body.heat import Conduction
+from presswork.implicit.linear_solver import LinearSolver, SolverError, make_solver
+from presswork.interaction.heat_films import Film, HeatFlow
+from presswork.model import FloatArray, IntArray, MaskArray, Model
+from presswork.outcome import Failed, IterationLog
+from presswork.timing import Timing
+
+MOST_ITERATIONS = 25
+RESIDUAL = 1e-11
+"""Largest out-of-balance over the sum of all heat flows."""
+CORRECTION = 1e-10
+"""Largest correction [K] over the largest temperature: nothing smaller is worth an iteration."""
+PRESCRIBED = "prescribed"
+"""Kind under which the heat is counted that prescribed temperatures let in."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeatProblem:
+    """What a step is asked."""
+
+    points: FloatArray
+    """Where the nodes are at its end (n_points, d) [mm]."""
+    temperature_n: FloatArray
+    """At its start (n_points,) [degrees C]."""
+    dt: float
+    """[s]"""
+    films: Sequence[Film]
+    time: float
+    """Of its end, since the stage began [s]."""
+    mask: MaskArray
+    """Nodes whose temperature is prescribed (n_points,)."""
+    prescribed: FloatArray
+    """Their temperatures (n_points,) [degrees C]."""
+    source: FloatArray | None = None
+    """Heat made at the nodes (n_points,) [N mm/s]."""
+
+
+@dataclass(frozen=True)
+class HeatStep:
+    """A converged step."""
+
+    temperature: FloatArray
+    """(n_points,) [degrees C]."""
+    power: Mapping[str, float]
+    """Heat that flowed in by kind of film, by prescribed temperatures and by sources [N mm/s]."""
+    log: IterationLog
+
+
+@dataclass(frozen=True)
+class _Balance:
+    """Heat flows at one guess."""
+
+    residual: FloatArray
+    capacity: FloatArray
+    given: Sequence[HeatFlow]
+    largest: float
+    """Sum of all flows [N mm/s]."""
+
+
+class HeatEquation:
+    """Solves the heat equation of a model, step by step; it keeps factors and pattern, no state."""
+
+    def __init__(self, model: Model, couplings: IntArray, timing: Timing, threads: int) -> None:
+        """Couplings: pairs of nodes (n, 2) that exchange heat and share no cell."""
+        self.conduction = Conduction(model, couplings)
+        self._timing = timing
+        assembler = self.conduction.assembler
+        started = perf_counter()
+        self.solver: LinearSolver = make_solver(
+            assembler.indptr, assembler.indices, symmetric=self.conduction.symmetric, threads=threads
+        )
+        timing.add("solve", started)
+
+    def solve(self, problem: HeatProblem, guess: FloatArray) -> HeatStep | Failed:
+        """Find the temperatures at the end of a step from a guess at them (n_points,), or say why not."""
+        mask = problem.mask
+        temperature = np.where(mask != 0, problem.prescribed, guess)
+        content_n, _ = self.conduction.content(problem.temperature_n)
+        log = IterationLog()
+        finished = False
+        for _ in range(MOST_ITERATIONS):
+            found = self._evaluate(problem, content_n, temperature)
+            if not np.isfinite(found.residual).all():
+                return Failed(log, "temperatures grow without bound", 0.25)
+            out = float(np.abs(found.residual[mask == 0]).sum())
+            if finished or out <= RESIDUAL * found.largest:
+                return HeatStep(temperature, _count(problem, found), log)
+            change = self._correct(problem, found)
+            if change is None:
+                return Failed(log, "the heat equation has no solution", 0.25)
+            temperature = temperature + change
+            log.residual.append(out / found.largest)
+            log.correction.append(float(np.abs(change).max()))
+            finished = log.correction[-1] <= CORRECTION * max(1.0, float(np.abs(temperature).max()))
+        return Failed(log, f"no balance of heat after {MOST_ITERATIONS} iterations", 0.5)
+
+    def _evaluate(self, problem: HeatProblem, content_n: FloatArray, temperature: FloatArray) -> _Balance:
+        """Return what is out of balance at a guess."""
+        started = perf_counter()
+        content, capacity = self.conduction.content(temperature)
+        stored = (content - content_n) / problem.dt
+        flow = self.conduction.conduct(problem.points, temperature)
+        given = [film.evaluate(temperature, problem.time) for film in problem.films]
+        residual = stored + flow
+        for each in given:
+            residual -= each.power
+        if problem.source is not None:
+            residual -= problem.source
+        largest = sum(float(np.abs(part).sum()) for part in (stored, flow, *(each.power for each in given)))
+        self._timing.add("assembly", started)
+        return _Balance(residual, capacity / problem.dt, given, largest)
+
+    def _correct(self, problem: HeatProblem, found: _Balance) -> FloatArray | None:
+        """Return Newton's correction; None if the matrix is singular."""
+        started = perf_counter()
+        diagonal = found.capacity + sum(each.slope for each in found.given)
+        pairs = np.concatenate([np.zeros((0, 2), dtype=np.int32), *(each.pairs for each in found.given)])
+        blocks = np.concatenate([np.zeros(0), *(each.blocks for each in found.given)])
+        data = self.conduction.assemble(diagonal, pairs, blocks)
+        rhs = -found.residual
+        scale = float(np.abs(diagonal).max()) or 1.0
+        self.conduction.assembler.constrain(problem.mask, np.zeros(len(rhs)), scale, data, rhs)
+        self._timing.add("assembly", started)
+        started = perf_counter()
+        try:
+            self.solver.factorise(data)
+            return self.solver.solve(rhs)
+        except SolverError:
+            return None
+        finally:
+            self._timing.add("solve", started)
+
+
+def _count(problem: HeatProblem, found: _Balance) -> dict[str, float]:
+    """Return the heat that flows in, by kind [N mm/s]."""
+    power = {PRESCRIBED: float(found.residual[problem.mask != 0].sum())}
+    for film, each in zip(problem.films, found.given, strict=True):
+        power[film.kind] = power.get(film.kind, 0.0) + float(each.power.sum())
+    if problem.source is not None:
+        power["source"] = float(problem.source.sum())
+    return power

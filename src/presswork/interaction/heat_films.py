@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Films of heat: what heats and cools the surface of bodies, lumped at its nodes.
+
+A film is asked at a guess of the temperatures and answers the heat that it gives to the nodes, with its derivative.
+Radiation and coefficients that depend on temperature are thus implicit, as is the other side of a contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from presswork.body.heat import sum_at_nodes
+from presswork.mesh.edges import edge_areas
+from presswork.mesh.faces import face_areas
+from presswork.mesh.facing import find_shared_areas
+from presswork.model import (
+    STEFAN_BOLTZMANN,
+    ZERO_CELSIUS,
+    Convection,
+    FloatArray,
+    HeatContact,
+    HeatFlux,
+    HeatStage,
+    IntArray,
+    Model,
+    Radiation,
+)
+
+
+@dataclass(frozen=True)
+class HeatFlow:
+    """What a film gives to the nodes."""
+
+    power: FloatArray
+    """(n_points,) [N mm/s]."""
+    slope: FloatArray
+    """-d power / d temperature of the same node (n_points,) [N mm/(s K)]."""
+    pairs: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int32))
+    """Pairs of different nodes (n, 2)."""
+    blocks: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """-d power of the first / d temperature of the second (n,)."""
+
+
+class Film(Protocol):
+    """One film."""
+
+    kind: str
+    """Under which its heat is counted."""
+
+    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
+        """Return the flow at nodal temperatures (n_points,) [degrees C], so long after the stage began [s]."""
+
+
+def interpolate(table: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the values of a table (n, 2) and their slopes: linear between rows, constant beyond."""
+    if len(table) == 1:
+        return np.full(np.shape(at), table[0, 1]), np.zeros(np.shape(at))
+    arguments, values = table.T
+    row = np.clip(np.searchsorted(arguments, at, side="right") - 1, 0, len(table) - 2)
+    slope = (np.diff(values) / np.diff(arguments))[row]
+    inside = (at >= arguments[0]) & (at < arguments[-1])
+    return np.interp(at, arguments, values), np.where(inside, slope, 0.0)
+
+
+def read_at(table: FloatArray, time: float) -> float:
+    """Return the value of a table by time."""
+    return float(np.interp(time, *table.T))
+
+
+def side_areas(model: Model, sides: IntArray, points: FloatArray) -> FloatArray:
+    """Return the area of the surface that each node stands for on edges, in space faces (n_points,) [mm2]."""
+    if model.analysis == "solid":
+        areas = face_areas(points, sides)
+    else:
+        areas = edge_areas(points, sides, None if model.analysis == "axisymmetric" else model.depth)
+    return sum_at_nodes(sides, areas, len(points))
+
+
+class FluxFilm:
+    """A given flux of heat."""
+
+    kind = "flux"
+
+    def __init__(self, entry: HeatFlux, area: FloatArray) -> None:
+        self._entry, self._area = entry, area
+
+    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
+        """Return the flow."""
+        return HeatFlow(self._area * read_at(self._entry.value, time), np.zeros(len(temperature)))
+
+
+class ConvectionFilm:
+    """Newton's law of cooling."""
+
+    kind = "convection"
+
+    def __init__(self, entry: Convection, area: FloatArray) -> None:
+        self._entry, self._area = entry, area
+
+    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
+        """Return the flow."""
+        coefficient, slope = interpolate(self._entry.coefficient, temperature)
+        excess = temperature - read_at(self._entry.ambient, time)
+        return HeatFlow(-self._area * coefficient * excess, self._area * (coefficient + slope * excess))
+
+
+class RadiationFilm:
+    """Stefan and Boltzmann's law between a grey surface and large surroundings."""
+
+    kind = "radiation"
+
+    def __init__(self, entry: Radiation, area: FloatArray) -> None:
+        self._entry, self._factor = entry, area * entry.emissivity * STEFAN_BOLTZMANN
+
+    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
+        """Return the flow."""
+        kelvin = temperature + ZERO_CELSIUS
+        ambient = read_at(self._entry.ambient, time) + ZERO_CELSIUS
+        return HeatFlow(-self._factor * (kelvin**4 - ambient**4), 4 * self._factor * kelvin**3)
+
+
+class ContactFilm:
+    """Conductance between two bodies that lie on each other, node by node over the area that two nodes share.
+
+    A row of nodes at one temperature against a row at another exchanges the exact heat on any pair of meshes, and no
+    node is cooled below its neighbours.
+    """
+
+    kind = "contact"
+
+    def __init__(self, entry: HeatContact, model: Model) -> None:
+        mesh = model.mesh
+        own, other = (mesh.boundary_edges[model.bodies[i].owns(mesh.boundary_edges)] for i in entry.between)
+        thickness = None if model.analysis == "axisymmetric" else model.depth
+        self.pairs, area = find_shared_areas(mesh.points, own, other, thickness)
+        """Pairs of nodes (n, 2)."""
+        self._conductance = entry.conductance * area
+
+    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
+        """Return the flow."""
+        n = len(temperature)
+        first, second = self.pairs.T
+        flow = self._conductance * (temperature[first] - temperature[second])
+        power = sum_at_nodes(second, flow, n) - sum_at_nodes(first, flow, n)
+        slope = sum_at_nodes(first, self._conductance, n) + sum_at_nodes(second, self._conductance, n)
+        both = np.concatenate([self.pairs, self.pairs[:, ::-1]])
+        return HeatFlow(power, slope, both, np.tile(-self._conductance, 2))
+
+
+def make_contacts(model: Model) -> list[ContactFilm]:
+    """Return the films between bodies, the same in every stage."""
+    assert model.heat is not None
+    return [ContactFilm(entry, model) for entry in model.heat.contacts]
+
+
+def make_films(model: Model, stage: HeatStage, points: FloatArray) -> list[Film]:
+    """Return the films of a stage on the surfaces as they lie at `points` (n_points, d)."""
+    sets = model.mesh.face_sets if model.analysis == "solid" else model.mesh.edge_sets
+    films: list[Film] = []
+    for flux in stage.fluxes:
+        films.append(FluxFilm(flux, side_areas(model, sets[flux.side_set], points)))
+    for convection in stage.convections:
+        films.append(ConvectionFilm(convection, side_areas(model, sets[convection.side_set], points)))
+    for radiation in stage.radiations:
+        films.append(RadiationFilm(radiation, side_areas(model, sets[radiation.side_set], points)))
+    return films

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Heat: what a material conducts and stores, and what heats and cools a body in a stage.
+
+Temperatures are in degrees C. A table holds rows of an argument and a value (n, 2), the arguments increasing: linear
+between them, constant beyond; a single row is a constant. The argument is the temperature [degrees C] or the time since
+the stage began [s].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from presswork.model.arrays import FloatArray
+
+STEFAN_BOLTZMANN = 5.670374419e-11
+"""[N/(mm s K^4)] (CODATA 2018)."""
+ZERO_CELSIUS = 273.15
+"""[K]"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Thermal:
+    """Conduction and storage of heat in a material of constant mass."""
+
+    density: float
+    """[t/mm3] at the start: the mesh has the dimensions that the body has then."""
+    conductivity: FloatArray
+    """By temperature [N/(s K)], which is W/(m K)."""
+    specific_heat: FloatArray
+    """By temperature [mm2/(s2 K)]."""
+    latent_heat: float = 0.0
+    """Taken up on the way from the start to the end of a transformation, evenly in temperature [mm2/s2]."""
+    transformation: tuple[float, float] = (0.0, 1.0)
+    """Start and end [degrees C]."""
+
+
+@dataclass(frozen=True)
+class PrescribedTemperature:
+    """Temperature of a node set."""
+
+    node_set: str
+    value: FloatArray
+    """By time [degrees C]."""
+
+
+@dataclass(frozen=True)
+class HeatFlux:
+    """Heat that flows into a set of edges, in space of faces."""
+
+    side_set: str
+    value: FloatArray
+    """By time [N/(mm s)], which is kW/m2."""
+
+
+@dataclass(frozen=True)
+class Convection:
+    """Heat given to surroundings in proportion to the difference of temperature."""
+
+    side_set: str
+    coefficient: FloatArray
+    """By temperature of the surface [N/(mm s K)]."""
+    ambient: FloatArray
+    """By time [degrees C]."""
+
+
+@dataclass(frozen=True)
+class Radiation:
+    """Heat exchanged with large black surroundings by Stefan and Boltzmann's law."""
+
+    side_set: str
+    emissivity: float
+    ambient: FloatArray
+    """By time [degrees C]."""
+
+
+@dataclass(frozen=True)
+class HeatContact:
+    """Heat that flows between two bodies where their boundaries lie on each other."""
+
+    name: str
+    between: tuple[int, int]
+    conductance: float
+    """[N/(mm s K)]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeatStage:
+    """What heats and cools the bodies in a stage; sides that no entry names are insulated."""
+
+    temperatures: tuple[PrescribedTemperature, ...] = ()
+    fluxes: tuple[HeatFlux, ...] = ()
+    convections: tuple[Convection, ...] = ()
+    radiations: tuple[Radiation, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heat:
+    """Heat of a model."""
+
+    initial: tuple[float, ...]
+    """Temperature of each body at the start [degrees C]."""
+    contacts: tuple[HeatContact, ...] = ()
+    tolerance: float = 1.0
+    """Largest error that a time step may add at any node, as estimated [K]."""
+    initial_step: float = 1e-4
+    """Of each stage, over its duration."""
+    max_step: float = 0.05
+    """Over the duration of the stage."""
+    fixed_step: float | None = None
+    """All steps are of this part of the stage, whatever their errors."""

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Temperatures of a run against time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.results import Result
+from presswork.view.style import clean_axes, new_figure, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MEAN, LOW, HIGH = "temperature_mean", "temperature_min", "temperature_max"
+
+
+def has_temperatures(history: dict[str, NDArray[Any]]) -> bool:
+    """Say whether a run has computed temperatures, and has come as far as its first row."""
+    return MEAN in history and len(history["time"]) > 0
+
+
+def find_widest_step(result: Result) -> int:
+    """Return the saved step with the widest range of temperature."""
+    ranges = [float(np.ptp(result.field("nodal_temperature", step))) for step in range(len(result.times))]
+    return int(np.argmax(ranges))
+
+
+def plot_temperatures(result: Result, ax: Axes | None = None) -> Axes:
+    """Draw the mean temperature [degrees C] over time [s] between the lowest and the highest, stage by stage."""
+    require_matplotlib()
+    ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
+    history = result.history
+    time = np.asarray(history["time"], dtype=np.float64)
+    ax.fill_between(
+        time, history[LOW], history[HIGH], color="tab:red", alpha=0.18, linewidth=0, label="lowest, highest"
+    )
+    bodies = [name.removesuffix(f".{MEAN}") for name in history if name.endswith(f".{MEAN}")]
+    for body in bodies:
+        ax.plot(time, history[f"{body}.{MEAN}"], linewidth=1.8, label=f"mean of {body}")
+    if not bodies:
+        ax.plot(time, history[MEAN], color="tab:red", linewidth=1.8, label="mean")
+    stages = np.asarray(history["stage"])
+    for row in np.flatnonzero(stages[1:] != stages[:-1]):
+        ax.axvline(time[row], color="0.6", linewidth=0.8, linestyle="--")
+    if len(np.unique(stages)) > 1:
+        for name in dict.fromkeys(stages.tolist()):
+            middle = 0.5 * (time[stages == name][0] + time[stages == name][-1])
+            ax.text(middle, 1.0, name, transform=ax.get_xaxis_transform(), ha="center", va="top", color="0.4")
+    ax.set_xlabel("time [s]")
+    ax.set_ylabel("temperature [degrees C]")
+    ax.set_title(str(result.info.get("title", "")))
+    ax.set_xlim(0.0, float(time[-1]))
+    ax.legend(frameon=False)
+    clean_axes(ax)
+    return ax

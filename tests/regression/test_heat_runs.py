@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Heat alone from its case file to the picture: history, saved steps, balance, resume, threads."""
+
+import numpy as np
+import pytest
+
+from presswork import build_model, read_case, run_model
+from presswork.cli import app
+from presswork.examples import copy_example
+from presswork.results import Result
+from presswork.view.all_plots import plot_all
+
+OVERRIDES = ["workpiece.mesh.cells=[6,12]", "output.steps=2", "solver.tolerance=20", "output.checkpoint_every=3"]
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("case")
+    return build_model(read_case(copy_example("billet_cooling", folder), OVERRIDES))
+
+
+def test_a_run_leaves_history_fields_and_pictures(model, tmp_path) -> None:
+    outcome = run_model(model, tmp_path / "out", threads=1)
+    result = outcome.result
+    assert outcome.status == "completed", outcome.reason
+    history = result.history
+    assert list(dict.fromkeys(history["stage"])) == ["transfer", "rest on die", "quench"]
+    assert history["time"][-1] == pytest.approx(60.0)
+    assert (history["temperature_min"] <= history["temperature_mean"]).all()
+    assert (history["temperature_mean"] <= history["temperature_max"]).all()
+    incoming = sum(history[f"heat_{kind}"] for kind in ("prescribed", "flux", "convection", "radiation"))
+    assert history["heat_stored"] == pytest.approx(incoming, rel=1e-8)
+    assert result.summary["heat"]["balance_error"] < 1e-8
+    nodal = result.field("nodal_temperature")
+    assert nodal.min() == pytest.approx(history["temperature_min"][-1])
+    assert result.field("temperature").shape == (72,)
+    assert len(result.times) == 7
+    names = {path.name for path in plot_all(result, tmp_path / "plots")}
+    assert {"temperature_time.png", "contours_nodal_temperature_006.png"} <= names
+
+
+def test_a_resumed_run_gives_the_same_bits(model, tmp_path) -> None:
+    run_model(model, tmp_path / "whole", threads=1)
+
+    def interrupt(progress) -> None:
+        if progress.fraction > 0.3:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "cut", threads=1, on_increment=interrupt).status == "interrupted"
+    resumed = run_model(model, tmp_path / "cut", threads=1, resume=True)
+    assert resumed.status == "completed"
+    assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
+    fields = [run.field("nodal_temperature") for run in (resumed.result, Result(tmp_path / "whole"))]
+    assert np.array_equal(*fields)
+
+
+def test_two_threads_give_the_bits_of_one(model, tmp_path) -> None:
+    for threads in (1, 2):
+        run_model(model, tmp_path / str(threads), threads=threads)
+    assert (tmp_path / "1/history.csv").read_bytes() == (tmp_path / "2/history.csv").read_bytes()
+
+
+def test_temperatures_beyond_a_table_are_warned_of(tmp_path) -> None:
+    path = copy_example("billet_cooling", tmp_path)
+    short = "materials.C45.conductivity=[[20, 53.3], [800, 27.3]]"
+    result = run_model(build_model(read_case(path, [*OVERRIDES, short])), tmp_path / "out", threads=1).result
+    (warning,) = result.summary["warnings"]
+    assert "C45: conductivity is given from 20 to 800 degrees C" in warning
+
+
+def test_check_describes_the_case_in_words(tmp_path) -> None:
+    from typer.testing import CliRunner
+
+    path = copy_example("billet_cooling", tmp_path)
+    found = CliRunner().invoke(app, ["check", str(path)])
+    assert found.exit_code == 0, found.output
+    for words in (
+        "heat, axisymmetric",
+        "latent heat 77 kJ/kg from 690 to 780",
+        "workpiece 1200 °C",
+        "radiation on right, emissivity 0.8, to 20 °C",
+        "convection on bottom, 1000 W/(m2 K) to 150 °C",
+    ):
+        assert words in found.output
