@@ -83,5 +83,5 @@ def test_a_field_whose_name_is_damaged_is_told(result: Result) -> None:
     data = path.read_bytes()
     assert data.count(b"effective_stress\0") > 0
     path.write_bytes(data.replace(b"effective_stress\0", b"effective_stres\xff\0"))
-    with pytest.raises(OutputError, match="damaged.*not text"):
+    with pytest.raises(OutputError, match=r"damaged.*not text"):
         Result(result.folder).field("equivalent_plastic_strain")
