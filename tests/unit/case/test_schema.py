@@ -133,7 +133,7 @@ def test_settings_have_the_names_and_defaults_of_the_model(part: type[BaseModel]
 
 def test_stroke_along_a_direction_of_any_length_is_a_displacement() -> None:
     assert ToolMotion(stroke=10.0, direction=(3, -4)).build().move == pytest.approx((6.0, -8.0, 0.0))
-    assert ToolMotion(move=(1.0, 2.0)).build().move == (1.0, 2.0)
+    assert ToolMotion(move=(1.0, 2.0)).build().move == (1.0, 2.0, 0.0)
 
 
 def test_every_key_of_the_json_schema_has_a_description() -> None:
