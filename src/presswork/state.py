@@ -20,6 +20,12 @@ SLIDING = 1
 STUCK = 2
 EXTERNAL, PLASTIC, FRICTION, INERTIA, CONTACT = range(5)
 """Places in State.work."""
+OF_RUN = (
+    "tool_displacement", "tool_angle", "tool_restart", "tool_travel", "tool_travel_increment", "tool_gives",
+    "tool_force", "tool_force_start", "sheet_tool_move", "sheet_tool_travel", "sheet_tool_travel_increment",
+    "progress", "work", "peak_force",
+)  # fmt: skip
+"""Arrays of the State that fit any mesh."""
 
 
 @dataclass
@@ -31,6 +37,8 @@ class Arrays:
 
     owner: ClassVar[str]
     """Their prefix in a checkpoint."""
+    of_run: ClassVar[tuple[str, ...]] = ()
+    """Names of arrays that fit any mesh, and go along when the mesh changes."""
 
     def duplicate(self) -> Self:
         """Return a deep copy."""
@@ -255,6 +263,14 @@ class State:
     def duplicate(self) -> State:
         """Return a deep copy."""
         return _duplicate(self)
+
+    def take_over(self, before: State) -> None:
+        """Take over from another mesh the arrays that fit any mesh."""
+        for name in OF_RUN:
+            setattr(self, name, getattr(before, name).copy())
+        for kind, owned in self.owned.items():
+            for name in owned.of_run:
+                setattr(owned, name, _copy(getattr(before.owned[kind], name)))
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array under a name of its own, for a checkpoint."""

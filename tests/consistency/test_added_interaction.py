@@ -15,11 +15,13 @@ import pytest
 
 from presswork import build_model
 from presswork.case import Case
+from presswork.implicit.epochs import new_epoch
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.contract import Forces, Guess, Interaction
 from presswork.interaction.supports import NotHeldError
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray, IntArray, Mesh
 from presswork.state import Arrays, State
+from tests.problems.renumbered import renumber
 
 STIFFNESS, FORCE, CELLS = 50.0, 300.0, 4
 
@@ -53,8 +55,11 @@ class FoundationArrays(Arrays):
 class SpringFoundation(Interaction):
     """Springs between nodes and the ground, along y."""
 
-    def __init__(self, nodes: IntArray, n_points: int, stiffness: float) -> None:
-        self._nodes, self._n_points, self._stiffness = nodes, n_points, stiffness
+    def __init__(self, node_set: str, stiffness: float) -> None:
+        self._node_set, self._stiffness = node_set, stiffness
+
+    def find_places(self, mesh: Mesh) -> None:
+        self._nodes, self._n_points = mesh.node_sets[self._node_set], len(mesh.points)
 
     def at_rest(self) -> tuple[Arrays, ...]:
         return (FoundationArrays(np.zeros(len(self._nodes))),)
@@ -77,7 +82,7 @@ class SpringFoundation(Interaction):
 def make(stiffness: float = STIFFNESS) -> tuple[ImplicitProcedure, IntArray]:
     model = build_model(Case.model_validate(BLOCK))
     bottom = model.mesh.node_sets["bottom"]
-    foundation = SpringFoundation(bottom, len(model.mesh.points), stiffness)
+    foundation = SpringFoundation("bottom", stiffness)
     return ImplicitProcedure(model, others=(foundation,)), bottom
 
 
@@ -104,6 +109,24 @@ def test_its_arrays_are_part_of_a_checkpoint() -> None:
     other.state.load_arrays(procedure.state.to_arrays())
     found, wanted = (p.state[FoundationArrays].force for p in (other, procedure))
     np.testing.assert_array_equal(found, wanted)
+
+
+def test_it_finds_its_places_anew_when_the_mesh_changes() -> None:
+    """Half of the run is computed on the same mesh with other numbers: the springs carry what they carry without."""
+    whole, bottom = make()
+    for _ in whole.advance():
+        pass
+    first, _ = make()
+    for _ in range(len(list(make()[0].advance())) // 2):
+        next(first.advance())
+    change = renumber(first.model.mesh)
+    second = new_epoch(first, change.mesh, change.transfer)
+    for _ in second.advance():
+        pass
+    moved = second.state.displacement[second.model.mesh.node_sets["bottom"], 1]
+    np.testing.assert_allclose(np.sort(moved), np.sort(whole.state.displacement[bottom, 1]), rtol=1e-9)
+    on_springs = [float(p.state[FoundationArrays].force.sum()) for p in (second, whole)]
+    assert on_springs[0] == pytest.approx(on_springs[1], rel=1e-9)
 
 
 def test_iteration_is_quadratic_with_it() -> None:

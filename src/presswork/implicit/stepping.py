@@ -7,6 +7,7 @@ It advances the converged State an increment at a time and knows nothing of file
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -54,17 +55,30 @@ class IncrementReport:
 class ImplicitProcedure:
     """Advances one model through its stages.
 
-    others: interactions of one's own, beside those that the model names (presswork.interaction.contract).
+    others: interactions of one's own, beside those that the model names (presswork.interaction.contract). before: the
+    same run on the mesh before, with its threads and others; the caller then fills the State (epochs.new_epoch).
     """
 
-    def __init__(self, model: Model, *, threads: int = 0, others: Sequence[Interaction] = ()) -> None:
+    def __init__(
+        self,
+        model: Model,
+        *,
+        threads: int = 0,
+        others: Sequence[Interaction] = (),
+        before: ImplicitProcedure | None = None,
+    ) -> None:
+        self.threads, self.others = threads, tuple(others)
+        if before:
+            self.threads, self.others = before.threads, tuple(copy(i) for i in before.others)
         freedoms = model.freedoms * len(model.mesh.points)
-        threads = threads or (available_threads() if freedoms > ENOUGH_FOR_THREADS else 1)
+        threads = self.threads or (available_threads() if freedoms > ENOUGH_FOR_THREADS else 1)
         _core.set_threads(threads)
         self.model = model
-        self.timing = Timing("assembly", "contact", "analysis", "solve")
+        self.timing: Timing = before.timing if before else Timing("assembly", "contact", "analysis", "solve")
+        for interaction in self.others:
+            interaction.find_places(model.mesh)
         self.mechanics = make_mechanics(model, self.timing)
-        self.interactions = Interactions(model, self.mechanics, others)
+        self.interactions = Interactions(model, self.mechanics, self.others)
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
         tools, bodies = self.interactions.tools, self.interactions.bodies
         self.state = self.mechanics.at_rest(len(tools.contact.nodes), bodies.n_slots)
@@ -73,6 +87,9 @@ class ImplicitProcedure:
                 self.state.add(arrays)
         self.state.progress[SIZE] = model.solver.initial_increment
         self._start, self._lets_go = self.state, False
+        if before:
+            self.initial_volume: float = before.initial_volume
+            return
         tools.contact.begin(self.state, self.interactions.supports.fixed(0))
         self._check_held()
         self.mechanics.evaluate(self.state, self.state, self.state.increment, with_stiffness=False)

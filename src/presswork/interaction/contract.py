@@ -3,6 +3,7 @@
 
 Newton's method asks every interaction of a run the same questions, in this order, and knows none of them by name:
 
+    find_places       the run begins, or goes on with another mesh; nodes are found here
     begin_stage       a stage begins; what stands elsewhere from now on is put there
     begin_increment   the increment begins; what is taken from the converged state is taken here
     evaluate          forces on the nodes at a guess, with their derivative, or why the guess is bad
@@ -29,7 +30,7 @@ import numpy as np
 import scipy
 
 from presswork import _core
-from presswork.model import FloatArray, IntArray, MaskArray
+from presswork.model import FloatArray, IntArray, MaskArray, Mesh
 from presswork.outcome import BadGuess, Step
 from presswork.state import Arrays, State
 
@@ -147,6 +148,9 @@ class Interaction:
     def has_consistent_tangent(self) -> bool:
         """Whether Newton's method may be expected to converge quadratically."""
         return True
+
+    def find_places(self, mesh: Mesh) -> None:
+        """Find the nodes that it acts on, when a run begins and whenever its mesh has changed."""
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return what it owns in the State, before the first increment."""

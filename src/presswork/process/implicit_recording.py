@@ -15,6 +15,7 @@ from presswork.fields.table import compute_fields
 from presswork.formability import Formability
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.implicit.arc_length import ArcLengthProcedure
+from presswork.implicit.epochs import AskForMesh
 from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
 from presswork.model import Model, ToolMotion
 from presswork.process.increments import IncrementRecording
@@ -34,9 +35,12 @@ class ImplicitRecording(IncrementRecording):
 
     model: Model
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, ask_for_mesh: AskForMesh | None = None) -> None:
         by_arc = model.solver.control == "arc_length"
-        super().__init__(model, (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads))
+        if by_arc and ask_for_mesh is not None:
+            raise ValueError("arc length follows its path on one mesh: take load control")
+        procedure = (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads)
+        super().__init__(model, procedure, ask_for_mesh)
         self.turning = [
             t.name for t in model.tools if any(s.tool_motion.get(t.name, ToolMotion()).turn for s in model.stages)
         ]
@@ -82,7 +86,7 @@ class ImplicitRecording(IncrementRecording):
         for name, (force_x, force_y) in self.procedure.contact_forces().items():
             row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
         state = self.procedure.state
-        return row | self.reactions.measure(self.mesh, self._stage(), state.reaction, state.displacement)
+        return row | self.reactions.measure(self.mesh, self._stage(), state.reaction, self.moved(state.displacement))
 
     def watch(self) -> Watched:
         """Return how far the converged state is towards its limits."""
@@ -133,6 +137,7 @@ class ImplicitRecording(IncrementRecording):
         if model.analysis != "shell":
             now.reaction = state.reaction * self.reactions.mask(self.mesh, self._stage())
         points, cells = compute_fields(now)
+        points = {**points, "displacement": self.moved(points["displacement"])}
         return Snapshot(
             time=float(state.progress[TIME]),
             point_data=points,

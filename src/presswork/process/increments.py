@@ -4,32 +4,75 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
 from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
-from presswork.model import Model
+from presswork.mesh.dump import dump_mesh, load_mesh
+from presswork.model import FloatArray, Mesh, Model
 from presswork.process.recording import ModelRecording, Row
+
+EPOCH, ORIGIN = "epoch.", "origin"
+"""Prefix of the arrays of a mesh in a checkpoint, and one of them."""
 
 
 class IncrementRecording(ModelRecording):
     """An implicit procedure at work on a model."""
 
-    def __init__(self, model: Model, procedure: ImplicitProcedure) -> None:
+    def __init__(self, model: Model, procedure: ImplicitProcedure, ask_for_mesh: AskForMesh | None = None) -> None:
+        """ask_for_mesh: asked after every increment whether the run goes on with another mesh."""
         self.model = model
         self.procedure = procedure
         self.timing = procedure.timing
+        self._ask_for_mesh = ask_for_mesh
+        self._origin: FloatArray | None = None
+        """Where the material of the nodes was when the run began; None: on the first mesh."""
+        self._notes: list[str] = []
 
     @property
     def number(self) -> int:
         """Increments so far."""
         return int(self.procedure.state.progress[INCREMENTS])
 
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh of the present epoch, its points where their material was when the run began."""
+        return self.model.mesh if self._origin is None else replace(self.model.mesh, points=self._origin)
+
+    def moved(self, displacement: FloatArray) -> FloatArray:
+        """Return displacements since the run began, of those since the epoch's points (n_points, d) [mm]."""
+        if self._origin is None or self._origin is self.model.mesh.points:
+            return displacement
+        moved = displacement.copy()
+        moved[:, : self._origin.shape[1]] += self.model.mesh.points - self._origin
+        return moved
+
     def advance(self) -> Iterator[IncrementReport]:
-        """Compute increment after increment. Raises GaveUpError."""
-        return self.procedure.advance()
+        """Compute increment after increment, and change the mesh between them. Raises GaveUpError."""
+        while True:
+            if self._ask_for_mesh is not None and self.number > 0 and self.remaining() > 0.0:
+                change = self._ask_for_mesh(Epoch(self.model.mesh, self.procedure.state))
+                if change is not None:
+                    self.change_mesh(change)
+            report = next(self.procedure.advance(), None)
+            if report is None:
+                return
+            yield report
+
+    def change_mesh(self, change: MeshChange) -> None:
+        """Go on with another mesh. Raises GaveUpError."""
+        self._begin_on(new_epoch(self.procedure, change.mesh, change.transfer), change.origin)
+        cells = sum(len(block.connectivity) for block in change.mesh.blocks)
+        self._notes.append(f"new mesh of {cells} cells after increment {self.number} {change.reason}".rstrip())
+
+    def _begin_on(self, procedure: ImplicitProcedure, origin: FloatArray | None) -> None:
+        mesh = procedure.model.mesh
+        self.procedure, self.model = procedure, replace(self.model, mesh=mesh)
+        self._origin = mesh.points if origin is None else origin
 
     def remaining(self) -> float:
         """Return the part of the whole process that is still to be computed, counted in stage durations."""
@@ -37,8 +80,10 @@ class IncrementRecording(ModelRecording):
 
     def log_lines(self, report: IncrementReport) -> list[str]:
         """Say how the increment was found."""
-        log = report.log
+        log, notes = report.log, self._notes
+        self._notes = []
         return [
+            *notes,
             *(f"increment {report.number} cut back: {reason}" for reason in report.cutbacks),
             f"increment {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(log)} iterations, "
             f"residuals {' '.join(f'{r:.1e}' for r in log.residual)}, "
@@ -46,12 +91,21 @@ class IncrementRecording(ModelRecording):
         ]
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return the converged state."""
-        return self.procedure.state.to_arrays()
+        """Return the converged state, and its mesh if that is not the first one."""
+        arrays = self.procedure.state.to_arrays()
+        if self._origin is not None:
+            arrays |= {f"{EPOCH}{name}": values for name, values in dump_mesh(self.model.mesh).items()}
+            arrays[f"{EPOCH}{ORIGIN}"] = self._origin
+        return arrays
 
     def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """Take up a converged state. Raises ValueError if it is another model's."""
-        self.procedure.state.load_arrays(arrays)
+        """Take up a converged state, and its mesh. Raises ValueError if it is another model's."""
+        own = {name.removeprefix(EPOCH): values for name, values in arrays.items() if name.startswith(EPOCH)}
+        if own:
+            mesh, origin = load_mesh(own), np.asarray(own[ORIGIN], dtype=np.float64)
+            after = ImplicitProcedure(replace(self.procedure.model, mesh=mesh), before=self.procedure)
+            self._begin_on(after, mesh.points if np.array_equal(origin, mesh.points) else origin)
+        self.procedure.state.load_arrays({n: values for n, values in arrays.items() if not n.startswith(EPOCH)})
 
     def _begin_row(self, report: IncrementReport) -> Row:
         """Return the first columns of the history."""

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run whose mesh changes on the way: another numbering changes nothing, and a resumed run gives the same bits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from presswork.case import Case, build_model
+from presswork.implicit.epochs import Epoch, MeshChange
+from presswork.implicit.stepping import INCREMENTS
+from presswork.model import Model
+from presswork.process.implicit_recording import ImplicitRecording
+from presswork.recorder import Outcome, run_model
+from presswork.results.history import read_history
+from tests.problems.renumbered import renumber
+from tests.regression.whole_runs import assert_same_bits, stop_after
+
+CHANGED_AFTER = 4
+
+BILLET: dict[str, Any] = {
+    "title": "billet upset with friction",
+    "analysis": "axisymmetric",
+    "workpiece": {
+        "material": "steel",
+        "element": "quad4_fbar",
+        "mesh": {"kind": "rectangle", "size": [10.0, 15.0], "cells": [4, 6]},
+    },
+    "materials": {
+        "steel": {"young": 2e5, "poisson": 0.3, "hardening": {"law": "swift", "K": 700.0, "e0": 0.01, "n": 0.2}}
+    },
+    "tools": {"punch": {"profile": [[-1, 15], [30, 15]], "contact": "shear", "m": 0.3}},
+    "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
+    "stages": [
+        {"name": "upset", "tools": {"punch": {"stroke": 2.0, "direction": [0, -1]}}},
+        {"name": "lift", "tools": {"punch": {"stroke": 0.5, "direction": [0, 1]}}},
+    ],
+    "solver": {"initial_increment": 0.1, "max_increment": 0.1},
+    "output": {"steps": 2, "checkpoint_every": 3},
+}
+
+
+def ask(epoch: Epoch) -> MeshChange | None:
+    return renumber(epoch.mesh) if int(epoch.state.progress[INCREMENTS]) == CHANGED_AFTER else None
+
+
+def ask_for_a_mesh_without_sets(epoch: Epoch) -> MeshChange:
+    change = renumber(epoch.mesh)
+    del change.mesh.node_sets["bottom"]  # type: ignore[attr-defined]
+    return change
+
+
+def run(folder: Path, hook: Any = ask, **options: Any) -> Outcome:
+    def begin(model: Model, threads: int) -> ImplicitRecording:
+        return ImplicitRecording(model, threads=threads, ask_for_mesh=hook)
+
+    return run_model(build_model(Case.model_validate(BILLET)), folder, threads=1, procedure=begin, **options)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("epochs") / "whole"
+    assert run(folder).status == "completed"
+    return folder
+
+
+def test_another_numbering_changes_nothing_but_round_off(whole: Path, tmp_path: Path) -> None:
+    """Sums are added up in another order. Newton's method takes the same ways while the punch presses; where it lifts,
+    round-off decides which node of no force lets go first.
+    """
+    assert run(tmp_path / "out", hook=None).status == "completed"
+    found, wanted = (read_history(folder / "history.csv") for folder in (whole, tmp_path / "out"))
+    assert list(found) == list(wanted)
+    for name in wanted:
+        if wanted[name].dtype.kind == "f":
+            scale = np.abs(wanted[name]).max()
+            np.testing.assert_allclose(found[name], wanted[name], rtol=0.0, atol=1e-8 * scale + 1e-12, err_msg=name)
+    pressed = wanted["stage"] == "upset"
+    np.testing.assert_array_equal(found["iterations"][pressed], wanted["iterations"][pressed])
+
+
+def test_results_keep_the_mesh_of_each_epoch(whole: Path) -> None:
+    with h5py.File(whole / "results.vtkhdf") as file:
+        assert sorted(file["presswork/meshes"]) == ["0", "1"]
+    assert "new mesh of 24 cells after increment 4 renumbered" in (whole / "run.log").read_text()
+
+
+@pytest.mark.parametrize("reports", [2, CHANGED_AFTER, CHANGED_AFTER + 1, 12])
+def test_a_run_resumed_before_or_after_the_change_gives_the_same_bits(whole: Path, tmp_path: Path, reports) -> None:
+    assert run(tmp_path / "out", on_increment=stop_after(reports)).status == "interrupted"
+    assert run(tmp_path / "out", resume=True).status == "completed"
+    assert_same_bits(tmp_path / "out", whole)
+
+
+def test_a_mesh_without_a_set_that_the_model_names_stops_the_run(tmp_path: Path) -> None:
+    outcome = run(tmp_path / "out", hook=ask_for_a_mesh_without_sets)
+    assert outcome.status == "gave_up"
+    assert "the new mesh has no node set 'bottom'" in outcome.reason
