@@ -149,6 +149,44 @@ def test_every_control_has_a_name_for_a_screen_reader(page: Page) -> None:
     assert not [node["role"]["value"] for node in named if not node.get("name", {}).get("value")]
 
 
+@pytest.fixture(scope="module")
+def finer(upset: Result, tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """The same upsetting on a finer mesh."""
+    case = Case.from_toml(upset.folder / "case.toml", overrides=["workpiece.mesh.cells=[10,10]"])
+    return run(case, tmp_path_factory.mktemp("finer") / "fine").result
+
+
+def test_difference_of_a_run_with_itself_is_zero(browser: Any, upset: Result) -> None:
+    page = Page(browser, write_report([upset, upset], upset.folder / "both.html"))
+    for field in ("effective_stress", "contact_pressure"):
+        page.choose("Field", field)
+        page.choose("Runs", "difference")
+        assert page.ask("() => Math.max(...presswork.stage.values[0].raw.map(Math.abs))") < 1e-3
+    assert not page.errors
+    page.tab.close()
+
+
+def test_difference_of_two_meshes_is_that_of_the_fields_at_the_same_place(
+    browser: Any, upset: Result, finer: Result
+) -> None:
+    """Displacement is smooth, so that means at nodes of two meshes differ by what the solutions do."""
+    page = Page(browser, write_report([upset, finer], upset.folder / "both.html"))
+    assert page.ask("() => presswork.stage.viewer.views.length") == 2
+    page.choose("Field", "displacement_x")
+    page.choose("Runs", "overlay")
+    assert page.ask("() => presswork.stage.viewer.views[0].length") == 2
+    page.choose("Runs", "difference")
+    found = np.array(page.ask("() => [...presswork.stage.values[0].raw]"))
+    there = np.array([np.linalg.norm(finer.mesh.points - point, axis=1).argmin() for point in upset.mesh.points])
+    same = np.linalg.norm(finer.mesh.points[there] - upset.mesh.points, axis=1) < 1e-9
+    assert same.sum() >= 9, "corners, mid-sides and the middle"
+    expected = upset.scalar("displacement_x") - finer.scalar("displacement_x")[there]
+    np.testing.assert_allclose(found[same], expected[same], atol=2e-3)
+    assert np.abs(found).max() < 0.5
+    assert not page.errors
+    page.tab.close()
+
+
 def test_page_fits_a_telephone(browser: Any, upset: Result) -> None:
     page = Page(browser, write_report(upset), 390, 844)
     assert page.ask("() => document.documentElement.scrollWidth") <= 390

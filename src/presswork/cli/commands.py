@@ -12,7 +12,7 @@ from typer.core import TyperCommand, TyperGroup
 from presswork import __version__
 
 COMMANDS = {
-    "run": "Compute a case and draw its pictures.",
+    "run": "Compute a case, draw its pictures and write its page for the browser.",
     "check": "Validate a case and say in words what would be computed; code that it names runs only if asked for.",
     "plot": "Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.",
     "report": "Write one page for the browser: the part in 3D with its fields over time, curves, forming limit, case.",

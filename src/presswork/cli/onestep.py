@@ -12,8 +12,8 @@ import typer
 from presswork.case import CaseError
 from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.cli.case_files import picture_undercut
-from presswork.cli.pictures import draw
-from presswork.cli.terminal import GAVE_UP, console, refuse
+from presswork.cli.pictures import show
+from presswork.cli.terminal import GAVE_UP, console, errors_told, refuse
 from presswork.mesh import MeshError
 from presswork.model import OneStepModel
 from presswork.onestep.part import OneStepError
@@ -61,6 +61,7 @@ def onestep(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
     threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core.")] = 0,
     plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
+    report: Annotated[bool, typer.Option(help="Write the page for the browser at the end.")] = True,
 ) -> None:
     """Find the flat blank of a finished part: outline, thinning, formability, punch force."""
     if part.suffix == ".toml":
@@ -87,8 +88,8 @@ def onestep(
         raise refuse(str(error), GAVE_UP) from error
     except (OutputError, MeshError) as error:
         raise refuse(str(error)) from error
-    if plot:
-        draw(result, None)
+    with errors_told(OutputError):
+        show(result, plot=plot, report=report)
 
 
 def _refuse_options(context: typer.Context) -> None:

@@ -32,6 +32,23 @@ def draw(
         console().print(f"at the end: {verdict['verdict']}", markup=False)
 
 
+def show(result: Result, *, plot: bool, report: bool, quiet: bool = False) -> None:
+    """Leave the pictures and the page of a run beside its results, each if it is wanted."""
+    if plot:
+        draw(result, None, quiet=quiet)
+    if report:
+        write_page(result, quiet=quiet)
+
+
+def write_page(result: Result, *, quiet: bool = False) -> None:
+    """Write the page for the browser into the folder of results."""
+    from presswork.report import write_report
+
+    path = write_report(result)
+    if not quiet:
+        console().print(f"page for the browser: {path}", markup=False)
+
+
 def overlay(results: list[Result], out: Path) -> None:
     """Draw several results over each other."""
     from presswork.view.overlay_plot import plot_overlays

@@ -13,11 +13,11 @@ from typing import Annotated
 import typer
 
 from presswork.cli.case_files import load_model
-from presswork.cli.pictures import draw
-from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, Settings, console, refuse
+from presswork.cli.pictures import show
+from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, Settings, console, errors_told, refuse
 from presswork.model import Model, OneStepModel
 from presswork.recorder import Outcome, Progress, StartError, run_model
-from presswork.results import OutputError
+from presswork.results import OutputError, Result
 
 
 def run(
@@ -30,21 +30,24 @@ def run(
         int, typer.Option(min=0, help="Threads; 0 uses every core. The results do not depend on it.")
     ] = 0,
     plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
+    report: Annotated[bool, typer.Option(help="Write the page for the browser at the end.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
 ) -> None:
-    """Compute a case and draw its pictures."""
+    """Compute a case, draw its pictures and write its page for the browser."""
     folder = output or case.with_suffix("")
     model = load_model(case, set_, folder)
     if isinstance(model, OneStepModel):
         if resume:
             raise refuse("a one-step run takes seconds and leaves nothing to resume; run it anew with --overwrite")
-        _run_onestep(model, folder, overwrite, threads, plot, quiet)
+        result = _run_onestep(model, folder, overwrite, threads, quiet)
+        with errors_told(OutputError):
+            show(result, plot=plot, report=report, quiet=quiet)
         return
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         outcome = _compute(model, folder, overwrite, resume, threads, quiet)
-        if plot and outcome.status != "interrupted":
-            draw(outcome.result, None, quiet=quiet)
+        if outcome.status != "interrupted":
+            show(outcome.result, plot=plot, report=report, quiet=quiet)
     except (OutputError, StartError) as error:
         raise refuse(str(error)) from error
     except KeyboardInterrupt as error:
@@ -56,16 +59,14 @@ def run(
         raise typer.Exit(GAVE_UP if outcome.status == "gave_up" else INTERRUPTED)
 
 
-def _run_onestep(model: OneStepModel, folder: Path, overwrite: bool, threads: int, plot: bool, quiet: bool) -> None:
+def _run_onestep(model: OneStepModel, folder: Path, overwrite: bool, threads: int, quiet: bool) -> Result:
     """Find a blank."""
     from presswork.cli.onestep import compute
     from presswork.mesh import MeshError
     from presswork.onestep.part import OneStepError
 
     try:
-        result = compute(model, folder, overwrite=overwrite, threads=threads, quiet=quiet)
-        if plot:
-            draw(result, None, quiet=quiet)
+        return compute(model, folder, overwrite=overwrite, threads=threads, quiet=quiet)
     except OneStepError as error:
         console().print(f"gave up: {error}", style="red", markup=False)
         raise typer.Exit(GAVE_UP) from error

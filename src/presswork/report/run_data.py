@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -126,7 +127,7 @@ def _pack_tools(result: Result, blocks: Blocks) -> list[dict[str, Any]]:
     return tools
 
 
-def _place_tools(result: Result, step: int) -> list[list[float]]:
+def _place_tools(result: Result, step: int) -> list[list[float | None]]:
     """Return each tool's displacement since the start [mm], in the plane with its angle [rad] behind."""
     poses = (result.tool_pose(name, step) for name in result.tools)
     placed = [[*_round(pose.displacement), float(pose.angle)] for pose in poses]
@@ -171,6 +172,6 @@ def _read_case(result: Result) -> str:
     return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
 
 
-def _round(values: FloatArray) -> list[float]:
-    """Return numbers of seven digits, which a page shows at most."""
-    return [float(f"{value:.7g}") for value in np.asarray(values, dtype=np.float64)]
+def _round(values: FloatArray) -> list[float | None]:
+    """Return numbers of seven digits, more than a page shows; None for what is not finite."""
+    return [float(f"{value:.7g}") if isfinite(value) else None for value in np.asarray(values, dtype=np.float64)]

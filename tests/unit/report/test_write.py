@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from presswork.cli import app
+from presswork.examples import copy_example
 from presswork.report import write_report
 from presswork.report.choose import choose
 from presswork.results import Result
@@ -105,3 +106,12 @@ def test_several_runs_share_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert found.exit_code == 0, found.output
     runs = read_page(tmp_path / "comparison" / "report.html")[0]["runs"]
     assert [run["name"] for run in runs] == ["coarse", "fine"]
+
+
+@pytest.mark.parametrize("wanted", [True, False])
+def test_a_run_leaves_its_page_unless_it_is_refused(tmp_path: Path, wanted: bool) -> None:
+    case = copy_example("upsetting_q4", tmp_path)
+    options = ["--set", "workpiece.mesh.cells=[2,2]", "--no-plot", "--quiet", *([] if wanted else ["--no-report"])]
+    found = CliRunner().invoke(app, ["run", str(case), *options])
+    assert found.exit_code == 0, found.output
+    assert (tmp_path / "upsetting_q4" / "report.html").is_file() is wanted

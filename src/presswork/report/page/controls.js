@@ -37,6 +37,10 @@ export function makeToolbar(runs, store) {
   parts.push(group(...[["Fit", "iso"], ["Front", "front"], ["Top", "top"], ["Side", "side"]].map(([word, direction]) =>
     makeButton(word, () => set({ direction, looks: state.looks + 1 }), word === "Fit" ? "Show all of the part" : `Look at the part from ${{ front: "the front", top: "above", side: "the side" }[direction]}`))));
   bar.replaceChildren(...parts);
+  store.listen((changed) => {
+    const field = bar.querySelector("select");
+    if (changed.includes("field")) field.value = store.state.field;
+  });
 }
 
 function makeComparison(runs, store) {

@@ -31,6 +31,11 @@ export function makeToggle(label, isOn, onChange, title = label) {
   return button;
 }
 
+/** Return a button that reads as a link in a line of text. */
+export function makeLink(label, onClick, title = label) {
+  return make("button", { type: "button", class: "link", title, onclick: onClick }, label);
+}
+
 export function makeButton(label, onClick, title = label) {
   return make("button", { type: "button", title, "aria-label": title, onclick: onClick }, label);
 }

@@ -66,6 +66,32 @@ export function makeNearest(points, k) {
   };
 }
 
+/** Return a function from values at a mesh's nodes and places (n, k) in its undeformed body to the values there. */
+export function makeInterpolation(mesh, k) {
+  const nearest = makeNearest(mesh.reference, k), around = Array.from({ length: mesh.nodes }, () => []);
+  mesh.triangles.forEach((node, i) => around[node].push(Math.floor(i / 3)));
+  return (values, places) => (i) => {
+    let best = null;
+    const node = nearest(places, k * i);
+    for (const t of around[node] ?? []) {
+      const corners = [0, 1, 2].map((c) => mesh.triangles[3 * t + c]), weights = findWeights(mesh.reference, corners, places, i, k);
+      const least = Math.min(...weights);
+      if (!best || least > best.least) best = { least, corners, weights };
+    }
+    if (!best || best.least < -0.25) return node < 0 ? MISSING : values[node];
+    return best.corners.reduce((sum, corner, c) => sum + best.weights[c] * values[corner], 0);
+  };
+}
+
+/** Return the weights of a triangle's corners at a place, in its plane. */
+function findWeights(points, [a, b, c], places, i, k) {
+  const take = (to) => Array.from({ length: k }, (_, axis) => to(axis) - points[k * a + axis]), dot = (p, q) => p.reduce((sum, value, axis) => sum + value * q[axis], 0);
+  const u = take((axis) => points[k * b + axis]), v = take((axis) => points[k * c + axis]), w = take((axis) => places[k * i + axis]);
+  const [uu, uv, vv, uw, vw] = [dot(u, u), dot(u, v), dot(v, v), dot(u, w), dot(v, w)], determinant = uu * vv - uv * uv || 1e-30;
+  const second = (vv * uw - uv * vw) / determinant, third = (uu * vw - uv * uw) / determinant;
+  return [1 - second - third, second, third];
+}
+
 function* around(home, reach) {
   const range = Array.from({ length: 2 * reach + 1 }, (_, i) => i - reach);
   for (const dx of range) for (const dy of range)

@@ -10,17 +10,17 @@ const BODY_VERTEX = `
 precision highp float;
 in vec3 position; in vec3 normal; in float value;
 uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
-out vec3 vNormal, vPlace; out float vValue;
+out vec3 vNormal, vPlace, vView; out float vValue;
 void main() {
   vec4 place = modelMatrix * vec4(position, 1.0);
-  vPlace = place.xyz; vValue = value;
+  vPlace = place.xyz; vValue = value; vView = (viewMatrix * place).xyz;
   vNormal = mat3(viewMatrix) * mat3(modelMatrix) * normal;
   gl_Position = projectionMatrix * viewMatrix * place;
 }`;
 
 const BODY_FRAGMENT = `
 precision highp float;
-in vec3 vNormal, vPlace; in float vValue;
+in vec3 vNormal, vPlace, vView; in float vValue;
 uniform sampler2D colours; uniform float low, high, bands; uniform bool isPlain, hasIsolines, isLit, isClosed; uniform vec3 plain;
 out vec4 colour;
 ${CLIP}
@@ -36,7 +36,8 @@ void main() {
     base = mix(base, vec3(0.08), 0.75 * line * step(width, 0.7));
   }
   if (isLit) {
-    vec3 n = normalize(vNormal);
+    vec3 n = normalize(vNormal), flatNormal = normalize(cross(dFdx(vView), dFdy(vView)));
+    if (abs(dot(n, flatNormal)) < 0.82) n = flatNormal;  // an edge stays sharp
     float light = 0.58 + 0.34 * abs(n.z) + 0.12 * (gl_FrontFacing ? n.y : -n.y);
     base *= min(light, 1.06);
   }

@@ -2,7 +2,7 @@
 // The part at the present step: what lies under the pin, extremes of all fields, zones, outline.
 import { Chart } from "./chart.js";
 import { formatNumber, withUnit, LINES } from "./colours.js";
-import { make, makeTable, makeButton } from "./elements.js";
+import { make, makeTable, makeButton, makeLink } from "./elements.js";
 import { findExtremes } from "./fields.js";
 import { faceMiddles } from "./run.js";
 import { MISSING } from "./unpack.js";
@@ -51,7 +51,7 @@ export class PartPanel {
       const field = run.fields[i], values = await run.values(step, i), found = findExtremes(values), from = field.kind === "cell" ? middles : points;
       if (!found) continue;
       if (field.zones) continue;
-      const name = makeButton(withUnit(field.label, field.unit), () => this.store.set({ field: field.name, range: null }), `Show ${field.label}`);
+      const name = makeLink(withUnit(field.label, field.unit), () => this.store.set({ field: field.name, range: null }), `Show ${field.label}`);
       const cell = (value, index) => found.highest > found.lowest ? `${formatNumber(value)} ${place(from, index)}` : formatNumber(value);
       rows.push([name, cell(found.lowest, found.low), found.highest > found.lowest ? cell(found.highest, found.high) : "the same"]);
     }

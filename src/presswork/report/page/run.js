@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A run of the report: its arrays, unpacked when they are first asked for.
-import { averageToNodes, makeNearest, measureAreas } from "./fields.js";
+import { averageToNodes, makeInterpolation, measureAreas } from "./fields.js";
 import { makePlainShape, makeRevolvedShape } from "./shapes.js";
 import { MISSING, unpack } from "./unpack.js";
 
@@ -58,19 +58,22 @@ export class Run {
     return this.fields[field].kind === "point" ? values : averageToNodes(await this.mesh(step), values);
   }
 
-  /** Return a field of this run less that of another, at the same places of the undeformed body. */
+  /**
+   * Return a field of this run less that of another, at the same places of the undeformed body: values, and whether they are
+   * at nodes. On the same mesh they are those of cells; else the means at the nodes, the other run's in the triangle around.
+   */
   async difference(step, field, other, otherStep) {
-    const [own, mesh, theirs, theirMesh] = await Promise.all([
-      this.values(step, field), this.mesh(step), other.nodeValues(otherStep, other.findField(this.fields[field].name)), other.mesh(otherStep),
-    ]);
-    const nearest = other.#once(`nearest ${other.steps[otherStep].mesh}`, () => makeNearest(theirMesh.reference, other.dimension));
-    const places = this.fields[field].kind === "point" ? mesh.reference : faceMiddles(mesh, mesh.reference, this.dimension);
-    const isSame = this.fields[field].kind === "cell" && mesh.faces === theirMesh.faces && mesh.nodes === theirMesh.nodes;
-    const cells = isSame ? await other.values(otherStep, other.findField(this.fields[field].name)) : null;
-    return own.map((value, i) => {
-      const theirValue = cells ? cells[i] : theirs[nearest(places, this.dimension * i)];
-      return value === MISSING || theirValue === MISSING || theirValue === undefined ? MISSING : value - theirValue;
+    const index = other.findField(this.fields[field].name), isCell = this.fields[field].kind === "cell";
+    const [mesh, theirMesh] = await Promise.all([this.mesh(step), other.mesh(otherStep)]);
+    const isSame = mesh.faces === theirMesh.faces && mesh.nodes === theirMesh.nodes && mesh.triangles.every((node, i) => node === theirMesh.triangles[i]);
+    const read = (run, at, i) => (isSame ? run.values(at, i) : run.nodeValues(at, i));
+    const [own, theirs] = await Promise.all([read(this, step, field), read(other, otherStep, index)]);
+    const at = isSame ? (i) => theirs[i] : other.#once(`places ${other.steps[otherStep].mesh}`, () => makeInterpolation(theirMesh, other.dimension))(theirs, mesh.reference);
+    const values = own.map((value, i) => {
+      const theirValue = at(i);
+      return value === MISSING || Math.abs(theirValue) > 1e29 ? MISSING : value - theirValue;
     });
+    return { values, isNodal: !(isSame && isCell) };
   }
 
   history(name) {

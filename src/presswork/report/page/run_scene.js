@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One run in space: its part, the lines of its mesh, its tools, and the images that symmetry planes cut off.
 import { BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineSegments, Mesh, Scene } from "./libraries/three.js";
-import { makeCorners, revolveProfile } from "./shapes.js";
+import { makeNormals, revolveProfile, takeRows } from "./shapes.js";
 import { MISSING } from "./unpack.js";
 import { makeBodyMaterial, makeLineMaterial, makeToolMaterial } from "./materials.js";
 
@@ -35,28 +35,35 @@ export class RunScene {
     this.shape = shape;
     this.mesh = mesh;
     this.positions = shape.place(points);
-    const { corners, normals } = makeCorners(shape, this.positions);
-    this.corners = corners;
-    const geometry = this.body.geometry;
-    geometry.setAttribute("position", attribute(corners));
-    geometry.setAttribute("normal", attribute(normals));
+    this.normals = makeNormals(shape, this.positions);
+    this.drawnAs = null;
     this.body.material.uniforms.isLit.value = isRevolved || this.run.dimension === 3;
     this.body.material.uniforms.isClosed.value = isRevolved || this.run.isSolid;
-    setLines(this.lines.geometry, this.positions, shape.lines);
+    this.hasLines = false;
     setLines(this.outline.geometry, this.positions, isRevolved ? new Uint32Array() : mesh.boundary);
     await this.#placeTools(step, isRevolved);
   }
 
   /** Colour by values: of nodes, or of faces. */
   setValues(values, isNodal) {
-    const { triangles, face, source } = this.shape;
-    const corners = new Float32Array(triangles.length);
-    if (isNodal) for (let i = 0; i < corners.length; i++) corners[i] = values[source[triangles[i]]];
-    else for (let i = 0; i < corners.length; i++) corners[i] = values[face[Math.floor(i / 3)]];
-    this.body.geometry.setAttribute("value", attribute(corners, 1));
+    const { triangles, face, source } = this.shape, { geometry } = this.body;
+    if (this.drawnAs !== isNodal) {
+      geometry.setIndex(isNodal ? attribute(triangles, 1) : null);
+      geometry.setAttribute("position", attribute(isNodal ? this.positions : takeRows(this.positions, triangles, 3)));
+      geometry.setAttribute("normal", attribute(isNodal ? this.normals : takeRows(this.normals, triangles, 3)));
+      this.drawnAs = isNodal;
+    }
+    const shown = new Float32Array(isNodal ? source.length : triangles.length);
+    if (isNodal) for (let i = 0; i < shown.length; i++) shown[i] = values[source[i]];
+    else for (let i = 0; i < shown.length; i++) shown[i] = values[face[Math.floor(i / 3)]];
+    geometry.setAttribute("value", attribute(shown, 1));
   }
 
   setVisible({ body, lines, tools }) {
+    if (lines && !this.hasLines) {
+      setLines(this.lines.geometry, this.positions, this.shape.lines);
+      this.hasLines = true;
+    }
     for (const image of this.images) {
       image.children[0].visible = body;
       image.children[1].visible = lines;
@@ -101,7 +108,7 @@ export class RunScene {
     const sum = [0, 0, 0];
     let count = 0;
     for (let t = this.shape.face.indexOf(face); t >= 0 && t < this.shape.face.length && this.shape.face[t] === face; t++) {
-      for (let k = 0; k < 9; k++) sum[k % 3] += this.corners[9 * t + k];
+      for (let k = 0; k < 9; k++) sum[k % 3] += this.positions[3 * this.shape.triangles[3 * t + Math.floor(k / 3)] + (k % 3)];
       count += 3;
     }
     return sum.map((value) => value / (count || 1));
@@ -164,10 +171,8 @@ export class RunScene {
 }
 
 function setLines(geometry, positions, lines) {
-  const ends = new Float32Array(3 * lines.length);
-  for (let i = 0; i < lines.length; i++)
-    for (let k = 0; k < 3; k++) ends[3 * i + k] = positions[3 * lines[i] + k];
-  geometry.setAttribute("position", attribute(ends));
+  geometry.setIndex(attribute(lines, 1));
+  geometry.setAttribute("position", attribute(positions));
 }
 
 /** Return a profile in the plane as drawn for rigid bodies: its line, doubled to be thick, and hatched metal on its right. */

@@ -95,35 +95,25 @@ export function revolveProfile(line) {
   return { corners: new Float32Array(corners), edges: new Float32Array(edges) };
 }
 
-const SMOOTH = 0.82; // cosine of the angle up to which neighbours are shaded as one surface
-
-/** Return positions and normals of every corner of every triangle, (3 n_triangles, 3) each; edges stay sharp. */
-export function makeCorners(shape, positions) {
-  const { triangles } = shape, nT = triangles.length / 3;
-  const corners = new Float32Array(9 * nT), normals = new Float32Array(9 * nT);
-  const flat = new Float32Array(3 * nT), sum = new Float32Array(3 * shape.n);
-  for (let t = 0; t < nT; t++) {
-    const a = 3 * triangles[3 * t], b = 3 * triangles[3 * t + 1], c = 3 * triangles[3 * t + 2], at = 9 * t;
-    for (let k = 0; k < 3; k++) {
-      corners[at + k] = positions[a + k];
-      corners[at + 3 + k] = positions[b + k];
-      corners[at + 6 + k] = positions[c + k];
-    }
+/** Return normals at a shape's nodes (n, 3), means of the triangles around by their areas. */
+export function makeNormals(shape, positions) {
+  const { triangles } = shape, normals = new Float32Array(3 * shape.n);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const a = 3 * triangles[t], b = 3 * triangles[t + 1], c = 3 * triangles[t + 2];
     const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
     const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
     const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-    for (const node of [a, b, c]) { sum[node] += x; sum[node + 1] += y; sum[node + 2] += z; }
-    const length = Math.hypot(x, y, z) || 1;
-    flat[3 * t] = x / length; flat[3 * t + 1] = y / length; flat[3 * t + 2] = z / length;
+    normals[a] += x; normals[a + 1] += y; normals[a + 2] += z;
+    normals[b] += x; normals[b + 1] += y; normals[b + 2] += z;
+    normals[c] += x; normals[c + 1] += y; normals[c + 2] += z;
   }
-  for (let t = 0; t < nT; t++)
-    for (let corner = 0; corner < 3; corner++) {
-      const node = 3 * triangles[3 * t + corner], x = sum[node], y = sum[node + 1], z = sum[node + 2];
-      const length = Math.hypot(x, y, z) || 1, fx = flat[3 * t], fy = flat[3 * t + 1], fz = flat[3 * t + 2];
-      const isSmooth = (fx * x + fy * y + fz * z) / length > SMOOTH, at = 9 * t + 3 * corner;
-      normals[at] = isSmooth ? x / length : fx;
-      normals[at + 1] = isSmooth ? y / length : fy;
-      normals[at + 2] = isSmooth ? z / length : fz;
-    }
-  return { corners, normals };
+  return normals;
+}
+
+/** Return rows of an array (n, size) at indices, one after the other. */
+export function takeRows(values, indices, size) {
+  const found = new Float32Array(size * indices.length);
+  for (let i = 0; i < indices.length; i++)
+    for (let k = 0; k < size; k++) found[size * i + k] = values[size * indices[i] + k];
+  return found;
 }

@@ -93,12 +93,12 @@ export class Stage {
     if (index < 0) return null;
     const field = run.fields[index], mesh = await run.mesh(step);
     const other = state.layout === "difference" ? state.other : -1;
-    const raw = other >= 0 && this.runs[other].findField(state.field) >= 0
-      ? await run.difference(step, index, this.runs[other], this.stepOf(other))
-      : await run.values(step, index);
-    const isNodal = field.kind === "point" || (state.isSmooth && !field.zones && field.name !== "body");
-    const nodal = field.kind === "point" ? raw : isNodal ? averageToNodes(mesh, raw) : null;
-    return { raw, nodal, isNodal, field, isDifference: other >= 0 };
+    const isDifference = other >= 0 && this.runs[other].findField(state.field) >= 0;
+    const found = isDifference ? await run.difference(step, index, this.runs[other], this.stepOf(other)) : { values: await run.values(step, index), isNodal: field.kind === "point" };
+    const raw = found.values, shown = { ...field, kind: found.isNodal ? "point" : "cell" };
+    const isNodal = found.isNodal || (state.isSmooth && !field.zones && field.name !== "body");
+    const nodal = found.isNodal ? raw : isNodal ? averageToNodes(mesh, raw) : null;
+    return { raw, nodal, isNodal, field: shown, isDifference };
   }
 
   #describeField(coloured) {

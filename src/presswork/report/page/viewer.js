@@ -6,9 +6,14 @@ import { clipping } from "./materials.js";
 const DIRECTIONS = { iso: [1, -1.4, 0.9], front: [0, -1, 0], top: [0, 0.0001, 1], side: [1, 0, 0] };
 const DIRECTIONS_OF_REVOLUTION = { iso: [0.9, 0.65, 1.3], front: [0, 0, 1], top: [0, 1, 0.0001], side: [1, 0, 0] };
 
-function isSoftware(renderer) {
-  const gl = renderer.getContext(), info = gl.getExtension("WEBGL_debug_renderer_info");
-  return /swiftshader|llvmpipe|software/i.test(info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "");
+const SLOW = 45; // ms a frame from which on the picture is coarser while it is turned
+
+/** Say whether the browser draws by the processor alone. */
+function isSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2"), info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
 }
 
 export class Viewer {
@@ -17,14 +22,17 @@ export class Viewer {
     this.onDraw = onDraw;
     this.views = []; // lists of scenes, a list a viewport from left to right
     this.camera = new OrthographicCamera(-1, 1, 1, -1, -1000, 1000);
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
-    const ratio = isSoftware(this.renderer) ? 1 : Math.min(window.devicePixelRatio, 2);
-    this.renderer.setPixelRatio(ratio);
+    const isSlow = isSoftware();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !isSlow, alpha: true, preserveDrawingBuffer: true });
+    this.ratio = isSlow ? 1 : Math.min(window.devicePixelRatio, 2);
+    this.renderer.setPixelRatio(this.ratio);
     this.renderer.setClearColor(0xffffff, 0);
     this.renderer.autoClear = false;
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("start", () => { this.isTurning = true; this.lastFrame = null; });
+    this.controls.addEventListener("end", () => { this.isTurning = false; this.#setRatio(this.ratio); });
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
   }
@@ -47,7 +55,17 @@ export class Viewer {
     });
   }
 
+  /** Make the picture coarser, or fine again. */
+  #setRatio(ratio) {
+    if (ratio === this.renderer.getPixelRatio()) return;
+    this.renderer.setPixelRatio(ratio);
+    this.resize();
+  }
+
   drawNow() {
+    const now = performance.now();
+    if (this.isTurning && this.lastFrame && now - this.lastFrame > SLOW) this.#setRatio(0.5 * this.ratio);
+    this.lastFrame = now;
     const { part, height } = this.#layout();
     this.renderer.setScissorTest(true);
     this.renderer.setViewport(0, 0, this.canvas.parentElement.clientWidth, height);
@@ -140,10 +158,10 @@ export class Viewer {
     const across = 2 * (x / part - view) - 1, up = 1 - (2 * y) / height;
     const from = new Vector3(across, up, -1).unproject(this.camera), to = new Vector3(across, up, 1).unproject(this.camera);
     const scene = this.views[view]?.[0];
-    if (!scene?.corners) return null;
+    if (!scene?.positions) return null;
     let best = null;
     for (const image of scene.images) {
-      const hit = findHit(scene.corners, from, to, [image.scale.x, image.scale.y, 1]);
+      const hit = findHit(scene, from, to, [image.scale.x, image.scale.y, 1]);
       if (hit && (!best || hit.way < best.way)) best = { ...hit, scene, view };
     }
     return best;
@@ -151,18 +169,19 @@ export class Viewer {
 }
 
 /** Return the first triangle that the line between two places meets; what is cut off does not count. */
-function findHit(corners, from, to, scale) {
+function findHit({ positions, shape: { triangles } }, from, to, scale) {
   const start = [from.x * scale[0], from.y * scale[1], from.z], end = [to.x * scale[0], to.y * scale[1], to.z];
   const d = end.map((value, i) => value - start[i]), { clip, isClipped } = clipping;
   const normal = [clip.value.x * scale[0], clip.value.y * scale[1], clip.value.z];
   let best = null;
-  for (let at = 0; at < corners.length; at += 9) {
-    const ux = corners[at + 3] - corners[at], uy = corners[at + 4] - corners[at + 1], uz = corners[at + 5] - corners[at + 2];
-    const vx = corners[at + 6] - corners[at], vy = corners[at + 7] - corners[at + 1], vz = corners[at + 8] - corners[at + 2];
+  for (let t = 0; t < triangles.length; t += 3) {
+    const i = 3 * triangles[t], j = 3 * triangles[t + 1], k = 3 * triangles[t + 2];
+    const ux = positions[j] - positions[i], uy = positions[j + 1] - positions[i + 1], uz = positions[j + 2] - positions[i + 2];
+    const vx = positions[k] - positions[i], vy = positions[k + 1] - positions[i + 1], vz = positions[k + 2] - positions[i + 2];
     const px = d[1] * vz - d[2] * vy, py = d[2] * vx - d[0] * vz, pz = d[0] * vy - d[1] * vx;
     const determinant = ux * px + uy * py + uz * pz;
     if (determinant === 0) continue;
-    const sx = start[0] - corners[at], sy = start[1] - corners[at + 1], sz = start[2] - corners[at + 2];
+    const sx = start[0] - positions[i], sy = start[1] - positions[i + 1], sz = start[2] - positions[i + 2];
     const a = (sx * px + sy * py + sz * pz) / determinant;
     if (a < 0 || a > 1) continue;
     const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux;
@@ -170,9 +189,9 @@ function findHit(corners, from, to, scale) {
     if (b < 0 || a + b > 1) continue;
     const way = (vx * qx + vy * qy + vz * qz) / determinant;
     if (way < 0 || (best && way >= best.way)) continue;
-    const place = start.map((value, i) => value + way * d[i]);
+    const place = start.map((value, axis) => value + way * d[axis]);
     if (isClipped.value && normal[0] * place[0] + normal[1] * place[1] + normal[2] * place[2] > clip.value.w) continue;
-    best = { way, triangle: at / 9, weights: [1 - a - b, a, b], place, scale };
+    best = { way, triangle: t / 3, weights: [1 - a - b, a, b], place, scale };
   }
   return best;
 }
