@@ -1,0 +1,354 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A new boundary line: nodes on tools exactly on their profiles, free arcs on cubics, corners and planes kept.
+
+A place on the old line is a number: the old node before it, and the part of the way to the next one. On a tool the way
+follows its profile, on a free arc a cubic through the old nodes, in a plane the straight line. Hard places become nodes
+at even places of the new line: corners of more than CORNER, ends of planes and of named sets, corners of tools inside
+the contact. Between them nodes follow at equal ways over the size of cells; the nearest ones go to the ends of
+contacts. One offset of all free nodes along their normals gives the volume back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from presswork import _core
+from presswork.geometry.profile_way import ProfileWay
+from presswork.mesh.checks import MeshError
+from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.remesh.fill import SizeField
+
+CORNER = np.radians(30.0)
+LARGEST_OFFSET = 0.25
+"""Of the mean free edge, by which the volume is given back at most."""
+VOID = 1.05
+"""Way along an inner bend of a tool over its chord, from which on the metal is taken not to fill it."""
+_CLOSE = 0.35
+"""Of the size of cells, within which a corner gives way to another hard place."""
+_BULGE = 0.3
+"""Of its chord, by which a cubic may leave an edge; the edge stays straight where it would leave it by more."""
+_SAMPLES = 16
+_ROUNDS = 8
+FREE, PLANE_X, PLANE_Y, TOOL = -1, -2, -3, 0
+"""Kinds of edges; from TOOL on the number of the tool."""
+
+
+@dataclass(frozen=True)
+class OldLine:
+    """The boundary of the deformed mesh, closed, counter-clockwise."""
+
+    points: FloatArray
+    """(n, 2) [mm]."""
+    on_tool: BoolArray
+    """Which tools hold a node (n_tools, n)."""
+    in_plane: BoolArray
+    """Which nodes supports hold along x and y (n, 2)."""
+    kept: BoolArray
+    """Nodes that stay nodes: ends of named sets (n,)."""
+    profiles: Sequence[FloatArray]
+    """Of the tools where they stand, as model.Profile.segments."""
+    ring: bool
+    """Whether volumes are those of revolution about x = 0."""
+
+
+@dataclass(frozen=True)
+class NewLine:
+    """The boundary of the new mesh, closed, counter-clockwise, with an even number of nodes."""
+
+    points: FloatArray
+    """(k, 2) [mm]."""
+    place: FloatArray
+    """On the old line (k,)."""
+    is_free: BoolArray
+    """Nodes that neither a tool nor a plane holds (k,)."""
+    offset: float
+    """By which free nodes were moved outwards to give the volume back [mm]."""
+
+
+def enclosed_volume(line: FloatArray, *, ring: bool) -> float:
+    """Return the area within a closed line (n, 2) [mm2], or the volume that it encloses about x = 0 [mm3]."""
+    after = np.roll(line, -1, axis=0)
+    rise = after[:, 1] - line[:, 1]
+    if ring:
+        square = line[:, 0] ** 2 + line[:, 0] * after[:, 0] + after[:, 0] ** 2
+        return float(np.pi / 3.0 * (square * rise).sum())
+    return float(0.5 * ((line[:, 0] + after[:, 0]) * rise).sum())
+
+
+def find_fold(line: FloatArray) -> tuple[int, int] | None:
+    """Return two sides of a closed line (n, 2) that cross each other; None if there are none."""
+    n = len(line)
+    after = np.roll(line, -1, axis=0)
+    first = _turn(line[:, None], after[:, None], line[None]) * _turn(line[:, None], after[:, None], after[None])
+    crosses = (first < 0.0) & (first.T < 0.0)
+    i, j = np.nonzero(np.triu(crosses, 2))
+    apart = np.flatnonzero(j - i < n - 1)
+    return (int(i[apart[0]]), int(j[apart[0]])) if len(apart) else None
+
+
+def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Return twice the area of triangles."""
+    return np.asarray(
+        (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
+    )
+
+
+def resample(old: OldLine, size: SizeField) -> NewLine:
+    """Return a new line whose edges have the size asked for.
+
+    Raises MeshError where the line crosses itself, or its volume cannot be given back.
+    """
+    curve = _Curve(old)
+    place, w = curve.measure(size)
+    hard = _choose_hard(curve.hard_places(), place, w)
+    spread = [
+        _spread(place, w, first, last, curve.soft_places())
+        for first, last in zip(hard, [*hard[1:], hard[0] + len(old.points)], strict=True)
+    ]
+    places = np.mod(np.concatenate(spread), len(old.points))
+    points, is_free = curve.at(places), curve.is_free(places)
+    points, is_free, offset = _give_volume_back(points, is_free, old)
+    fold = find_fold(points)
+    if fold is not None:
+        x, y = points[fold[0]]
+        raise MeshError(f"the boundary crosses itself near ({x:.4g}, {y:.4g})", "contact of the body with itself")
+    return NewLine(points, places, is_free, offset)
+
+
+class _Curve:
+    """The old line as a curve: where its places are, and of which kind."""
+
+    def __init__(self, old: OldLine) -> None:
+        self.old, self.n = old, len(old.points)
+        self._ways = [ProfileWay(profile) for profile in old.profiles]
+        self._way = np.zeros((len(self._ways), self.n))
+        for t, way in enumerate(self._ways):
+            self._way[t] = way.find(old.points)[0]
+        after = np.roll(old.points, -1, axis=0)
+        self._chord = np.linalg.norm(after - old.points, axis=1)
+        self.kind = self._find_kinds()
+        out = (after - old.points) / self._chord[:, None]
+        into = np.roll(out, 1, axis=0)
+        turn = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1))
+        before = np.roll(self.kind, 1)
+        plane_ends = (before != self.kind) & ((before <= PLANE_X) | (self.kind <= PLANE_X))
+        self._firm = old.kept | plane_ends
+        self._is_corner = np.abs(turn) > CORNER
+        self._fit_cubics()
+
+    def _find_kinds(self) -> IndexArray:
+        """Return the kind of the edge after each node (n,)."""
+        points, after = self.old.points, np.roll(self.old.points, -1, axis=0)
+        kind = np.full(self.n, FREE)
+        scale = float(np.ptp(points, axis=0).max())
+        for t in range(len(self._ways)):
+            both = self.old.on_tool[t] & np.roll(self.old.on_tool[t], -1)
+            stretch = np.abs(self._stretch(t))
+            filled = (stretch < VOID * self._chord) | self._passes_outer_corner(t)
+            kind[both & filled] = TOOL + t
+        for axis, name in ((0, PLANE_X), (1, PLANE_Y)):
+            both = self.old.in_plane[:, axis] & np.roll(self.old.in_plane[:, axis], -1)
+            kind[both & (np.abs(after[:, axis] - points[:, axis]) < 1e-9 * scale)] = name
+        return kind
+
+    def _stretch(self, t: int) -> FloatArray:
+        """Return the way along a tool's profile from each node to the next (n,) [mm], the shorter one if closed."""
+        stretch = np.roll(self._way[t], -1) - self._way[t]
+        if self._ways[t].is_closed:
+            length = self._ways[t].length
+            stretch = np.mod(stretch + 0.5 * length, length) - 0.5 * length
+        return np.asarray(stretch)
+
+    def _corners_passed(self, t: int) -> list[tuple[int, float, float]]:
+        """Return the corners of a tool that edges between nodes it holds pass: edge, part of it, turn."""
+        corners, turns = self._ways[t].corners()
+        begin, stretch = self._way[t], self._stretch(t)
+        both = self.old.on_tool[t] & np.roll(self.old.on_tool[t], -1) & (stretch != 0.0)
+        passed = []
+        for corner, turn in zip(corners.tolist(), turns.tolist(), strict=True):
+            ahead = corner - begin
+            if self._ways[t].is_closed:
+                length = self._ways[t].length
+                ahead = np.where(stretch > 0.0, np.mod(ahead, length), -np.mod(-ahead, length))
+            part = ahead / np.where(both, stretch, 1.0)
+            passed += [(int(i), float(part[i]), turn) for i in np.flatnonzero(both & (part >= 0.0) & (part <= 1.0))]
+        return passed
+
+    def _passes_outer_corner(self, t: int) -> BoolArray:
+        """Mark edges that lie round a corner of the tool that points into the metal (n,)."""
+        passes = np.zeros(self.n, dtype=bool)
+        for edge, part, turn in self._corners_passed(t):
+            passes[edge] |= turn < 0.0 and 1e-9 < part < 1.0 - 1e-9
+        return np.asarray(passes & (np.abs(self._stretch(t)) < 2.0 * self._chord))
+
+    def _fit_cubics(self) -> None:
+        """Fit a cubic to each row of free edges between corners and other kinds."""
+        ends = (np.roll(self.kind, 1) != self.kind) | self._is_corner | self._firm
+        starts = np.flatnonzero(ends & (self.kind == FREE))
+        self._cubics: list[tuple[int, CubicSpline, FloatArray]] = []
+        self._cubic_of = np.full(self.n, -1)
+        if not len(starts) and (self.kind == FREE).all():
+            starts = np.array([0])
+        for start in starts.tolist():
+            count = 1
+            while count < self.n and not ends[(start + count) % self.n] and self.kind[(start + count) % self.n] == FREE:
+                count += 1
+            if count < 2:
+                continue
+            edges = (start + np.arange(count)) % self.n
+            nodes = (start + np.arange(count + 1)) % self.n
+            way = np.concatenate([[0.0], np.cumsum(self._chord[edges])])
+            cubic = CubicSpline(way, self.old.points[nodes])
+            middle = cubic(0.5 * (way[1:] + way[:-1])) - 0.5 * (
+                self.old.points[nodes[1:]] + self.old.points[nodes[:-1]]
+            )
+            smooth = np.linalg.norm(middle, axis=1) < _BULGE * self._chord[edges]
+            self._cubic_of[edges[smooth]] = len(self._cubics)
+            self._cubics.append((start, cubic, way))
+
+    def at(self, places: FloatArray) -> FloatArray:
+        """Return points (m, 2) at places (m,) on the line."""
+        places = np.mod(places, self.n)
+        edge = np.minimum(places.astype(int), self.n - 1)
+        part = (places - edge)[:, None]
+        after = (edge + 1) % self.n
+        points = (1.0 - part) * self.old.points[edge] + part * self.old.points[after]
+        for t, profile in enumerate(self._ways):
+            own = self.kind[edge] == TOOL + t
+            if own.any():
+                points[own] = profile.at(self._way[t][edge[own]] + part[own, 0] * self._stretch(t)[edge[own]])
+        for number, (start, cubic, way) in enumerate(self._cubics):
+            own = self._cubic_of[edge] == number
+            index = (edge[own] - start) % self.n
+            points[own] = cubic(way[index] + part[own, 0] * (way[index + 1] - way[index]))
+        whole = part[:, 0] == 0.0
+        points[whole] = self.old.points[edge[whole]]
+        return np.asarray(points)
+
+    def is_free(self, places: FloatArray) -> BoolArray:
+        """Mark places that neither a tool nor a plane holds (m,)."""
+        edge = places.astype(int) % self.n
+        held: BoolArray = np.asarray(self.old.on_tool.any(axis=0) | self.old.in_plane.any(axis=1))
+        return np.asarray(np.where(places == edge, ~held[edge], self.kind[edge] == FREE), dtype=bool)
+
+    def hard_places(self) -> tuple[FloatArray, FloatArray]:
+        """Return places that must be nodes, and those that shall be unless they lie close to others."""
+        corners = [np.flatnonzero(self._is_corner & ~self._firm).astype(float)]
+        for t in range(len(self._ways)):
+            passed = [edge + part for edge, part, _ in self._corners_passed(t) if self.kind[edge] == TOOL + t]
+            corners.append(np.array(passed, dtype=float))
+        return np.flatnonzero(self._firm).astype(float), np.unique(np.mod(np.concatenate(corners), self.n))
+
+    def soft_places(self) -> FloatArray:
+        """Return the ends of contacts, and nodes alone in contact (m,)."""
+        before = np.roll(self.kind, 1)
+        alone = self.old.on_tool.any(axis=0) & (before == FREE) & (self.kind == FREE)
+        return np.flatnonzero(alone | (before != self.kind)).astype(float)
+
+    def measure(self, size: SizeField) -> tuple[FloatArray, FloatArray]:
+        """Return places all along the line, and the way to them over the size of cells, each (m,)."""
+        places = np.arange(self.n * _SAMPLES + 1) / _SAMPLES
+        points = self.at(places)
+        step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        wanted = size(0.5 * (points[1:] + points[:-1]))
+        return places, np.concatenate([[0.0], np.cumsum(step / wanted)])
+
+
+def _choose_hard(hard: tuple[FloatArray, FloatArray], place: FloatArray, w: FloatArray) -> list[float]:
+    """Return the hard places in order: all firm ones, and corners not too close to others."""
+    firm, corners = hard
+    chosen = firm.tolist()
+    whole = float(w[-1])
+    for corner in corners.tolist():
+        apart = np.abs(np.interp(corner, place, w) - np.interp(np.array(chosen), place, w)) if chosen else np.array([])
+        if not (np.minimum(apart, whole - apart) < _CLOSE).any():
+            chosen.append(corner)
+    return sorted(chosen) or [0.0]
+
+
+def _spread(place: FloatArray, w: FloatArray, first: float, last: float, soft: FloatArray) -> FloatArray:
+    """Return the places of an even number of edges from one hard place to the next, the last end left out."""
+    n, whole = float(place[-1]), float(w[-1])
+
+    def way(at: FloatArray) -> FloatArray:
+        turns = np.floor(at / n)
+        return np.interp(at - turns * n, place, w) + turns * whole
+
+    ends = way(np.array([first, last]))
+    n_edges = 2 * max(1, round(0.5 * float(ends[1] - ends[0])))
+    soft = np.concatenate([soft, soft + n])
+    soft = soft[(soft > first) & (soft < last)]
+    wanted = (way(soft) - ends[0]) / (ends[1] - ends[0]) * n_edges
+    number, which = np.unique(np.clip(np.round(wanted), 0, n_edges), return_index=True)
+    inner = (number > 0) & (number < n_edges)
+    number, which = number[inner], which[inner]
+    known = np.concatenate([[0.0], wanted[which], [n_edges]])
+    parts = np.interp(np.arange(n_edges), np.concatenate([[0.0], number, [n_edges]]), known)
+    target = ends[0] + parts / n_edges * (ends[1] - ends[0])
+    found = np.interp(target, np.concatenate([w, w[1:] + whole]), np.concatenate([place, place[1:] + n]))
+    found[0] = first
+    found[number.astype(int)] = soft[which]
+    return np.asarray(found)
+
+
+def _give_volume_back(points: FloatArray, is_free: BoolArray, old: OldLine) -> tuple[FloatArray, BoolArray, float]:
+    """Move free nodes by one offset along their normals until the volume is the old one; none ends in a tool."""
+    target = enclosed_volume(old.points, ring=old.ring)
+    points, is_free, total = points.copy(), is_free.copy(), 0.0
+    for _ in range(_ROUNDS):
+        inside = _put_on_tools(points, is_free, old.profiles)
+        is_free &= ~inside
+        if not is_free.any():
+            break
+        offset = _find_offset(points, is_free, target, ring=old.ring)
+        moved = points + offset * _normals(points) * is_free[:, None]
+        total += offset
+        points = moved
+        if abs(enclosed_volume(points, ring=old.ring) / target - 1.0) < 1e-12 and not inside.any():
+            break
+    edges = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    own = is_free & np.roll(is_free, -1)
+    if own.any() and abs(total) > LARGEST_OFFSET * float(edges[own].mean()):
+        raise MeshError(
+            f"an offset of {total:.3g} mm of the free surface would be needed to keep the volume", "smaller cells"
+        )
+    return points, is_free, total
+
+
+def _put_on_tools(points: FloatArray, is_free: BoolArray, profiles: Sequence[FloatArray]) -> BoolArray:
+    """Put free points that lie inside tools onto them, in place; return which."""
+    inside = np.zeros(len(points), dtype=bool)
+    for profile in profiles:
+        gap, normal, *_ = _core.touch_profile(np.ascontiguousarray(profile), np.ascontiguousarray(points))
+        own = is_free & (gap < 0.0) & ~inside
+        points[own] -= gap[own, None] * normal[own]
+        inside |= own
+    return inside
+
+
+def _normals(line: FloatArray) -> FloatArray:
+    """Return unit normals outwards (n, 2)."""
+    along: FloatArray = np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0)
+    return np.asarray(np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True))
+
+
+def _find_offset(points: FloatArray, is_free: BoolArray, target: float, *, ring: bool) -> float:
+    """Return the offset of the free nodes with which the line encloses the volume asked for [mm]."""
+    normals = _normals(points) * is_free[:, None]
+
+    def lack(offset: float) -> float:
+        return enclosed_volume(points + offset * normals, ring=ring) - target
+
+    size = float(np.ptp(points, axis=0).max())
+    a, b = 0.0, 1e-6 * size
+    fa, fb = lack(a), lack(b)
+    for _ in range(20):
+        if fb == fa or abs(fb) < 1e-14 * abs(target):
+            break
+        a, b, fa = b, b - fb * (b - a) / (fb - fa), fb
+        fb = lack(b)
+    return b if abs(fb) < abs(fa) else a

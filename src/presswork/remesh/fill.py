@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quadrilaterals inside a closed line whose nodes are given.
+
+1. Every second node of the line is a vertex of a triangulation with cells of twice the size. Its inner vertices are
+   points of square lattices whose spacings differ by the root of two: a point is taken from the lattice whose spacing
+   is nearest to the size asked for there, so that cells of one size lie in rows and columns.
+2. Delaunay's triangulation (Qhull) of both; inner vertices move to the middle of their neighbours a few times.
+3. Pairs of triangles that make a good quadrilateral are joined, the best ones first.
+4. Every quadrilateral is split into four, every triangle left over into three, at the middles of their sides; on the
+   line these are the nodes left out at first.
+5. Inner nodes move to the middle of their neighbours, but where this would make the worst cell round them worse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial import Delaunay, QhullError, cKDTree
+
+from presswork.geometry.polygon import contains, list_sides
+from presswork.mesh.checks import MeshError, corner_jacobians
+from presswork.model import BoolArray, FloatArray, IndexArray
+
+SizeField = Callable[[FloatArray], FloatArray]
+"""Edge length of cells [mm] at points (n, 2)."""
+_OFF_LINE = 0.7
+"""Distance of inner vertices from the line, over the size of the triangles."""
+_TRIANGLE_ROUNDS, _QUAD_ROUNDS = 4, 12
+_RETREATS, _GOOD = 8, 0.5
+"""Times that nodes go back where cells worse than good ones would become worse still."""
+_LEAST_JOINED = 0.35
+"""Least sine of the corners of two triangles joined."""
+
+
+def fill_with_quadrilaterals(line: FloatArray, size: SizeField) -> tuple[FloatArray, IndexArray]:
+    """Return points (n, 2) and quadrilaterals (m, 4), counter-clockwise, inside a closed line.
+
+    line: nodes (k, 2) [mm], counter-clockwise, k even, the first not repeated; they come first among the points, as
+    they are. Corners belong at even places. Raises MeshError where the line is too coarse for its own shape.
+    """
+    if len(line) % 2 or len(line) < 8:
+        raise MeshError(f"a boundary of {len(line)} nodes", "an even number of them, at least eight")
+    coarse = line[::2]
+    vertices, triangles = _triangulate(coarse, lambda p: 2.0 * size(p))
+    points, cells = _split(vertices, triangles, _join(vertices, triangles), line)
+    points = _smooth(points, cells, len(line))
+    worst = measure_quality(points, cells)
+    if worst.min() <= 0.0:
+        x, y = points[cells[int(np.argmin(worst))]].mean(axis=0)
+        raise MeshError(f"no cell fits inside the boundary near ({x:.4g}, {y:.4g})", "smaller cells there")
+    return points, cells
+
+
+def measure_quality(points: FloatArray, cells: IndexArray) -> FloatArray:
+    """Return the quality of quadrilaterals (n,): 1 for a square, at most 0 for one that is not convex.
+
+    The least Jacobian at a corner over the mean square of all sides.
+    """
+    x, y = points.T
+    (xa, xb, xc, xd), (ya, yb, yc, yd) = x[cells.T], y[cells.T]
+    sides = (xb - xa, yb - ya), (xc - xb, yc - yb), (xd - xc, yd - yc), (xa - xd, ya - yd)
+    least = np.full(len(cells), np.inf)
+    square = np.zeros(len(cells))
+    for (u, v), (p, q) in zip(sides, (sides[3], *sides[:3]), strict=True):
+        np.minimum(least, p * v - q * u, out=least)
+        square += u * u + v * v
+    return np.asarray(4.0 * least / square)
+
+
+def _triangulate(line: FloatArray, size: SizeField) -> tuple[FloatArray, IndexArray]:
+    """Return vertices, those of the line first, and triangles counter-clockwise that fill it."""
+    inner = _place_lattice(line, size)
+    sides = list_sides(line)
+    triangles = np.zeros((0, 3), dtype=np.intp)
+    for round_ in range(_TRIANGLE_ROUNDS + 1):
+        points = np.concatenate([line, inner])
+        try:
+            found = Delaunay(points).simplices.astype(np.intp)
+        except QhullError as error:
+            raise MeshError("the boundary has no inside", "another shape") from error
+        between = (found < len(line)).all(axis=1)  # others have a vertex inside
+        inside = ~between
+        inside[between] = contains(sides, points[found[between]].mean(axis=1))
+        triangles = found[inside]
+        a, b, c = points[triangles].transpose(1, 0, 2)
+        area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+        triangles[area < 0.0] = triangles[area < 0.0][:, ::-1]
+        triangles = triangles[np.abs(area) > 1e-12 * np.abs(area).max()]
+        if round_ < _TRIANGLE_ROUNDS:
+            inner = _relax(points, triangles, len(line))
+    _check_sides(line, triangles)
+    return points, triangles
+
+
+def _place_lattice(line: FloatArray, size: SizeField) -> FloatArray:
+    """Return inner vertices on square lattices of spacings that differ by the root of two."""
+    low, high = line.min(axis=0), line.max(axis=0)
+    edge = np.linalg.norm(np.roll(line, -1, axis=0) - line, axis=1)
+    on_line = np.maximum(edge, np.roll(edge, 1))
+    tree, sides = cKDTree(line), list_sides(line)
+    least = float(size(line).min())
+    most = float(np.linalg.norm(high - low))
+    kept: list[FloatArray] = []
+    spacing, turned = least, False
+    while spacing < most:
+        lattice = _lattice(low, high, spacing, turned)
+        wanted = size(lattice)
+        own = (wanted >= spacing * 2**-0.25) & (wanted < spacing * 2**0.25)
+        lattice, wanted = lattice[own], wanted[own]
+        if len(lattice):
+            near, which = tree.query(lattice)
+            lattice = lattice[(near > _OFF_LINE * np.minimum(wanted, on_line[which])) & contains(sides, lattice)]
+            kept.append(lattice)
+        spacing, turned = spacing * 2**0.5, not turned
+    inner = np.concatenate(kept) if kept else np.zeros((0, 2))
+    return _thin(inner, size)
+
+
+def _lattice(low: FloatArray, high: FloatArray, spacing: float, turned: bool) -> FloatArray:
+    """Return the points of a square lattice over a rectangle; turned by 45 degrees, every second one of a finer."""
+    step = spacing / 2**0.5 if turned else spacing
+    n = np.floor((high - low) / step).astype(int) + 2
+    i, j = np.meshgrid(np.arange(n[0]), np.arange(n[1]), indexing="ij")
+    ij = np.column_stack([i.ravel(), j.ravel()])
+    if turned:
+        ij = ij[ij.sum(axis=1) % 2 == 0]
+    return low + step * (ij.astype(float) + 0.5 * (not turned))
+
+
+def _thin(inner: FloatArray, size: SizeField) -> FloatArray:
+    """Drop vertices, where two lattices meet, that lie too close to one before them."""
+    if len(inner) < 2:
+        return inner
+    wanted = size(inner)
+    pairs = cKDTree(inner).query_pairs(0.6 * float(wanted.max()), output_type="ndarray")
+    apart = np.linalg.norm(inner[pairs[:, 0]] - inner[pairs[:, 1]], axis=1)
+    close = pairs[apart < 0.6 * np.minimum(wanted[pairs[:, 0]], wanted[pairs[:, 1]])]
+    dropped = np.zeros(len(inner), dtype=bool)
+    for first, second in close[np.lexsort((close[:, 1], close[:, 0]))].tolist():
+        if not dropped[first]:
+            dropped[second] = True
+    return inner[~dropped]
+
+
+def _relax(points: FloatArray, triangles: IndexArray, n_line: int) -> FloatArray:
+    """Return the inner vertices moved to the middle of their neighbours."""
+    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    ends = np.concatenate([ends, ends[:, ::-1]])
+    count = np.maximum(np.bincount(ends[:, 0], minlength=len(points)), 1)
+    mean = np.stack([np.bincount(ends[:, 0], points[ends[:, 1], k], len(points)) / count for k in (0, 1)], axis=1)
+    return np.asarray(0.5 * (points + mean)[n_line:])
+
+
+def _check_sides(line: FloatArray, triangles: IndexArray) -> None:
+    """Refuse a triangulation that does not hold every side of the line."""
+    n = len(line)
+    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    number = ends[:, 0] * (n + triangles.max() + 1) + ends[:, 1]
+    first = np.arange(n)
+    wanted = first * (n + triangles.max() + 1) + (first + 1) % n
+    missing = np.flatnonzero(~np.isin(wanted, number))
+    if len(missing):
+        x, y = line[missing[0]]
+        raise MeshError(f"the boundary is too coarse for its shape near ({x:.4g}, {y:.4g})", "smaller cells there")
+
+
+def _join(points: FloatArray, triangles: IndexArray) -> IndexArray:
+    """Return which triangles to join (n_pairs, 2) and the quadrilaterals' corners (n_pairs, 4), side by side."""
+    n = len(triangles)
+    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1).reshape(-1, 2)
+    key = np.sort(ends, axis=1) @ np.array([len(points), 1])
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(key[order][1:] == key[order][:-1])
+    left, right = order[same], order[same + 1]
+    apex = np.roll(triangles, 1, axis=1).reshape(-1)
+    corners = np.stack([ends[left, 0], apex[right], ends[left, 1], apex[left]], axis=1)
+    place = points[corners]
+    sides = np.linalg.norm(np.roll(place, -1, axis=1) - place, axis=2)
+    sine = (corner_jacobians(points, corners.astype(np.int32)) / (sides * np.roll(sides, 1, axis=1))).min(axis=1)
+    free = np.ones(n, dtype=bool)
+    pairs = []
+    for k in np.argsort(-np.round(sine, 6), kind="stable").tolist():
+        if sine[k] < _LEAST_JOINED:
+            break
+        a, b = int(left[k]) // 3, int(right[k]) // 3
+        if free[a] and free[b]:
+            free[a] = free[b] = False
+            pairs.append((a, b, *corners[k].tolist()))
+    return np.array(pairs, dtype=np.intp).reshape(-1, 6)
+
+
+def _split(
+    vertices: FloatArray, triangles: IndexArray, pairs: IndexArray, line: FloatArray
+) -> tuple[FloatArray, IndexArray]:
+    """Return points and cells: every quadrilateral in four, every triangle in three; the line's nodes come first."""
+    joined = np.zeros(len(triangles), dtype=bool)
+    joined[pairs[:, :2]] = True
+    quads, alone = pairs[:, 2:], triangles[~joined]
+    ends = np.concatenate(
+        [np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2) for cells in (quads, alone)]
+    )
+    sides, number = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    number = number.reshape(-1)
+    n_coarse = len(line) // 2
+    place = np.concatenate([np.arange(0, len(line), 2), len(line) + np.arange(len(vertices) - n_coarse)])
+    gap = sides[:, 1] - sides[:, 0]
+    on_line = (sides[:, 1] < n_coarse) & ((gap == 1) | ((gap == n_coarse - 1) & (sides[:, 0] == 0)))
+    first = np.where(gap == 1, sides[:, 0], sides[:, 1])
+    n = len(line) + len(vertices) - n_coarse
+    middle = np.where(on_line, 2 * first + 1, 0)
+    middle[~on_line] = n + np.arange(int((~on_line).sum()))
+    n += int((~on_line).sum())
+    points = np.concatenate([line, vertices[n_coarse:], vertices[sides[~on_line]].mean(axis=1)])
+    cells = []
+    begin = 0
+    for corners in (quads, alone):
+        k = corners.shape[1]
+        mid = middle[number[begin : begin + corners.size]].reshape(-1, k)
+        begin += corners.size
+        centre = n + np.arange(len(corners))
+        n += len(corners)
+        points = np.concatenate([points, points[mid].mean(axis=1)])
+        before = np.roll(mid, 1, axis=1)
+        cells.append(
+            np.stack([place[corners], mid, np.broadcast_to(centre[:, None], mid.shape), before], axis=-1).reshape(-1, 4)
+        )
+    return points, np.concatenate(cells)
+
+
+def _smooth(points: FloatArray, cells: IndexArray, n_line: int) -> FloatArray:
+    """Move inner nodes to the middle of their neighbours where no cell round them becomes worse than it may."""
+    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
+    ends = np.unique(np.sort(ends, axis=1), axis=0)
+    ends = np.concatenate([ends, ends[:, ::-1]])
+    count = np.bincount(ends[:, 0], minlength=len(points))
+    free = np.arange(len(points)) >= n_line
+    quality = measure_quality(points, cells)
+    for _ in range(_QUAD_ROUNDS):
+        mean = np.stack([np.bincount(ends[:, 0], points[ends[:, 1], k], len(points)) / count for k in (0, 1)], axis=1)
+        moved = np.where(free[:, None], 0.5 * (points + mean), points)
+        now = measure_quality(moved, cells)
+        for _ in range(_RETREATS):
+            worse = (now < quality) & (now < _GOOD)
+            if not worse.any():
+                break
+            back = _mark(cells[worse], len(points))
+            moved[back] = points[back]
+            touched = back[cells].any(axis=1)
+            now[touched] = measure_quality(moved, cells[touched])
+        else:
+            break
+        points, quality = moved, now
+    return points
+
+
+def _mark(nodes: IndexArray, n: int) -> BoolArray:
+    marked = np.zeros(n, dtype=bool)
+    marked[nodes] = True
+    return marked

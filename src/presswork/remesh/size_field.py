@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How large cells may be where: the least of what the tools' curvature, the thickness of the metal and the surface's
+own curvature ask for, growing from there by no more than the gradation, within a budget of cells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import map_coordinates
+from scipy.spatial import cKDTree
+
+from presswork.geometry.profile_way import ProfileWay
+from presswork.model import BoolArray, FloatArray
+
+GRADATION = np.log(1.3)
+"""Growth of the cell size over a length, from 1.3 between neighbours."""
+OF_RADIUS = 0.4
+OF_GAP = 0.25
+REACH = 2.5
+"""Cells of the largest size ahead of contact over which a tool's curvature is looked at."""
+_CLASSES = 1.15
+_CELLS_OF_GRID = 160
+
+
+@dataclass(frozen=True)
+class SizeSources:
+    """Places (n, 2) where cells may be no larger than a size (n,) [mm]."""
+
+    place: FloatArray
+    size: FloatArray
+
+
+class GradedSize:
+    """The size of cells at points of the plane, from sources, by interpolation on a grid over them."""
+
+    def __init__(self, line: FloatArray, sources: SizeSources, largest: float, smallest: float) -> None:
+        margin = 2.0 * largest
+        low, high = line.min(axis=0) - margin, line.max(axis=0) + margin
+        self._low = low
+        self._step = max(0.5 * smallest, float((high - low).max()) / _CELLS_OF_GRID)
+        count = np.ceil((high - low) / self._step).astype(int) + 2
+        x, y = (low[k] + self._step * np.arange(count[k]) for k in (0, 1))
+        grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+        self._values = grade(grid.reshape(-1, 2), sources, largest, smallest).reshape(grid.shape[:2])
+
+    def __call__(self, points: FloatArray) -> FloatArray:
+        """Return the edge length of cells at points (n, 2) [mm]."""
+        at = ((points - self._low) / self._step).T
+        return np.asarray(map_coordinates(self._values, at, order=1, mode="nearest"))
+
+    def scale(self, factor: float) -> None:
+        """Make all cells larger by a factor."""
+        self._values = self._values * factor
+
+
+def grade(points: FloatArray, sources: SizeSources, largest: float, smallest: float) -> FloatArray:
+    """Return the size at points (n, 2): the least over all sources of theirs and the gradation times the distance."""
+    size = np.full(len(points), largest)
+    wanted = np.clip(sources.size, smallest, largest)
+    own_class = np.floor(np.log(wanted / smallest) / np.log(_CLASSES)).astype(int)
+    for number in np.unique(own_class):
+        own = own_class == number
+        least = float(wanted[own].min())
+        if least >= largest:
+            continue
+        reach = (largest - least) / GRADATION
+        distance, _ = cKDTree(sources.place[own]).query(points, distance_upper_bound=reach)
+        size = np.minimum(size, least + GRADATION * distance)
+    return size
+
+
+def join_sources(*sources: SizeSources) -> SizeSources:
+    """Return all sources as one."""
+    return SizeSources(np.concatenate([s.place for s in sources]), np.concatenate([s.size for s in sources]))
+
+
+def tool_curvature(line: FloatArray, profile: FloatArray, largest: float, corner_size: float) -> SizeSources:
+    """Return sizes asked for by the arcs and corners of a placed profile near the boundary line (k, 2)."""
+    way = ProfileWay(profile)
+    places, sizes = [np.zeros((0, 2))], [np.zeros(0)]
+    for i in np.flatnonzero(OF_RADIUS * way.radius < largest):
+        least = max(OF_RADIUS * float(way.radius[i]), corner_size)
+        first, last = way.begin[i], way.begin[i + 1]
+        n = max(2, int(np.ceil((last - first) / least)) + 1)
+        places.append(way.at(np.linspace(first, last, n) - 1e-9 * (last - first) * np.linspace(-1, 1, n)))
+        sizes.append(np.full(n, least))
+    corners, _ = way.corners()
+    places.append(way.at(corners))
+    sizes.append(np.full(len(corners), corner_size))
+    place, size = np.concatenate(places), np.concatenate(sizes)
+    distance, _ = cKDTree(_refine(line, largest)).query(place)
+    near = distance < REACH * largest
+    # what is farther off may wait: it asks for less
+    return SizeSources(place[near], size[near] + GRADATION * np.maximum(distance[near] - largest, 0.0))
+
+
+def _refine(line: FloatArray, spacing: float) -> FloatArray:
+    """Return points along a closed line no farther apart than a spacing."""
+    after = np.roll(line, -1, axis=0)
+    n = max(1, int(np.ceil(float(np.linalg.norm(after - line, axis=1).max()) / spacing)))
+    part = (np.arange(n) / n)[:, None, None]
+    return np.asarray((line + part * (after - line)).reshape(-1, 2))
+
+
+def metal_thickness(line: FloatArray, doubled: BoolArray) -> FloatArray:
+    """Return how thick the metal is inwards of each side's middle of a closed line (k, 2), counter-clockwise (k,) [mm].
+
+    doubled (k,): sides in symmetry planes; metal up to one is twice as thick. Infinite where no side lies opposite.
+    """
+    after = np.roll(line, -1, axis=0)
+    along = after - line
+    length = np.linalg.norm(along, axis=1)
+    inwards = np.column_stack([-along[:, 1], along[:, 0]]) / length[:, None]
+    middle = 0.5 * (line + after)
+    cross = inwards[:, None, 0] * along[None, :, 1] - inwards[:, None, 1] * along[None, :, 0]
+    away = line[None] - middle[:, None]
+    safe = np.where(np.abs(cross) > 1e-12, cross, np.inf)
+    distance = (away[..., 0] * along[None, :, 1] - away[..., 1] * along[None, :, 0]) / safe
+    part = (away[..., 0] * inwards[:, None, 1] - away[..., 1] * inwards[:, None, 0]) / safe
+    opposes = inwards @ inwards.T < -0.5
+    hit = (distance > 1e-9 * length[:, None]) & (part >= -1e-9) & (part <= 1 + 1e-9) & opposes & np.isfinite(safe)
+    thickness = np.where(hit, np.where(doubled[None], 2.0, 1.0) * distance, np.inf).min(axis=1)
+    return np.asarray(np.where(doubled, np.inf, thickness))
+
+
+def gap_sources(line: FloatArray, doubled: BoolArray) -> SizeSources:
+    """Return a quarter of the metal's thickness at the middle of each side of the line (k, 2)."""
+    size = OF_GAP * metal_thickness(line, doubled)
+    known = np.isfinite(size)
+    return SizeSources((0.5 * (line + np.roll(line, -1, axis=0)))[known], size[known])

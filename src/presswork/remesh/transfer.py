@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values at points of an old mesh, found at points of a new one.
+
+Integration points: quadratic moving least squares over the DONORS nearest points (Lancaster & Salkauskas 1981), from
+point to point without a detour over the nodes. Weights max(1 - (d / 1.05 d12)^2, 1e-3)^2, d12 the distance of the
+farthest; basis 1, x, y, x^2, x y, y^2 about the new point. The result is clipped to the range of the donors and of the
+linear fit, so that a linear field is kept beyond the outermost donors too. Donors are cells not farther than RINGS
+neighbours along the mesh: what lies beyond a fold does not count.
+
+Nodes: the shape functions of the old cell they lie in, its plane continued where they lie outside by a little.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from scipy.spatial import cKDTree
+
+from presswork.model import BoolArray, FloatArray, IndexArray
+
+DONORS, RINGS = 12, 4
+_REACH, _LEAST_WEIGHT, _RIDGE = 1.05, 1e-3, 1e-13
+_ENOUGH_FOR_SQUARES, _ENOUGH_FOR_LINES = 8, 4
+_AT_ONCE = 20_000
+GAUSS = 1.0 / np.sqrt(3.0)
+_CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+
+
+def place_points(points: FloatArray, cells: IndexArray, n_points: int) -> FloatArray:
+    """Return where the integration points of quadrilaterals are (n_cells, n_points, 2) [mm]: one, or two by two."""
+    local = _CORNERS * GAUSS if n_points == 4 else np.zeros((1, 2))
+    shape = 0.25 * (1.0 + local[:, None, 0] * _CORNERS[:, 0]) * (1.0 + local[:, None, 1] * _CORNERS[:, 1])
+    return np.asarray(np.einsum("qa,cak->cqk", shape, points[cells]))
+
+
+@dataclass(frozen=True)
+class PointTransfer:
+    """What every new point takes from which old points."""
+
+    donor: IndexArray
+    """(n_new, DONORS)."""
+    is_donor: BoolArray
+    """(n_new, DONORS)."""
+    weight: FloatArray
+    """Of the quadratic fit's value (n_new, DONORS)."""
+    linear_weight: FloatArray
+    """Of the linear fit's (n_new, DONORS)."""
+    closest: IndexArray
+    """Which donor is the nearest (n_new,): values are counted from its own, so that a constant stays one."""
+
+    def apply(self, values: FloatArray) -> FloatArray:
+        """Return values (n_old, m) at the new points (n_new, m)."""
+        result = np.empty((len(self.donor), values.shape[1]))
+        for first in range(0, len(self.donor), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            nearest = values[self.donor[part][np.arange(len(self.donor[part])), self.closest[part]]]
+            given, counts = values[self.donor[part]] - nearest[:, None], self.is_donor[part, :, None]
+            linear = np.einsum("nd,ndm->nm", self.linear_weight[part], given)
+            low = np.minimum(np.where(counts, given, np.inf).min(axis=1), linear)
+            high = np.maximum(np.where(counts, given, -np.inf).max(axis=1), linear)
+            result[part] = nearest + np.clip(np.einsum("nd,ndm->nm", self.weight[part], given), low, high)
+        return result
+
+
+def find_transfer(
+    old: FloatArray, new: FloatArray, old_cells: IndexArray | None = None, home: IndexArray | None = None,
+    old_cell_of: IndexArray | None = None,
+) -> PointTransfer:  # fmt: skip
+    """Return how values at points old (n_old, 2) are found at points new (n_new, 2).
+
+    old_cells: connectivity of the old cells (n_cells, 4), home: the old cell in or beside which each new point lies
+    (n_new,), old_cell_of: that of each old point (n_old,); without them every old point may be a donor.
+    """
+    n_donors = min(DONORS, len(old))
+    tree = cKDTree(old)
+    distance, donor = tree.query(new, k=n_donors)
+    distance, donor = distance.reshape(len(new), -1), donor.reshape(len(new), -1)
+    is_donor = np.ones(donor.shape, dtype=bool)
+    if old_cells is not None and home is not None and old_cell_of is not None:
+        near = _NearCells(old_cells)
+        is_donor = near.are_near(home, old_cell_of[donor])
+        lacking = np.flatnonzero(~is_donor.all(axis=1))
+        if len(lacking):
+            wide = min(5 * n_donors, len(old))
+            farther, more = tree.query(new[lacking], k=wide)
+            good = near.are_near(home[lacking], old_cell_of[more])
+            first = np.argsort(~good, axis=1, kind="stable")[:, :n_donors]
+            row = np.arange(len(lacking))[:, None]
+            donor[lacking], distance[lacking], is_donor[lacking] = (
+                more[row, first],
+                farther[row, first],
+                good[row, first],
+            )
+            none = lacking[~is_donor[lacking].any(axis=1)]
+            is_donor[none, 0] = True
+    weights = [
+        _fit(old, new[part], donor[part], distance[part], is_donor[part])
+        for part in (slice(i, i + _AT_ONCE) for i in range(0, len(new), _AT_ONCE))
+    ]
+    quadratic, linear = (np.concatenate(w) for w in zip(*weights, strict=True))
+    closest = np.where(is_donor, distance, np.inf).argmin(axis=1)
+    return PointTransfer(donor, is_donor, quadratic, linear, closest)
+
+
+def _fit(
+    old: FloatArray, new: FloatArray, donor: IndexArray, distance: FloatArray, is_donor: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the donors' weights in the value of the quadratic and of the linear fit, each (n_new, n_donors)."""
+    reach = np.where(is_donor, distance, 0.0).max(axis=1)
+    reach = np.where(reach > 0.0, reach, 1.0)
+    weight = np.maximum(1.0 - (distance / (_REACH * reach[:, None])) ** 2, _LEAST_WEIGHT) ** 2 * is_donor
+    x, y = np.moveaxis((old[donor] - new[:, None]) / reach[:, None, None], -1, 0)
+    basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+    count = is_donor.sum(axis=1)
+    linear = _solve(basis[..., :3], weight)
+    quadratic = _solve(basis, weight)
+    nearest = np.zeros_like(linear)
+    closest = np.where(is_donor, distance, np.inf).argmin(axis=1)
+    nearest[np.arange(len(new)), closest] = 1.0
+    linear = np.where((count >= _ENOUGH_FOR_LINES)[:, None], linear, nearest)
+    return np.where((count >= _ENOUGH_FOR_SQUARES)[:, None], quadratic, linear), linear
+
+
+def _solve(basis: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return the donors' weights in a weighted least-squares fit's value at the origin (n_new, n_donors)."""
+    weighted = basis * weight[..., None]
+    moment = weighted.transpose(0, 2, 1) @ basis
+    ridge = _RIDGE * np.maximum(np.trace(moment, axis1=1, axis2=2), 1e-300)
+    diagonal = np.arange(basis.shape[-1])
+    moment[:, diagonal, diagonal] += ridge[:, None]
+    unit = np.zeros((*moment.shape[:2], 1))
+    unit[:, 0] = 1.0
+    return np.asarray((weighted @ np.linalg.solve(moment, unit))[..., 0])
+
+
+class _NearCells:
+    """Pairs of cells that are at most RINGS neighbours apart."""
+
+    def __init__(self, cells: IndexArray) -> None:
+        n_cells, n_corners = cells.shape
+        row = np.repeat(np.arange(n_cells), n_corners)
+        ones = np.ones(cells.size, dtype=np.int32)
+        at_node = scipy.sparse.csr_array((ones, (row, cells.ravel())), shape=(n_cells, int(cells.max()) + 1))
+        beside = at_node @ at_node.T
+        near = beside
+        for _ in range(RINGS - 1):
+            near = near @ beside
+            near.data[:] = 1
+        pairs = near.tocoo()
+        self._n = n_cells
+        self._keys = np.sort(pairs.row.astype(np.int64) * n_cells + pairs.col)
+
+    def are_near(self, home: IndexArray, cells: IndexArray) -> BoolArray:
+        """Say which cells (n, k) are near those of home (n,)."""
+        wanted = home[:, None].astype(np.int64) * self._n + cells
+        at = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        return np.asarray(self._keys[at] == wanted)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where points lie in a mesh of quadrilaterals."""
+
+    cell: IndexArray
+    """(n,)."""
+    nodes: IndexArray
+    """Corners of the triangle of that cell (n, 3)."""
+    share: FloatArray
+    """Barycentric coordinates in it (n, 3); negative ones for points outside the mesh."""
+
+    def interpolate(self, values: FloatArray) -> FloatArray:
+        """Return values of the nodes (n_nodes, m) at the points (n, m)."""
+        return np.asarray(np.einsum("na,nam->nm", self.share, values[self.nodes]))
+
+
+def locate(points: FloatArray, cells: IndexArray, wanted: FloatArray, candidates: int = 16) -> Places:
+    """Find the quadrilateral in which, or nearest to which, each wanted point (n, 2) lies."""
+    centre = points[cells].mean(axis=1)
+    _, near = cKDTree(centre).query(wanted, k=min(candidates, len(cells)))
+    near = near.reshape(len(wanted), -1)
+    best = np.full(len(wanted), -np.inf)
+    cell, nodes = np.zeros(len(wanted), dtype=np.intp), np.zeros((len(wanted), 3), dtype=np.intp)
+    share = np.zeros((len(wanted), 3))
+    for column in near.T:
+        for corners in ((0, 1, 2), (0, 2, 3)):
+            triangle = cells[column][:, list(corners)]
+            a, b, c = points[triangle].transpose(1, 0, 2)
+            u, v, w = b - a, c - a, wanted - a
+            double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+            safe = np.where(np.abs(double) > 1e-300, double, 1e-300)
+            s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / safe
+            t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / safe
+            found = np.stack([1.0 - s - t, s, t], axis=1)
+            # how far outside the triangle [mm], so that flat ones do not win from afar
+            inside = found.min(axis=1)
+            rank = np.where(inside >= -1e-12, 1.0, inside * np.sqrt(np.abs(double)))
+            rank = np.where(double > 0.0, rank, -np.inf)
+            better = rank > best
+            best[better], cell[better], nodes[better], share[better] = (
+                rank[better], column[better], triangle[better], found[better],
+            )  # fmt: skip
+    return Places(cell, nodes, share)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When to mesh anew: before the mesh is of no more use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import FloatArray, IndexArray
+from presswork.remesh.fill import SizeField, measure_quality
+
+TOO_LONG = 1.5
+"""Edge on the boundary over the size wanted there."""
+TOO_DEEP = 0.08
+"""Depth to which a tool cuts an edge, over its length."""
+
+
+def find_flat_cell(position: FloatArray, increment: FloatArray, cells: IndexArray, least: float) -> str | None:
+    """Say which cell will be flat after another increment like the last (n_points, 2) [mm], or is now."""
+    expected = np.minimum(measure_quality(position, cells), measure_quality(position + increment, cells))
+    worst = int(np.argmin(expected))
+    if expected[worst] >= least:
+        return None
+    x, y = position[cells[worst]].mean(axis=0)
+    return f"a cell near ({x:.4g}, {y:.4g}) of quality {expected[worst]:.2g} after the next increment"
+
+
+def find_long_edge(line: FloatArray, size: SizeField) -> str | None:
+    """Say which edge of a closed line (n, 2) is too long for the tools ahead of it or the metal beneath it."""
+    after = np.roll(line, -1, axis=0)
+    middle = 0.5 * (line + after)
+    ratio = np.linalg.norm(after - line, axis=1) / size(middle)
+    worst = int(np.argmax(ratio))
+    if ratio[worst] <= TOO_LONG:
+        return None
+    x, y = middle[worst]
+    return f"an edge {ratio[worst]:.2g} times too long near ({x:.4g}, {y:.4g})"
+
+
+def find_cut_edge(line: FloatArray, profiles: Sequence[FloatArray]) -> str | None:
+    """Say which edge of a closed line (n, 2) lies too deep in a tool between its nodes."""
+    after = np.roll(line, -1, axis=0)
+    middle = np.ascontiguousarray(0.5 * (line + after))
+    length = np.linalg.norm(after - line, axis=1)
+    for profile in profiles:
+        gap, *_ = _core.touch_profile(np.ascontiguousarray(profile), middle)
+        worst = int(np.argmin(gap / length))
+        if gap[worst] < -TOO_DEEP * length[worst]:
+            x, y = middle[worst]
+            return f"a tool {-gap[worst]:.2g} mm deep in an edge near ({x:.4g}, {y:.4g})"
+    return None

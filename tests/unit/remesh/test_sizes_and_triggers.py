@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How large cells are to be, and when the mesh is no longer good enough."""
+
+import numpy as np
+import pytest
+
+from presswork.remesh.size_field import GRADATION, GradedSize, SizeSources, grade, metal_thickness, tool_curvature
+from presswork.remesh.triggers import find_cut_edge, find_flat_cell, find_long_edge
+
+# a block 10 x 4 whose right half is a flash of thickness 0.8 above the plane y = 0
+SECTION = np.array(
+    [[0, 0], [2, 0], [5, 0], [7, 0], [10, 0], [10, 0.8], [7, 0.8], [5, 0.8], [5, 4], [0, 4]], dtype=float
+)
+ROUNDED = np.array([[8, 5, 6, 5, 0, 0, 0], [6, 5, 5, 6, 6, 6, -1], [5, 6, 5, 9, 0, 0, 0]], dtype=float)
+
+
+def test_size_grows_from_its_sources_by_the_gradation_only():
+    sources = SizeSources(np.array([[0.0, 0.0], [4.0, 0.0]]), np.array([0.2, 0.5]))
+    at = np.array([[0, 0], [1, 0], [4, 0], [4, 1], [90, 0]], dtype=float)
+    size = grade(at, sources, 1.0, 0.1)
+    expected = np.minimum(
+        1.0, np.min(sources.size + GRADATION * np.linalg.norm(at[:, None] - sources.place, axis=2), axis=1)
+    )
+    assert (size <= expected + 1e-12).all()
+    np.testing.assert_allclose(size, expected, rtol=0.15)
+    field = GradedSize(at[:4], sources, 1.0, 0.1)
+    np.testing.assert_allclose(field(at[:4]), size[:4], atol=0.03)
+
+
+def test_thickness_is_measured_inwards_and_doubled_at_a_symmetry_plane():
+    in_plane = np.zeros(len(SECTION), dtype=bool)
+    in_plane[:4] = True
+    thickness = metal_thickness(SECTION, in_plane)
+    np.testing.assert_allclose(thickness[5:7], 1.6)
+    assert thickness[8] == pytest.approx(8.0)
+    assert np.isinf(thickness[:4]).all()
+
+
+def test_tool_radius_counts_where_the_metal_comes_near_only():
+    near = tool_curvature(SECTION, ROUNDED, 1.5, 0.1)
+    assert near.size.min() == pytest.approx(0.4, rel=1e-6)
+    assert np.abs(np.hypot(near.place[:, 0] - 6, near.place[:, 1] - 6) - 1).max() < 1e-6
+    assert len(tool_curvature(SECTION - [0, 30], ROUNDED, 1.5, 0.1).size) == 0
+
+
+def test_triggers_name_the_cell_and_the_edge():
+    points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [2, 1]], dtype=float)
+    cells = np.array([[0, 1, 2, 3], [1, 4, 5, 2]])
+    move = np.zeros_like(points)
+    assert find_flat_cell(points, move, cells, 0.2) is None
+    move[4:, 0] = -0.95
+    assert "(1.5, 0.5)" in find_flat_cell(points, move, cells, 0.2)
+    square = points[:4]
+    assert find_long_edge(square, lambda p: np.full(len(p), 0.8)) is None
+    assert "near (" in find_long_edge(square, lambda p: np.where(p[:, 1] > 0.9, 0.5, 0.8))
+    pin = np.array([[0.5, 0.2, 0.5, -0.2, 0.5, 0.0, -1], [0.5, -0.2, 0.5, 0.2, 0.5, 0.0, -1]])
+    flat = np.array([[0, 1.0], [-1, 1], [-1, 0], [0, 0], [1, 0], [1, 1]], dtype=float)
+    assert "0.2 mm deep" in find_cut_edge(
+        flat, [np.array([[0.3, 0, 0.7, 0, 0.5, 0, -1], [0.7, 0, 0.3, 0, 0.5, 0, -1]])]
+    )
+    assert find_cut_edge(flat, [pin - [0, 5, 0, 5, 0, 5, 0]]) is None

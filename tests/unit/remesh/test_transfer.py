@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values from the points of one mesh to those of another."""
+
+import numpy as np
+import pytest
+
+from presswork.remesh.fill import fill_with_quadrilaterals
+from presswork.remesh.transfer import find_transfer, locate, place_points
+
+SIZE = 0.05
+
+
+def random_mesh(seed):
+    """The unit square with cells of about SIZE, whose inner nodes are shaken."""
+    random = np.random.default_rng(seed)
+    size = SIZE * random.uniform(0.93, 1.07)
+    n = 2 * round(0.5 / size)
+    corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
+    sides = zip(corners, np.roll(corners, -1, axis=0), strict=True)
+    line = np.concatenate([a + (np.arange(n) / n)[:, None] * (b - a) for a, b in sides])
+    points, cells = fill_with_quadrilaterals(line, lambda p: np.full(len(p), size))
+    points[len(line) :] += size * random.uniform(-0.15, 0.15, (len(points) - len(line), 2))
+    return points, cells
+
+
+def carry(old, new, values):
+    """Carry values at the integration points of one mesh to those of another."""
+    start, end = (place_points(*mesh, 4).reshape(-1, 2) for mesh in (old, new))
+    home = locate(*old, end).cell
+    return end, find_transfer(start, end, old[1], home, np.repeat(np.arange(len(old[1])), 4)).apply(values)
+
+
+def test_twenty_remeshings_keep_a_band_and_linear_states():
+    """Across the band the value falls to 1/e within two cells.
+
+    Marks: 0.45 % after one remeshing and 3.0 % after twenty are what the scheme was chosen by; nearest points lose
+    8 % and 29 % here. A constant state stays to the last bit but for round-off, a linear one to 1e-10.
+    """
+
+    def band(points):
+        return np.exp(-(((points @ [1.0, 0.6] - 0.8) / np.hypot(1, 0.6) / (2 * SIZE)) ** 2))
+
+    mesh = random_mesh(0)
+    points = place_points(*mesh, 4).reshape(-1, 2)
+    values = np.stack([band(points), 1 + points @ [2.0, -3.0], np.full(len(points), 7.0)], axis=1)
+    errors = []
+    for seed in range(1, 21):
+        other = random_mesh(seed)
+        points, values = carry(mesh, other, values)
+        mesh = other
+        exact = band(points)
+        errors.append(np.linalg.norm(values[:, 0] - exact) / np.linalg.norm(exact))
+    assert errors[0] < 0.0045
+    assert errors[-1] < 0.030
+    assert np.abs(values[:, 1] - 1 - points @ [2.0, -3.0]).max() < 1e-10
+    assert np.abs(values[:, 2] - 7).max() < 1e-12
+
+
+def test_results_stay_within_the_range_of_the_donors_beside_a_jump():
+    mesh, other = random_mesh(3), random_mesh(4)
+    start = place_points(*mesh, 4).reshape(-1, 2)
+    inner = place_points(*other, 4).reshape(-1, 2)
+    _, found = carry(mesh, other, (start[:, :1] > 0.5).astype(float))
+    away = (np.abs(inner - 0.5) < 0.4).all(axis=1)  # near the line the linear fit may reach beyond
+    assert found[away].min() > -0.2
+    assert found[away].max() < 1.2
+    far = np.abs(inner[:, 0] - 0.5) > 4 * SIZE
+    np.testing.assert_allclose(found[far, 0], inner[far, 0] > 0.5, atol=1e-12)
+
+
+def test_values_do_not_cross_a_fold():
+    """Two arms 0.02 apart that hang together at their foot only, one cold and one hot."""
+    shape = np.array([[0, 0], [2.02, 0], [2.02, 3], [1.02, 3], [1.02, 1], [1.0, 1], [1.0, 3], [0, 3]])
+
+    def mesh(size):
+        sides = []
+        for a, b in zip(shape, np.roll(shape, -1, axis=0), strict=True):
+            n = 2 * max(1, round(np.linalg.norm(b - a) / size / 2))
+            sides.append(a + (np.arange(n) / n)[:, None] * (b - a))
+        return fill_with_quadrilaterals(np.concatenate(sides), lambda p: np.full(len(p), size))
+
+    old, new = mesh(0.1), mesh(0.085)
+    start = place_points(*old, 4).reshape(-1, 2)
+    end, found = carry(old, new, (start[:, :1] > 1.01).astype(float))
+    arms = end[:, 1] > 1.8
+    np.testing.assert_allclose(found[arms, 0], end[arms, 0] > 1.01, atol=1e-12)
+
+
+def test_few_donors_give_a_linear_fit_then_the_nearest_value():
+    points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.4]])
+    linear = find_transfer(points, np.array([[0.3, 0.6]])).apply(points @ [[2.0], [1.0]])
+    assert linear[0, 0] == pytest.approx(1.2, abs=1e-9)
+    assert find_transfer(points[:2], np.array([[0.8, 0.2]])).apply(np.array([[3.0], [5.0]]))[0, 0] == 5.0
+
+
+def test_nodes_are_located_and_linear_fields_continued_a_little_beyond():
+    points, cells = random_mesh(5)
+    wanted = np.array([[0.31, 0.77], [0.0, 0.5], [1.01, 0.2], [-0.003, -0.004]])
+    places = locate(points, cells, wanted)
+    np.testing.assert_allclose(places.interpolate(points @ [[2.0], [3.0]])[:, 0], wanted @ [2.0, 3.0], atol=1e-12)
+    assert places.share[0].min() >= 0
