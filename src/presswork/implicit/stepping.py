@@ -193,6 +193,29 @@ class ImplicitProcedure:
         while int(self.state.progress[STAGE]) < len(self.model.stages):
             yield self._next_increment()
 
+    def present_step(self) -> Step:
+        """Return the step of no length at which the converged state is."""
+        stage, fraction = int(self.state.progress[STAGE]), float(self.state.progress[FRACTION])
+        return Step(stage - 1, 1.0, 1.0) if fraction == 0.0 and stage > 0 else Step(stage, fraction, fraction)
+
+    def balance_at_rest(self) -> Converged | Failed:
+        """Find equilibrium of a State that comes from another mesh, with tools and loads as they are."""
+        step, state_n = self.present_step(), self.state
+        trial = state_n.duplicate()
+        outcome = self.equilibrium.solve(state_n, trial, step, np.zeros_like(state_n.increment))
+        if isinstance(outcome, Failed):
+            return outcome
+        self.mechanics.settle(state_n, trial)
+        for interaction in self.interactions.all:
+            interaction.commit(state_n, trial, step)
+        for interaction in self.interactions.all:
+            add_work(trial, interaction.work(state_n, trial))
+        trial.work[PLASTIC] += self.mechanics.plastic_work(state_n, trial, 0.0)
+        trial.progress[ITERATIONS] += len(outcome.log)
+        trial.increment = state_n.increment
+        self.state = trial
+        return outcome
+
     def _next_increment(self) -> IncrementReport:
         progress = self.state.progress
         stage, fraction_n = int(progress[STAGE]), float(progress[FRACTION])

@@ -44,6 +44,7 @@ from presswork.model.material import (
 from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
+from presswork.model.remeshing import Remeshing
 from presswork.model.settings import (
     Displacements,
     ExplicitSheet,
@@ -135,6 +136,7 @@ __all__ = [
     "Radiation",
     "Rate",
     "Refinement",
+    "Remeshing",
     "Section",
     "ShellElement",
     "ShellPressure",

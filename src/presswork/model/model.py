@@ -14,6 +14,7 @@ from presswork.model.heat import Heat
 from presswork.model.limits import Limits
 from presswork.model.material import Material
 from presswork.model.mesh import Mesh, Section
+from presswork.model.remeshing import Remeshing
 from presswork.model.settings import ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
 from presswork.model.sheet import Refinement, Springback, TrimLine
 from presswork.model.stage import Stage, Support
@@ -61,6 +62,8 @@ class Model:
     heat: Heat | None = None
     """Of bodies that conduct heat and do not deform; None: temperatures are those of the materials' own heating."""
     limits: Limits = field(default_factory=Limits)
+    remeshing: Remeshing | None = None
+    """Of a solid in the plane or in axisymmetry; None: one mesh to the end."""
     case_text: str = ""
     """The case file as read, kept with the results."""
 

@@ -24,7 +24,7 @@ def integrate_contact_force(result: Result, tool: str | None = None, step: int =
     held = result.field("contact_status", step) > 0
     is_ring = result.info["analysis"] == "axisymmetric"
     surface = ContactSurface(
-        result.mesh.boundary_edges.astype(np.int32),
+        result.mesh_at(step).boundary_edges.astype(np.int32),
         result.points(step),
         held,
         result.field("gap", step),

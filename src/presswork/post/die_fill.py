@@ -47,7 +47,7 @@ def measure_die_fill(
     if not inside.any():
         raise ResultError(f"no part of tool {tool} lies between x = {low:g} and {high:g} mm")
     points, lengths = points[inside], lengths[inside]
-    edges = result.mesh.boundary_edges
+    edges = result.mesh_at(step).boundary_edges
     order = [0, 1] if edges.shape[1] == 2 else [0, 2, 1]
     surface = list(result.points(step)[edges[:, order]])
     gap = distance_to_profile(points, surface)

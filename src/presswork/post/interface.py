@@ -50,7 +50,7 @@ def trace_interface(result: Result, tool: str | None = None, step: int = -1) -> 
         touching |= np.any(force.reshape(len(force), -1) != 0, axis=1)
     if tool is not None:
         touching &= _nearest_tool(result, points, tool, step)
-    patches = order_along_boundary(points, result.mesh.boundary_edges, touching)
+    patches = order_along_boundary(points, result.mesh_at(step).boundary_edges, touching)
     nodes = np.concatenate([np.zeros(0, dtype=np.int64), *patches])
     has_limit = "friction_limit" in result.field_names
     limit = result.field("friction_limit", step) if has_limit else np.zeros(len(points))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.model import FloatArray
+from presswork.model import FloatArray, IndexArray
 from presswork.post import average_to_nodes
 from presswork.results import Result
 from presswork.view.cells import outline_cells, triangulate
@@ -41,7 +41,7 @@ def plot_mesh(
     _prepare(ax, result, step, mirror)
     ax.set_title(describe_step(result, step), fontsize="medium")
     points = result.points(step)
-    outlines = outline_cells(result.mesh, points)
+    outlines = outline_cells(result.mesh_at(step), points)
     if field is None:
         _draw_cells(ax, outlines, None, mirror, show_edges, bare=True)
         return ax
@@ -66,8 +66,8 @@ def plot_contours(
     ax.set_title(describe_step(result, step), fontsize="medium")
     points, values = result.points(step), result.scalar(field, step)
     if result.kind(field) == "cell":
-        values = average_to_nodes(points, [block.connectivity for block in result.mesh.blocks], values)
-    triangles = triangulate(result.mesh)
+        values = average_to_nodes(points, [block.connectivity for block in result.mesh_at(step).blocks], values)
+    triangles = triangulate(result.mesh_at(step))
     triangles = triangles[np.isfinite(values[triangles]).all(axis=1)]
     if len(triangles) == 0:
         ax.text(0.5, 0.5, "no finite values", transform=ax.transAxes, ha="center")
@@ -81,7 +81,7 @@ def plot_contours(
         net = Triangulation(x, y, triangles)
         drawn = ax.tricontourf(net, shown, levels=levels, cmap=COLOURS, zorder=1)
         ax.tricontour(net, shown, levels=levels, colors="k", linewidths=0.25, zorder=1.5)
-        _draw_boundary(ax, result, points, sign, mirror)
+        _draw_boundary(ax, result.mesh_at(step).boundary_edges, points, sign, mirror)
     _tell_extremes(ax, result, values, points, step)
     _add_colour_bar(ax, drawn, label_field(result, field))
     return ax
@@ -195,7 +195,7 @@ def _shade_points(ax: Axes, result: Result, values: FloatArray, step: int, mirro
     """Colour the body smoothly by values at its points (n_points,)."""
     from matplotlib.tri import Triangulation
 
-    points, triangles = result.points(step), triangulate(result.mesh)
+    points, triangles = result.points(step), triangulate(result.mesh_at(step))
     shown = np.nan_to_num(values)
     for sign in IMAGES[mirror]:
         x, y = (points * sign).T
@@ -204,11 +204,10 @@ def _shade_points(ax: Axes, result: Result, values: FloatArray, step: int, mirro
     return drawn
 
 
-def _draw_boundary(ax: Axes, result: Result, points: FloatArray, sign: tuple[int, int], mirror: Mirror) -> None:
+def _draw_boundary(ax: Axes, edges: IndexArray, points: FloatArray, sign: tuple[int, int], mirror: Mirror) -> None:
     """Draw the edge of the body, or of one of its images, but for what lies in a mirror."""
     from matplotlib.collections import LineCollection
 
-    edges = result.mesh.boundary_edges
     for axis, name in enumerate("xy"):
         if name in mirror:
             edges = edges[np.any(np.abs(points[edges, axis]) > 1e-6 * np.ptp(points), axis=1)]

@@ -12,6 +12,7 @@ from presswork.case.solid import schema
 from presswork.case.solid.bodies import check_bodies, list_bodies
 from presswork.case.solid.explicit_checks import check_procedure
 from presswork.case.solid.law_checks import check_laws
+from presswork.case.solid.remesh import check_remesh
 from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_rectangle, explain_shortage
@@ -22,7 +23,7 @@ MOST_CELLS = 20_000_000
 
 def check_references(case: schema.Case) -> list[Problem]:
     """Return the problems that show without the mesh."""
-    problems = check_bodies(case) + check_procedure(case)
+    problems = check_bodies(case) + check_procedure(case) + check_remesh(case)
     for key, body in list_bodies(case).values():
         problems += _check_body(case, key, body)
     if case.analysis == "axisymmetric" and case.depth != 1.0:

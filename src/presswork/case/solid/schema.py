@@ -30,6 +30,7 @@ from presswork.case.part import Part, ShortForm
 from presswork.case.settings import Output, Solver
 from presswork.case.solid.contact import Contact, require_friction
 from presswork.case.solid.explicit import ExplicitSolver
+from presswork.case.solid.remesh import Remesh
 from presswork.case.solid.workpiece import Workpiece
 from presswork.case.units import (
     Angle,
@@ -403,6 +404,9 @@ class Case(CaseFile):
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     explicit: ExplicitSolver = Field(
         default=ExplicitSolver(), description="how the explicit procedure steps through time"
+    )
+    remesh: Remesh | None = Field(
+        default=None, description="mesh the workpiece anew where its mesh would fail; [remesh] without keys suffices"
     )
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs whose mesh changes: from case to results, the same bits, resumed in between, every key with an effect."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from presswork import Case, CaseError, build_model
+from presswork.mesh.topology import find_boundary_edges
+from presswork.outcome import StartError
+from presswork.post import measure_die_fill
+from presswork.process.remeshing import RemeshedForming
+from presswork.recorder import run_model
+from presswork.results import Result, read_history
+
+HEIGHT = 15.0
+
+
+def upsetting(stroke=4.5, cells=(8, 12), remesh=None, contact=None, **changes):
+    """The quarter section of a billet under a flat platen."""
+    tool = {"profile": [[0, HEIGHT], [40, HEIGHT]], **(contact or {"contact": "shear", "m": 0.15})}
+    return Case(
+        **{
+            "title": "upsetting",
+            "analysis": "axisymmetric",
+            "workpiece": {"material": "steel", "mesh": {"size": [10, HEIGHT], "cells": cells}},
+            "materials": {
+                "steel": {
+                    "young": 2e5,
+                    "poisson": 0.3,
+                    "hardening": {"law": "linear", "yield_stress": 700, "modulus": 300},
+                }
+            },
+            "tools": {"punch": tool},
+            "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
+            "stages": [{"name": "press", "tools": {"punch": {"stroke": stroke, "direction": [0, -1]}}}],
+            "output": {"steps": 3},
+            "remesh": remesh,
+        }
+        | changes
+    )
+
+
+@pytest.fixture(scope="module")
+def remeshed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("remeshed") / "run"
+    assert run_model(build_model(upsetting(remesh={"every": 0.2})), folder, threads=1).status == "completed"
+    return folder
+
+
+def test_history_counts_cells_and_meshes_and_steps_keep_theirs(remeshed):
+    result, history = Result(remeshed), read_history(remeshed / "history.csv")
+    assert history["remeshes"][-1] == result.summary["remeshes"] == 4
+    assert len(np.unique(history["cells"])) > 1
+    meshes = [len(result.mesh_at(step).blocks[0].connectivity) for step in range(len(result.times))]
+    assert meshes[0] == 96
+    assert meshes[-1] == history["cells"][-1]
+    for step in range(len(result.times)):
+        x, y = result.points(step).T
+        top = HEIGHT - result.tool_displacement("punch", step)[1] * -1
+        assert y.max() == pytest.approx(top, abs=1e-6)
+        assert x.min() == 0.0
+        assert y.min() == 0.0
+
+
+def test_displacements_count_from_the_start_of_the_run(remeshed):
+    """The results' points are where the material was: they fill the billet as it was, and follow its flow."""
+    result = Result(remeshed)
+    start = result.mesh_at(-1).points
+    assert start.min() > -0.05
+    assert start[:, 0].max() == pytest.approx(10, abs=0.05)
+    assert start[:, 1].max() == pytest.approx(HEIGHT, abs=0.05)
+    moved = result.field("displacement")
+    assert moved[:, 1].min() == pytest.approx(-4.5, abs=0.06)
+    assert np.corrcoef(start[:, 1], moved[:, 1])[0, 1] < -0.95
+
+
+def test_volume_and_energy_are_kept(remeshed):
+    summary = Result(remeshed).summary
+    volume = summary["volume"]
+    assert volume["change_percent"] - volume["elastic_part_percent"] == pytest.approx(0.0, abs=0.01)
+    assert abs(summary["energy"]["error_percent"]) < 1.0
+
+
+def test_resumed_between_meshes_gives_the_same_bits(remeshed, tmp_path):
+    model = build_model(upsetting(remesh={"every": 0.2}, output={"steps": 3, "checkpoint_every": 1}))
+    half = int(read_history(remeshed / "history.csv")["increment"][-1]) // 2
+
+    def stop(progress):
+        if progress.text.startswith(f"press: increment {half},"):
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "run", threads=1, on_increment=stop).status == "interrupted"
+    assert 0 < read_history(tmp_path / "run" / "history.csv")["remeshes"][-1] < 4
+    assert run_model(model, tmp_path / "run", threads=1, resume=True).status == "completed"
+    assert (tmp_path / "run" / "history.csv").read_bytes() == (remeshed / "history.csv").read_bytes()
+    for field in ("displacement", "equivalent_plastic_strain", "contact_pressure"):
+        one, other = (Result(folder).field(field) for folder in (remeshed, tmp_path / "run"))
+        assert one.tobytes() == other.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("base", "change"),
+    [
+        ({"every": 0.3}, {"size": 0.8}),
+        ({"every": 0.3, "size": 0.8}, {"smallest_size": 0.6}),
+        ({"every": 0.3, "size": 0.8}, {"max_cells": 60}),
+        ({"size": 0.8}, {"quality": 0.55}),
+        ({}, {"every": 0.3}),
+    ],
+)
+def test_every_key_changes_the_meshes(base, change):
+    """The punch has a rounded edge, which small cells follow."""
+    profile = [[0, HEIGHT], {"to": [6, HEIGHT], "radius": 0.8}, [6, 30]]
+    contact = {"profile": profile, "contact": "frictionless"}
+
+    def count(keys):
+        recording = RemeshedForming(build_model(upsetting(3.0, remesh=keys, contact=contact)), threads=1)
+        return [(row["cells"], row["remeshes"]) for row in map(recording.row, recording.advance())]
+
+    assert count(base) != count(base | change)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"workpiece": {"material": "steel", "element": "tri6_7pt", "mesh": {"size": [10, 15], "cells": [4, 4]}}},
+         "workpiece.element"),
+        ({"solver": {"inertia": 1.0}}, "solver.inertia"),
+        ({"remesh": {"size": 1.0, "smallest_size": 2.0}}, "remesh.smallest_size"),
+        ({"stages": [{"name": "press", "displacement": [{"set": "top", "component": "y", "value": -1.0}]}]},
+         "stages.0.displacement"),
+    ],
+)  # fmt: skip
+def test_what_does_not_go_together_is_told_by_its_key(changes, key):
+    with pytest.raises(CaseError) as error:
+        build_model(upsetting(**({"remesh": {}} | changes)))
+    assert key in str(error.value)
+
+
+def test_a_section_with_a_hole_is_refused_before_anything_is_computed():
+    model = build_model(upsetting(remesh={}))
+    mesh = model.mesh
+    block = replace(mesh.blocks[0], connectivity=np.delete(mesh.blocks[0].connectivity, 43, axis=0))
+    holed = replace(mesh, blocks=(block,), boundary_edges=find_boundary_edges([block.connectivity]))
+    with pytest.raises(StartError, match="one closed line"):
+        RemeshedForming(replace(model, mesh=holed), threads=1)
+
+
+def test_die_fill_is_measured_on_the_mesh_of_its_step(remeshed):
+    fill = measure_die_fill(Result(remeshed), "punch", x_range=(0, 8))
+    assert fill.filled == pytest.approx(1.0)
