@@ -116,7 +116,8 @@ void bind_element(nb::module_& m) {
         } else {
           const Umat* umat = std::get<const Umat*>(law);
           require(element.evaluate_umat, "this element does not take a law from a shared library");
-          used_law = umat, block.n_history = umat->n_state + UmatHistory::size;
+          used_law = umat,
+          block.n_history = umat->n_state + (element.dim() == 3 ? UmatHistory<6>::size : UmatHistory<4>::size);
         }
         if (block.n_history > 0) {
           const std::size_t rows = q * block.n_history;

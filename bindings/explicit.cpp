@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/variant.h>
 
 #include "arrays.hpp"
 #include "drawbeads.hpp"
@@ -16,12 +17,23 @@ namespace {
 using namespace explicit_dynamics;
 using namespace shell_state;
 
-ShellSection make_section(const Owned<SheetLaw>& law, double density, std::vector<double> height,
+// Of a law of our own, or of one from a shared library.
+using GivenLaw = std::variant<const Owned<SheetLaw>*, const Umat*>;
+
+ShellSection make_section(GivenLaw given, std::array<double, 2> elastic, double density, std::vector<double> height,
                           std::vector<double> weight, bool tabulated, Treatment treatment, bool viscous,
                           std::array<double, 3> hourglass) {
   require(height.size() == weight.size() && !height.empty(), "height and weight must have the same length, not 0");
-  ShellSection section{
-      GeneralSheet{law.view}, law.data, {std::move(height), std::move(weight)}, density, treatment, {}};
+  const ShellControl control{hourglass[0], hourglass[1], hourglass[2], viscous, density};
+  LayerRule rule{std::move(height), std::move(weight)};
+  if (const auto* umat = std::get_if<const Umat*>(&given)) {
+    require(elastic[0] > 0.0, "a law from a shared library needs its young and poisson");
+    auto own = std::make_shared<const Umat>(**umat);
+    const UserSheet user{{own.get(), elastic[0], elastic[1]}};
+    return {user, {std::move(own)}, std::move(rule), density, treatment, control};
+  }
+  const Owned<SheetLaw>& law = *std::get<const Owned<SheetLaw>*>(given);
+  ShellSection section{GeneralSheet{law.view}, law.data, std::move(rule), density, treatment, control};
   if (tabulated) {
     if (auto fast = find_fast_law(law)) {
       section.law = fast->view, section.law_data = std::move(fast->data);
@@ -31,7 +43,6 @@ ShellSection make_section(const Owned<SheetLaw>& law, double density, std::vecto
       section.law = GeneralSheet{looked_up.view}, section.law_data = std::move(looked_up.data);
     }
   }
-  section.control = {hourglass[0], hourglass[1], hourglass[2], viscous, density};
   return section;
 }
 
@@ -42,9 +53,12 @@ void make_loop(ShellLoop<Real>* self, Doubles points) {
 }
 
 template <class Real>
-void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, const Owned<SheetLaw>& law,
-                double density, std::vector<double> height, std::vector<double> weight, bool tabulate,
-                Treatment treatment, bool viscous, std::array<double, 3> hourglass) {
+void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, GivenLaw law, double density,
+                std::vector<double> height, std::vector<double> weight, bool tabulate, Treatment treatment,
+                bool viscous, std::array<double, 3> hourglass, std::array<double, 2> elastic, std::vector<int> number) {
+  require((std::is_same_v<Real, double>) || std::holds_alternative<const Owned<SheetLaw>*>(law),
+          "a law from a shared library computes in double precision");
+  require(number.empty() || number.size() == connectivity.shape(0), "number must have shape (n)");
   require(connectivity.ndim() == 2 && connectivity.shape(0) > 0, "connectivity must have shape (n, 3 or 4), n > 0");
   const std::size_t n = connectivity.shape(0), each = connectivity.shape(1);
   require(each == 3 || each == 4, "connectivity must have shape (n, 3 or 4), n > 0");
@@ -52,8 +66,9 @@ void add_shells(ShellLoop<Real>& self, Ints connectivity, Doubles thickness, Dou
   require(axis.ndim() == 2 && axis.shape(0) == n && axis.shape(1) == 3, "axis must have shape (n, 3)");
   std::vector<int> cells(connectivity.data(), connectivity.data() + each * n);
   for (int node : cells) require(node >= 0 && node < self.nodes.n, "connectivity names a node that is not there");
-  auto section =
-      make_section(law, density, std::move(height), std::move(weight), tabulate, treatment, viscous, hourglass);
+  auto section = make_section(law, elastic, density, std::move(height), std::move(weight), tabulate, treatment, viscous,
+                              hourglass);
+  section.number = std::move(number);
   if (each == 4 && treatment == Treatment::mitc)
     self.add(make_mitc_shells<Real>(self.nodes, std::move(section), std::move(cells), thickness.data(), axis.data()));
   else
@@ -75,7 +90,7 @@ auto advance(ShellLoop<Real>& self, double dt, Doubles force_scale, Doubles velo
   nb::gil_scoped_release release;
   const auto failure =
       self.advance(static_cast<int>(force_scale.size()), dt, damping, force_scale.data(), velocity_scale.data());
-  return std::make_tuple(failure.element, failure.cycle);
+  return std::make_tuple(failure.element, failure.cycle, failure.told);
 }
 
 // Positions, state, contact; then the forces there, of elements and tools.
@@ -140,7 +155,14 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
            nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),
            nb::arg("tabulate") = true, nb::arg("treatment") = Treatment::plain, nb::arg("viscous") = false,
            nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
-           "Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come.")
+           nb::arg("elastic") = std::array<double, 2>{0.0, 0.0}, nb::arg("number") = std::vector<int>{},
+           "Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: "
+           "Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number "
+           "(n), from 0.")
+      .def_prop_rw(
+          "time", [](const Loop& self) { return self.nodes.time; },
+          [](Loop& self, double time) { self.nodes.time = time; },
+          "At the start of the next call of advance [s], for laws from shared libraries.")
       .def(
           "set_temperature",
           [](Loop& self, int block, Doubles degrees) {
@@ -162,7 +184,7 @@ void bind_loop(nb::module_& m, const char* name, const char* text) {
       .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(),
            nb::arg("damping") = 0.0,
            "Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; "
-           "returns the shell and the cycle of it, or -1, -1.")
+           "returns the shell, the cycle of it and what its law told, or -1, -1, done.")
       .def_prop_ro(
           "seconds",
           [](const Loop& self) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <nanobind/stl/variant.h>
+
 #include "arrays.hpp"
 #include "element/evaluate_shells.hpp"
 
@@ -26,12 +28,17 @@ auto tabulate(const std::string& name) {
 
 auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doubles undeformed, Doubles points,
               Doubles increment, Doubles director, Doubles layer_position, Doubles layer_weight,
-              const Owned<SheetLaw>& owned, double dt, double penalty, const std::vector<Doubles>& state_n,
-              const std::vector<MutableDoubles>& state, MutableDoubles volume, MutableDoubles force,
-              std::optional<MutableDoubles> stiffness, bool symmetric, bool small_displacements,
-              std::optional<Doubles> temperature) {
+              std::variant<const Owned<SheetLaw>*, const Umat*> given, double dt, double penalty,
+              const std::vector<Doubles>& state_n, const std::vector<MutableDoubles>& state, MutableDoubles volume,
+              MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric, bool small_displacements,
+              std::optional<Doubles> temperature, double young, double poisson, int first_cell,
+              std::optional<UmatPlace> when, LawFault* fault) {
   const auto shell = shell_named(name);
-  const SheetLaw& law = owned.view;
+  const Umat* const* umat = std::get_if<const Umat*>(&given);
+  const SheetUmat user{umat ? *umat : nullptr, young, poisson};
+  const ShellLaw law = umat ? ShellLaw(user) : ShellLaw(std::get<const Owned<SheetLaw>*>(given)->view);
+  require(law.own || (young > 0.0 && when && fault),
+          "a law from a shared library needs young, poisson, when and fault");
   const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width, freedoms = 6 * shell.nodes;
   const std::size_t q = n * shell.points, k = layer_position.size(), h = law.history_size();
   require(connectivity.ndim() == 2 && connectivity.shape(1) == std::size_t(shell.nodes),
@@ -41,7 +48,7 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
           "points must have shape (n, 3), increment (n, 6)");
   require(undeformed.size() == points.size(), "undeformed must have the shape of points");
   require(layer_weight.size() == k && k > 0, "layer positions and weights must have the same length");
-  require(h <= std::size_t(most_history), "the law keeps more values than a layer has room for");
+  require(law.user || h <= std::size_t(most_history), "the law keeps more values than a layer has room for");
   const std::size_t sizes[6] = {q, 3 * q * k, h * q * k, 2 * q * k, 2 * q, n * shell.internal};
   require(state_n.size() == 6 && state.size() == 6, "state: thickness, stress, history, direction, shear, internal");
   for (int i = 0; i < 6; ++i)
@@ -83,12 +90,16 @@ auto evaluate(const std::string& name, Ints connectivity, Ints director_of, Doub
                        stiffness ? stiffness->data() : nullptr,
                        symmetric,
                        small_displacements,
-                       temperature ? temperature->data() : nullptr};
+                       temperature ? temperature->data() : nullptr,
+                       when.value_or(UmatPlace{}),
+                       first_cell};
   ShellFailure failure;
+  LawFault told;
   {
     nb::gil_scoped_release release;
-    if (n > 0) failure = evaluate_shells(shell, view, law);
+    if (n > 0) failure = evaluate_shells(shell, view, law, told);
   }
+  if (fault) *fault = told;
   return std::make_tuple(failure.cell, failure.fault);
 }
 
@@ -117,11 +128,13 @@ void bind_shell(nb::module_& m) {
       nb::arg("undeformed"), nb::arg("points"), nb::arg("increment"), nb::arg("director"), nb::arg("layer_position"),
       nb::arg("layer_weight"), nb::arg("law"), nb::kw_only(), nb::arg("dt"), nb::arg("penalty"), nb::arg("state_n"),
       nb::arg("state"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(), nb::arg("symmetric"),
-      nb::arg("small_displacements") = false, nb::arg("temperature") = nb::none(),
+      nb::arg("small_displacements") = false, nb::arg("temperature") = nb::none(), nb::arg("young") = 0.0,
+      nb::arg("poisson") = 0.0, nb::arg("first_cell") = 0, nb::arg("when") = nb::none(), nb::arg("fault") = nb::none(),
       "Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness "
       "(n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear "
       "(n_cells, q, 2)]. temperature (n_cells, q, k) [degrees C] is given at the end of the increment, without it that "
-      "of the law's start. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and "
+      "of the law's start. young and poisson are the elastic constants of a law from a shared library; what it told is "
+      "in fault. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and "
       "why.");
 }
 

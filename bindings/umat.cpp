@@ -14,7 +14,8 @@ void bind_umat(nb::module_& m) {
       .value("not_finite", LawStatus::not_finite)
       .value("overrun", LawStatus::overrun)
       .value("stopped", LawStatus::stopped)
-      .value("no_stress", LawStatus::no_stress);
+      .value("no_stress", LawStatus::no_stress)
+      .value("components", LawStatus::components);
   nb::class_<LawFault>(m, "LawFault", "The worst of what the calls of a law have told.")
       .def(nb::init<>())
       .def_ro("status", &LawFault::status)
@@ -31,8 +32,16 @@ void bind_umat(nb::module_& m) {
           },
           nb::kw_only(), nb::arg("stage") = 1, nb::arg("increment") = 1, nb::arg("stage_time") = 0.0,
           nb::arg("time") = 0.0, nb::arg("dt") = 1.0, "Counted from 1; times [s] are those of the increment's start.");
-  m.attr("umat_history_size") = static_cast<int>(UmatHistory::size);
-  m.attr("umat_history_work") = static_cast<int>(UmatHistory::work);
+  m.def(
+      "umat_history_size",
+      [](int components) {
+        require(components == 3 || components == 4 || components == 6, "a stress has 3, 4 or 6 components");
+        static_assert(UmatHistory<3>::size == UmatHistory<3>::work + 1 && UmatHistory<3>::F == 0);
+        return components == 3 ? UmatHistory<3>::size : components == 4 ? UmatHistory<4>::size : UmatHistory<6>::size;
+      },
+      nb::arg("components"),
+      "Values that a point keeps behind the state variables of a UMAT: whole deformation gradient (9) by columns, sum "
+      "of strain increments, energies (3), work of the last increment per volume.");
 
   nb::class_<Umat>(m, "Umat", "A material law from a shared library with Abaqus's UMAT interface.")
       .def(nb::init<const std::string&, const std::vector<double>&, int, UmatJacobian, bool, int>(), nb::arg("library"),
@@ -45,30 +54,37 @@ void bind_umat(nb::module_& m) {
       .def(
           "update",
           [](const Umat& law, Doubles strain, Doubles stress, Doubles state, double dt) {
-            require(strain.size() == 4 && stress.size() == 4, "strain and stress must have shape (4)");
+            const int n = static_cast<int>(strain.size());
+            require((n == 3 || n == 4 || n == 6) && stress.size() == strain.size(),
+                    "strain and stress must have shape (3), (4) or (6)");
             require(state.size() == std::size_t(law.n_state), "state must have shape (n_state)");
             UmatPoint p{};
-            std::copy_n(stress.data(), 4, p.stress);
-            std::copy_n(strain.data(), 4, p.increment);
+            std::copy_n(stress.data(), n, p.stress);
+            std::copy_n(strain.data(), n, p.increment);
             for (int i : {0, 4, 8}) p.rotation[i] = p.F_n[i] = p.F[i] = 1.0;
-            for (int i = 0; i < 3; ++i) p.F[4 * i] += strain.data()[i];
-            p.F[3] = p.F[1] = 0.5 * strain.data()[3];
+            const int normal = n == 3 ? 2 : 3;
+            for (int i = 0; i < normal; ++i) p.F[4 * i] += strain.data()[i];
+            for (int k = normal; k < n; ++k) {
+              const int i = voigt_row[k - normal + 3], j = voigt_column[k - normal + 3];
+              p.F[i + 3 * j] = p.F[j + 3 * i] = 0.5 * strain.data()[k];
+            }
             UmatPlace place;
             place.dt = dt;
             double *new_stress, *new_state, *tangent;
-            auto stresses = new_array({4}, &new_stress);
+            auto stresses = new_array({stress.size()}, &new_stress);
             auto states = new_array({state.size()}, &new_state);
-            auto tangents = new_array({4, 4}, &tangent);
+            auto tangents = new_array({stress.size(), stress.size()}, &tangent);
             std::copy_n(state.data(), state.size(), new_state);
-            const auto status = law.call(place, p, new_state);
-            std::copy_n(p.stress, 4, new_stress);
-            for (int i = 0; i < 4; ++i)
-              for (int j = 0; j < 4; ++j) tangent[4 * i + j] = p.tangent[i + 4 * j];
+            const auto status = law.call(n, place, p, new_state);
+            std::copy_n(p.stress, n, new_stress);
+            for (int i = 0; i < n; ++i)
+              for (int j = 0; j < n; ++j) tangent[n * i + j] = p.tangent[i + n * j];
             return std::make_tuple(status, stresses, states, tangents);
           },
           nb::arg("strain"), nb::arg("stress"), nb::arg("state"), nb::arg("dt") = 1.0,
-          "Call it once at a small strain increment xx, yy, zz, xy from no deformation; returns status, stress (4), "
-          "state (n_state) and tangent (4, 4).");
+          "Call it once at a small strain increment from no deformation: xx, yy, xy; xx, yy, zz, xy; or xx, yy, zz, "
+          "xy, "
+          "yz, zx (n). Returns status, stress (n), state (n_state) and tangent (n, n).");
 }
 
 }  // namespace presswork::bindings

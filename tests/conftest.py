@@ -20,6 +20,12 @@ def umat_laws(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def umat_sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The library of data/umat/sheet_mises.cpp."""
+    return compile_law(SOURCES / "sheet_mises.cpp", tmp_path_factory.mktemp("umat") / "sheet_mises.so")
+
+
+@pytest.fixture(scope="session")
 def umat_fortran(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The library of data/umat/mises_linear.f."""
     if shutil.which("gfortran") is None:

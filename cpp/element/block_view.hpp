@@ -25,7 +25,7 @@ struct BlockView {
   double* force;      // (n_packs, d nodes, pack_width) [N]
   double* stiffness;  // (n_packs, d nodes, d nodes, pack_width) [N/mm], or null
   bool symmetric;     // keep the symmetric part of the stiffness
-  // what a law keeps besides: kept_values, or, of one from a shared library, n_state + UmatHistory::size
+  // what a law keeps besides: kept_values, or, of one from a shared library, n_state + UmatHistory<c>::size
   const double* history_n = nullptr;  // (n_cells, q, n_history)
   double* history = nullptr;
   int n_history = 0;

@@ -19,7 +19,7 @@ constexpr ElementType element(std::string_view name, std::string_view descriptio
     type.evaluate_space = &evaluate_pack<dim, Cell, n_points, treatment, SolidLaw>;
   else
     type.evaluate_plane = &evaluate_pack<dim, Cell, n_points, treatment, PlaneLaw>;
-  if constexpr (dim == 2 && treatment != Treatment::one_point)
+  if constexpr (treatment != Treatment::one_point)
     type.evaluate_umat = &evaluate_pack<dim, Cell, n_points, treatment, Umat>;
   return type;
 }

@@ -3,6 +3,7 @@
 
 #include <climits>
 #include <cstring>
+#include <vector>
 
 #include "element/evaluate_block.hpp"
 
@@ -93,14 +94,18 @@ std::optional<ShellType> find_shell(std::string_view name) {
   return std::nullopt;
 }
 
-ShellFailure evaluate_shells(const ShellType& shell, const ShellView& view, const SheetLaw& law) {
+ShellFailure evaluate_shells(const ShellType& shell, ShellView view, const ShellLaw& law, LawFault& fault) {
   const int n_packs = (view.n_cells + pack_width - 1) / pack_width;
   int failed = INT_MAX;  // shell_faults cell + fault
-#pragma omp parallel for schedule(static) reduction(min : failed)
+  std::vector<LawFault> faults(law.user ? n_packs : 0);
+  view.fault = faults.data();
+  const bool shared = law.own || law.user->umat->thread_safe;
+#pragma omp parallel for schedule(static) reduction(min : failed) if (shared)
   for (int pack = 0; pack < n_packs; ++pack) {
     const auto failure = shell.evaluate_pack(view, law, pack);
     if (failure.cell >= 0) failed = std::min(failed, shell_faults * failure.cell + static_cast<int>(failure.fault));
   }
+  for (const auto& f : faults) fault.note(f.status, f.cell, f.step_factor);
   if (failed == INT_MAX) return {};
   return {failed / shell_faults, static_cast<ShellFault>(failed % shell_faults)};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Section of a shell: points through the thickness, and the two kinds of law that they can carry.
+// Section of a shell: points through the thickness, and the kinds of law that they can carry.
 //
 // In-plane tensors are kept as sum xx + yy, difference xx - yy and shear xy (of strain: engineering shear), in which
 // isotropic laws are diagonal. A law has
@@ -11,20 +11,31 @@
 //   can_fail                                   whether it may find no stress: its sum is then NaN
 #pragma once
 
-#include "material/elastic_plastic.hpp"
+#include "element/umat_layer.hpp"
 #include "material/tabulated_mises.hpp"
 
 namespace presswork {
+
+// Which shells a pack has, for laws from shared libraries, and what the calls told.
+struct ShellPlaces {
+  int first = 0;    // in the block
+  UmatLanes lanes;  // places alone; coordinates of the centre
+  LawFault fault = {};
+};
 
 // What acts on the layers of a point in a step, beside strain.
 template <class T>
 struct LayerConditions {
   double dt;                       // [s]
   const T* temperature = nullptr;  // given to each layer [degrees C]; null: that of the law's start
+  int point = 0;                   // in the plane
+  ShellPlaces* places = nullptr;   // null but for laws from shared libraries
 
   T temperature_or(double start, int layer) const { return temperature ? temperature[layer] : T(start); }
-  // those of another point in the plane
-  LayerConditions from_layer(int first) const { return {dt, temperature ? temperature + first : nullptr}; }
+  // those of another point in the plane, of so many layers each
+  LayerConditions at_point(int other, int layers) const {
+    return {dt, temperature ? temperature + other * layers : nullptr, other, places};
+  }
 };
 
 // Any SheetLaw, always in double precision. x of its frame is the frame's first axis.
@@ -73,6 +84,52 @@ struct GeneralSheet {
       narrow(advance(widen(sum, half), widen(difference, half), widen(shear, half), own, 0, wide), half, across);
       for (int i = 0; i < rows(); ++i) narrow(wide[i], half, state[i]);
     }
+    return across;
+  }
+};
+
+// A routine from a shared library, in double precision alone. A layer keeps the equivalent plastic strain, the
+// routine's state variables and UmatHistory<3>.
+struct UserSheet {
+  static constexpr bool can_fail = true;
+  SheetUmat law;
+  double young = law.young, poisson = law.poisson;
+
+  int rows() const { return 3 + law.history_size(); }
+  template <class T>
+  T young_at(const T*) const {
+    return T(young);
+  }
+
+  Pack advance(Pack sum, Pack difference, Pack shear, const LayerConditions<Pack>& now, int layer, Pack* state) const {
+    const int kept = law.history_size() - 1;
+    thread_local std::vector<double> history;
+    history.resize(std::size_t(2) * kept * pack_width);
+    UmatLanes& lanes = now.places->lanes;
+    Pack across(0.0);
+    for (int lane = 0; lane < lanes.count; ++lane) {
+      double* before = &history[std::size_t(2) * kept * lane];
+      for (int i = 0; i < kept; ++i) before[i] = state[4 + i][lane];
+      lanes.history_n[lane] = before, lanes.history[lane] = before + kept;
+      UmatPlace& place = lanes.place[lane];
+      place.dt = now.dt, place.point = now.point + 1, place.section_point = layer + 1;
+      const double strain[3] = {0.5 * (sum[lane] + difference[lane]), 0.5 * (sum[lane] - difference[lane]),
+                                shear[lane]};
+      double stress[3] = {0.5 * (state[0][lane] + state[1][lane]), 0.5 * (state[0][lane] - state[1][lane]),
+                          state[2][lane]};
+      double eqps = 0.0, thickness = 0.0;
+      UmatPoint p{};
+      const LawStatus status = umat::advance_layer(law, lanes, lane, strain, stress, eqps, thickness, p);
+      if (status != LawStatus::done) {
+        now.places->fault.note(status, now.places->first + lane, p.step_factor);
+        stress[0] = NAN;
+      }
+      state[0].set(lane, stress[0] + stress[1]), state[1].set(lane, stress[0] - stress[1]);
+      state[2].set(lane, stress[2]), state[3].set(lane, eqps), across.set(lane, thickness);
+      for (int i = 0; i < kept; ++i) state[4 + i].set(lane, lanes.history[lane][i]);
+    }
+    for (int i = 0; i < 4 + kept; ++i) umat::repeat_last(lanes.count, state[i]);
+    umat::repeat_last(lanes.count, across);
     return across;
   }
 };

@@ -211,7 +211,7 @@ template <class T, class Law>
 
     const T area = place_frame(metric, r, s, point + reference, contra), t = point[point_thickness];
     Resultants<T> found;
-    advance_section(law, rule, membrane, curvature, t, now.from_layer(q * static_cast<int>(rule.height.size())), layers,
+    advance_section(law, rule, membrane, curvature, t, now.at_point(q, static_cast<int>(rule.height.size())), layers,
                     found);
     squeeze_between_tools<4>(law, rule, room, T(0.25) * state[spring] / area, t, membrane, layers, point[pressure],
                              found);

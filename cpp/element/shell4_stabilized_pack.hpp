@@ -175,7 +175,7 @@ struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
       }
   }
 
-  static ShellFailure evaluate_pack(const ShellView& view, const SheetLaw& law, int pack) {
+  static ShellFailure evaluate_pack(const ShellView& view, const ShellLaw& law, int pack) {
     return StabilizedPack(view, law, pack).evaluate();
   }
 };

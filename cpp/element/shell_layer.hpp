@@ -8,8 +8,8 @@
 // exact. With small displacements E is the strain itself, S the stress, and nothing turns.
 #pragma once
 
+#include "element/umat_layer.hpp"
 #include "kinematics/increment.hpp"
-#include "material/elastic_plastic.hpp"
 #include "tensor/dual.hpp"
 
 namespace presswork {
@@ -91,10 +91,11 @@ void thickness_slope(T young, double poisson, const T D[3][3], T slope[3]) {
 
 // Advance a layer by the strain of small displacements; otherwise as respond_layer.
 template <class T>
-Mask<T> respond_layer_linearly(const SheetLaw& law, double dt, T temperature, const T strain[3], bool with_modulus,
-                               const Layer<T>& at, Layer<T>& end, LayerResponse<T>& out,
+Mask<T> respond_layer_linearly(const LayerLaw& layer_law, double dt, T temperature, const T strain[3],
+                               bool with_modulus, const Layer<T>& at, Layer<T>& end, LayerResponse<T>& out,
                                StressSquares<T>* squares = nullptr) {
   using V = Dual<T, 3>;
+  const ShellLaw& law = layer_law.law;
   T D[3][3], young = law.young_at(at.state[3]), trial[3];
   const T plane = young * T(1.0 / (1.0 - law.poisson * law.poisson)), shear = young * T(0.5 / (1.0 + law.poisson));
   const T elastic[3][3] = {
@@ -104,7 +105,7 @@ Mask<T> respond_layer_linearly(const SheetLaw& law, double dt, T temperature, co
     for (int j = 0; j < 3; ++j) trial[i] += elastic[i][j] * strain[j];
   }
   const LawInput<3, T> in{{strain[0], strain[1], strain[2]}, dt, temperature};
-  const Mask<T> failed = update_sheet(law, in, at.state, end.state, out.thickness_strain, with_modulus ? D : nullptr);
+  const Mask<T> failed = layer_law.update(in, at.state, end.state, out.thickness_strain, with_modulus ? D : nullptr);
   for (int i = 0; i < 2; ++i) end.direction[i] = at.direction[i];
   V tried[3], found[3];
   for (int i = 0; i < 3; ++i) {
@@ -119,15 +120,16 @@ Mask<T> respond_layer_linearly(const SheetLaw& law, double dt, T temperature, co
 
 // Advance a layer by E over dt at a given temperature, from `at` to `end`; gives the lanes in which the law failed.
 template <class T>
-Mask<T> respond_layer(const SheetLaw& law, double dt, T temperature, const T E[3], bool with_modulus,
+Mask<T> respond_layer(const LayerLaw& layer_law, double dt, T temperature, const T E[3], bool with_modulus,
                       const Layer<T>& at, Layer<T>& end, LayerResponse<T>& out, StressSquares<T>* squares = nullptr) {
   using V = Dual<T, 3>;
+  const ShellLaw& law = layer_law.law;
   T D[3][3], young = law.young_at(at.state[3]);
   const T* before = at.state;
   layer::Stretch<T> u;
   layer::stretch_from(E, u);
   const LawInput<3, T> in{{u.strain[0], u.strain[1], u.strain[2]}, dt, temperature};
-  Mask<T> failed = update_sheet(law, in, at.state, end.state, out.thickness_strain, with_modulus ? D : nullptr);
+  Mask<T> failed = layer_law.update(in, at.state, end.state, out.thickness_strain, with_modulus ? D : nullptr);
   // the frame turns with the material: g_1 goes to U g_1, seen from the turned frame
   T c = at.direction[0], s = at.direction[1];
   T x = u.inverse[1] * c - u.inverse[2] * s, y = u.inverse[0] * s - u.inverse[2] * c;  // U = adj(U^-1) det U

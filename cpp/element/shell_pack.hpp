@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "element/layered_section.hpp"
 #include "element/shell.hpp"
@@ -41,6 +42,10 @@ struct ShellView {
   bool symmetric;                       // keep the symmetric part of the stiffness
   bool small = false;                   // displacements: points and directors are the undeformed ones
   const double* temperature = nullptr;  // (n_cells, q, k) given [degrees C]; null: that of the law's start
+  // for laws from shared libraries
+  UmatPlace when = {};        // stage, increment and times
+  int first_cell = 0;         // of the block in the mesh
+  LawFault* fault = nullptr;  // (n_packs)
 };
 
 struct ShellFailure {
@@ -86,17 +91,6 @@ struct Retained {
   }
 };
 
-namespace lanes {
-inline int count(double) { return 1; }
-inline int count(Pack) { return pack_width; }
-inline double get(double v, int) { return v; }
-inline double get(const Pack& v, int lane) { return v[lane]; }
-inline void set(double& v, int, double x) { v = x; }
-inline void set(Pack& v, int lane, double x) { v.set(lane, x); }
-inline bool is(bool m, int) { return m; }
-inline bool is(Pack::Mask m, int lane) { return m[lane] != 0; }
-}  // namespace lanes
-
 template <class Cell, int n_points, Tying tying, class T>
 struct ShellPack {
   using Kernel = Shell<Cell, n_points, tying, T>;
@@ -106,7 +100,7 @@ struct ShellPack {
   static constexpr int width = std::is_same_v<T, double> ? 1 : pack_width;
 
   const ShellView& view;
-  const SheetLaw& law;
+  const ShellLaw& law;
   const Table& table = Table::get();
   int first, used, cells[width];
   typename Kernel::Nodes n;
@@ -114,7 +108,7 @@ struct ShellPack {
   typename Kernel::Forms forms{table, {}};
   T mid_x[nodes][3], mid_d[nodes][3], end_x[nodes][3], end_d[nodes][3];  // half-way and at t+dt
 
-  ShellPack(const ShellView& v, const SheetLaw& l, int pack) : view(v), law(l), first(pack * width) {
+  ShellPack(const ShellView& v, const ShellLaw& l, int pack) : view(v), law(l), first(pack * width) {
     used = std::min(width, v.n_cells - first);
     for (int lane = 0; lane < width; ++lane) {
       cells[lane] = first + std::min(lane, used - 1);
@@ -148,6 +142,26 @@ struct ShellPack {
     return {};
   }
 
+  // Where the lanes of layer k of point q are, for a law from a shared library: on the mid-surface.
+  UmatLanes find_lanes(int q, int k, const typename Kernel::Surface& surface) const {
+    UmatLanes found;
+    found.count = used;
+    double whole = 0.0;
+    for (double weight : table.shape.weight) whole += weight;
+    for (int lane = 0; lane < used; ++lane) {
+      UmatPlace& place = found.place[lane] = view.when;
+      for (int i = 0; i < 3; ++i)
+        for (int a = 0; a < mesh_nodes; ++a)
+          place.coordinates[i] += table.shape.N[q][a] * lanes::get(end_x[a][i], lane);
+      place.length = std::sqrt(whole * lanes::get(surface.area, lane));
+      place.cell = view.first_cell + cells[lane] + 1, place.point = q + 1, place.section_point = k + 1;
+      const std::size_t row = (std::size_t(cells[lane]) * n_points + q) * view.n_layers + k;
+      found.history_n[lane] = view.history_n + row * view.n_history + 1;
+      found.history[lane] = view.history + row * view.n_history + 1;
+    }
+    return found;
+  }
+
   // All layers of point q: their resultants, new thickness and volumes
   ShellFailure run_layers(int q, const typename Kernel::Surface& surface, const typename Kernel::Strain& strain,
                           bool with_modulus, typename Kernel::Resultants& sum, Retained<T>* retained = nullptr) const {
@@ -159,7 +173,7 @@ struct ShellPack {
       Layer<T> at, end;
       LayerResponse<T> response;
       load(view.stress_n, rows, row, 3, at.state);
-      load(view.history_n, rows, row, view.n_history, at.state + 3);
+      if (law.own) load(view.history_n, rows, row, view.n_history, at.state + 3);
       load(view.direction_n, rows, row, 2, at.direction);
       T z = T(0.5 * view.layer_position[k]) * h, Q[3][3], covariant[3], E[3];
       T area = Kernel::lamina_map(surface, z, at.direction, Q);
@@ -170,10 +184,14 @@ struct ShellPack {
       T least = view.small ? T(1.0) : smaller(c11, c11 * c22 - E[2] * E[2]);
       if (auto bad = find(!(least > T(1e-6)), ShellFault::inside_out); bad.cell >= 0) return bad;
       StressSquares<T> squares;
-      T given(law.flow.thermal.start);
+      T given(law.start_temperature());
       if (view.temperature) load(view.temperature, rows, row, 1, &given);
+      std::optional<UmatLanes> place;
+      if (law.user) place = find_lanes(q, k, surface);
+      const LayerLaw layer_law{law, place ? &*place : nullptr, first, place ? &view.fault[first / width] : nullptr};
       const auto respond = view.small ? &respond_layer_linearly<T> : &respond_layer<T>;
-      auto failed = respond(law, view.dt, given, E, with_modulus, at, end, response, retained ? &squares : nullptr);
+      auto failed =
+          respond(layer_law, view.dt, given, E, with_modulus, at, end, response, retained ? &squares : nullptr);
       if (retained) retained->add(squares, Q, 0.5 * view.layer_weight[k], view.layer_position[k], z);
       if (auto bad = find(failed, ShellFault::law); bad.cell >= 0) return bad;
       T weight = T(0.5 * table.shape.weight[q] * view.layer_weight[k]) * area * h;
@@ -188,7 +206,10 @@ struct ShellPack {
       }
       Kernel::add_layer(response, Q, weight, z, with_modulus, sum);
       save(end.state, rows, row, 3, view.stress);
-      save(end.state + 3, rows, row, view.n_history, view.history);
+      if (law.own)
+        save(end.state + 3, rows, row, view.n_history, view.history);
+      else
+        for (int lane = 0; lane < used; ++lane) place->history[lane][-1] = lanes::get(end.state[3], lane);
       save(end.direction, rows, row, 2, view.direction);
       save(&volume, rows, row, 1, view.volume);
     }
@@ -340,7 +361,7 @@ struct ShellPack {
         put(view.stiffness, rows * rows, i * rows + j, view.symmetric ? T(0.5) * (K[i][j] + K[j][i]) : K[i][j]);
   }
 
-  static ShellFailure evaluate_pack(const ShellView& view, const SheetLaw& law, int pack) {
+  static ShellFailure evaluate_pack(const ShellView& view, const ShellLaw& law, int pack) {
     return ShellPack(view, law, pack).evaluate();
   }
 };

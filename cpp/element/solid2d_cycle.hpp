@@ -40,7 +40,7 @@ struct CyclePlace {
 
 inline int extra_rows(const AdiabaticMises&) { return 0; }
 inline int extra_rows(const PlaneLaw& law) { return kept_values(law) - (law.flow.thermal.heats() ? 1 : 0); }
-inline int extra_rows(const CycleUmat& law) { return law.umat->n_state + UmatHistory::size; }
+inline int extra_rows(const CycleUmat& law) { return law.umat->n_state + UmatHistory<4>::size; }
 
 struct IsotropicModuli {
   double shear, bulk;

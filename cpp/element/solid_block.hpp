@@ -11,6 +11,7 @@
 
 #include "element/block_view.hpp"
 #include "element/solid.hpp"
+#include "element/umat_space.hpp"
 
 namespace presswork {
 
@@ -78,25 +79,27 @@ struct BlockPoints {
   }
 
   // Where the lanes of point q are, for a law from a shared library.
-  UmatLanes find_lanes(const T x[][2], const T du[][2], const typename Body::Point* g, int q) const {
+  UmatLanes find_lanes(const T x[][dim], const T du[][dim], const typename Body::Point* g, int q) const {
     UmatLanes lanes;
     lanes.count = count;
-    T area(0.0), at[2] = {T(0.0), T(0.0)};
+    T size(0.0), at[dim];  // area, in space volume
     for (int p = 0; p < n_points; ++p) {
-      T thickness(b.section.depth);
-      if (b.section.axisymmetric) {
+      T thickness(dim == 2 ? b.section.depth : 1.0);
+      if (dim == 2 && b.section.axisymmetric) {
         thickness = T(0.0);
         for (int a = 0; a < nodes; ++a) thickness += T(2.0 * std::numbers::pi * Body::table().N[p][a]) * x[a][0];
       }
-      area += g[p].volume_t / thickness;
+      size += g[p].volume_t / thickness;
     }
-    for (int a = 0; a < nodes; ++a)
-      for (int i = 0; i < 2; ++i) at[i] += T(Body::table().N[q][a]) * (x[a][i] + du[a][i]);
+    for (int i = 0; i < dim; ++i) {
+      at[i] = T(0.0);
+      for (int a = 0; a < nodes; ++a) at[i] += T(Body::table().N[q][a]) * (x[a][i] + du[a][i]);
+    }
     const std::size_t row = b.n_history;
     for (int lane = 0; lane < count; ++lane) {
       UmatPlace& place = lanes.place[lane] = b.when;
-      place.coordinates[0] = at[0][lane], place.coordinates[1] = at[1][lane];
-      place.length = std::sqrt(area[lane]);
+      for (int i = 0; i < dim; ++i) place.coordinates[i] = at[i][lane];
+      place.length = dim == 2 ? std::sqrt(size[lane]) : std::cbrt(size[lane]);
       place.cell = b.first_cell + cells[lane] + 1;
       place.point = q + 1;
       const std::size_t start = (static_cast<std::size_t>(cells[lane]) * n_points + q) * row;

@@ -133,6 +133,35 @@ void small_strain(const T F[9], T strain[6]) {
   }
 }
 
+namespace space {
+
+// From the law's D in the axes that have not turned, in response.modulus, to the spatial modulus.
+template <class T>
+void finish_modulus(const PointSettings& settings, const T F[9], const Stretch<T>& inc, const T unturned[6],
+                    SpaceResponse<T>& response) {
+  T(&C)[6][6] = response.modulus;
+  const bool consistent = settings.tangent == TangentKind::consistent;
+  if (consistent) {
+    T to_axes[3][3], stress[6];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) to_axes[i][j] = inc.axis[j][i];
+    stretch::turn_modulus(to_axes, C);
+    stretch::turn_tensor(to_axes, unturned, stress);
+    space::make_consistent(inc, stress, C);
+    stretch::turn_modulus(inc.turned_axis, C);
+  } else {
+    if (settings.green_lagrange_matrix) space::make_green_lagrange(F, inc.rotation, inc.jacobian, C);
+    stretch::turn_modulus(inc.rotation, C);
+  }
+  if (consistent || settings.k_e) space::add_minus_stress_strain(response.stress, C);
+  if (consistent || settings.k_v)
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 3; ++j) C[i][j] += response.stress[i];
+  response.with_initial_stress = consistent || settings.k_u;
+}
+
+}  // namespace space
+
 // Advance a point by F over the time dt, at a temperature given from outside, and, unless settings.tangent is none,
 // give its spatial modulus. F must have a positive determinant; s0 goes to s1, the stress turned with the material.
 // Gives the lanes in which the law failed.
@@ -161,25 +190,7 @@ Mask<T> respond(const PointSettings& settings, const Law& law, const T F[9], dou
   stretch::turn_tensor(inc.rotation, unturned, s1);
   space::turn_axes(law, inc.rotation, s0, s1);
   for (int i = 0; i < 6; ++i) response.stress[i] = s1[i];
-  if (!with_tangent) return failed;
-
-  if (consistent) {
-    T to_axes[3][3], stress[6];
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) to_axes[i][j] = inc.axis[j][i];
-    stretch::turn_modulus(to_axes, C);
-    stretch::turn_tensor(to_axes, unturned, stress);
-    space::make_consistent(inc, stress, C);
-    stretch::turn_modulus(inc.turned_axis, C);
-  } else {
-    if (settings.green_lagrange_matrix) space::make_green_lagrange(F, inc.rotation, inc.jacobian, C);
-    stretch::turn_modulus(inc.rotation, C);
-  }
-  if (consistent || settings.k_e) space::add_minus_stress_strain(response.stress, C);
-  if (consistent || settings.k_v)
-    for (int i = 0; i < 6; ++i)
-      for (int j = 0; j < 3; ++j) C[i][j] += response.stress[i];
-  response.with_initial_stress = consistent || settings.k_u;
+  if (with_tangent) space::finish_modulus(settings, F, inc, unturned, response);
   return failed;
 }
 

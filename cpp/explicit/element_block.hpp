@@ -6,9 +6,11 @@
 #pragma once
 
 #include <algorithm>
+#include <mutex>
 #include <stdexcept>
 #include <vector>
 
+#include "element/umat_point.hpp"
 #include "explicit/nodes.hpp"
 #include "tensor/pack.hpp"
 
@@ -44,6 +46,9 @@ class ElementBlock {
   virtual int advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) = 0;
   // Bound of each element's squared frequency [1/s2] (n).
   virtual void bound_frequencies(const Nodes<Real>& nodes, double* squared) const = 0;
+
+  // Worst of what a law has told, since the block was made: no_stress unless it is from a shared library.
+  LawStatus told() const { return told_.status == LawStatus::done ? LawStatus::no_stress : told_.status; }
 
   int n() const { return n_; }
   int n_packs() const { return (n_ + lanes - 1) / lanes; }
@@ -123,6 +128,12 @@ class ElementBlock {
   // The nodes of a pack's elements, [node][lane].
   const int* pack_nodes(int pack) const { return &packed_[std::size_t(pack) * nodes_each_ * lanes]; }
 
+  // By any thread.
+  void note(const LawFault& fault) {
+    const std::scoped_lock lock(noting_);
+    told_.note(fault.status, fault.cell, fault.step_factor);
+  }
+
   int n_, nodes_each_;
   StateRows rows_;
   std::vector<int> connectivity_;  // (n, nodes)
@@ -132,6 +143,9 @@ class ElementBlock {
   AlignedArray<Real> temperature_;  // [pack][layer][lane]; none: that of the law's start
 
  private:
+  LawFault told_ = {};
+  std::mutex noting_;
+
   std::size_t index(int element, int row) const {
     return (std::size_t(element / lanes) * rows_.count() + row) * lanes + element % lanes;
   }

@@ -204,6 +204,7 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
   WorkShares tiles(tiles_.n(), most_threads), edges(contact ? contact->edge_chunks() : 0, most_threads),
       touching(contact ? contact->node_chunks() : 0, most_threads);
   Real* net = internal_force.data();
+  const double start = nodes.time;
 #pragma omp parallel if (shared)
   {
     const int thread = omp_get_thread_num(), n_threads = omp_get_num_threads();
@@ -215,6 +216,8 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
       clock.lap(Phase::waiting);
     };
     for (int cycle = 0; cycle < n; ++cycle) {
+#pragma omp master
+      nodes.time = start + cycle * dt;
       for (WorkShares* work : {&tiles, &edges, &touching}) work->deal(thread, n_threads);
       const Step step{dt, damping, force_scale[cycle], velocity_scale[cycle]};
 #pragma omp for schedule(static) nowait
@@ -279,7 +282,9 @@ typename ShellLoop<Real>::Failure ShellLoop<Real>::advance(int n, double dt, dou
 #pragma omp critical
     for (int p = 0; p < n_phases; ++p) seconds[p] += clock.seconds[p] / n_threads;
   }
-  return failed == INT_MAX ? Failure{} : Failure{failed, failed_in};
+  if (failed == INT_MAX) return {};
+  int of_block = failed;
+  return {failed, failed_in, block_of(of_block).told()};
 }
 
 template <class Real>

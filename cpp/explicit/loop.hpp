@@ -67,6 +67,7 @@ class ShellLoop {
   // The material law of an element has failed in a cycle of a call; of several the first in number.
   struct Failure {
     int element = -1, cycle = -1;
+    LawStatus told = LawStatus::done;
   };
   // Advance n cycles of dt, or up to that in which a material law fails. The scales (n) multiply force and prescribed
   // velocities in each cycle; damping [1/s].
@@ -99,10 +100,15 @@ class ShellLoop {
   double work[2] = {0.0, 0.0};    // done by force and prescription, by damping: up to half a step back
 
  private:
-  double value(int element, const int StateRows::* row) const {
+  // The block that an element is of; its number becomes that in the block.
+  const ElementBlock<Real>& block_of(int& element) const {
     std::size_t b = 0;
     for (; element >= blocks[b]->n(); ++b) element -= blocks[b]->n();
-    return blocks[b]->value(element, blocks[b]->rows().*row);
+    return *blocks[b];
+  }
+  double value(int element, const int StateRows::* row) const {
+    const auto& block = block_of(element);
+    return block.value(element, block.rows().*row);
   }
   void find_room() { nodes.room = contact ? contact->room() : nullptr; }
   struct Sums {

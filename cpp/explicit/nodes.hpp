@@ -94,6 +94,7 @@ struct Nodes {
   AlignedArray<Real> motion;  // (n, 8): velocity [mm/s], angular velocity [1/s] (half a step back), 1/mass, 1/inertia
   // (n): room between two tools that hold the sheet there [mm], else infinite; null: shells are not squeezed
   const double* room = nullptr;
+  double time = 0.0;  // at the start of the cycle [s]
 };
 
 }  // namespace presswork::explicit_dynamics

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -73,14 +74,25 @@ class ShellBlock final : public ElementBlock<Real> {
  private:
   template <class Law>
   int advance_packs(const Law& law, const Nodes<Real>& nodes, double dt, int first, int last, Real* force) {
+    if constexpr (std::is_same_v<Law, UserSheet> && !std::is_same_v<Real, double>) {
+      return -1;  // refused when it is made
+    } else {
+      return advance_with(law, nodes, dt, first, last, force);
+    }
+  }
+
+  template <class Law>
+  int advance_with(const Law& law, const Nodes<Real>& nodes, double dt, int first, int last, Real* force) {
     int failed = -1;
+    [[maybe_unused]] std::optional<ShellPlaces> places;
     for (int pack = first; pack < last; ++pack) {
       P x[each][3], v[each][3], w[each][3], nodal[forces];
       gather_positions<each>(nodes, this->pack_nodes(pack), x);
       gather_motion<each>(nodes, this->pack_nodes(pack), v, w);
       P room[each];
       if (nodes.room) gather_room<each>(nodes, this->pack_nodes(pack), room);
-      const LayerConditions<P> now{dt, this->pack_temperature(pack)};
+      LayerConditions<P> now{dt, this->pack_temperature(pack)};
+      if constexpr (std::is_same_v<Law, UserSheet>) now.places = place_shells(nodes.time, pack, x, places);
       Kind::advance(law, section_, now, x, v, w, nodes.room ? room : nullptr, this->pack_state(pack), nodal);
       Real* to[lanes];
       for (int lane = 0; lane < lanes; ++lane) to[lane] = force + forces * (std::size_t(pack - first) * lanes + lane);
@@ -89,10 +101,34 @@ class ShellBlock final : public ElementBlock<Real> {
       else
         for (int lane = 0; lane < lanes; ++lane)
           for (int i = 0; i < forces; ++i) to[lane][i] = nodal[i][lane];
+      if constexpr (std::is_same_v<Law, UserSheet>)
+        if (places->fault.status != LawStatus::done) this->note(places->fault);
       if constexpr (Law::can_fail)
         if (failed < 0 && any(!(nodal[0] * nodal[0] > P(-1)))) failed = find_failed(pack, x, v, w, nodal[0]);
     }
     return failed;
+  }
+
+  // Numbers, centres and sizes of a pack's shells at a time.
+  ShellPlaces* place_shells(double time, int pack, const P x[each][3], std::optional<ShellPlaces>& made) const {
+    if (!made) made.emplace();
+    made->first = pack * lanes;
+    made->lanes.count = std::min(lanes, this->n_ - pack * lanes);
+    for (int lane = 0; lane < made->lanes.count; ++lane) {
+      UmatPlace& place = made->lanes.place[lane];
+      double p[3], q[3], normal[3];
+      for (int i = 0; i < 3; ++i) {
+        place.coordinates[i] = 0.0;
+        for (int a = 0; a < each; ++a) place.coordinates[i] += x[a][i][lane] / each;
+        p[i] = x[2][i][lane] - x[0][i][lane], q[i] = x[each - 1][i][lane] - x[1][i][lane];
+        if (each == 3) p[i] = x[1][i][lane] - x[0][i][lane], q[i] = x[2][i][lane] - x[0][i][lane];
+      }
+      shell4::cross(p, q, normal);
+      place.length = std::sqrt(0.5 * std::sqrt(shell4::dot(normal, normal)));
+      place.cell = section_.number.empty() ? pack * lanes + lane + 1 : section_.number[pack * lanes + lane] + 1;
+      place.time[0] = place.time[1] = time;
+    }
+    return &*made;
   }
 
   // The first element of a pack whose force is NaN though its motion is finite, or -1.

@@ -15,12 +15,13 @@ namespace presswork::explicit_dynamics {
 enum class Treatment { plain, warped, stabilized, mitc };
 
 struct ShellSection {
-  std::variant<FastMises, GeneralSheet> law;
+  std::variant<FastMises, GeneralSheet, UserSheet> law;
   std::vector<std::shared_ptr<const void>> law_data;  // what the law points at
   LayerRule rule;
   double density;       // [t/mm3]
   Treatment treatment;  // of 4-node shells
   ShellControl control;
+  std::vector<int> number = {};  // (n) of the shells, from 0, as a law from a shared library is told
 };
 
 // Shells of one point: section.treatment says which, of three nodes there is one kind; and fully integrated ones of

@@ -88,7 +88,7 @@ void SolidBlock::start_law() {
   std::vector<std::pair<int, double>> first;
   if (std::holds_alternative<Owned<PlaneLaw>>(law_)) first = {{rows_ - 2, 1.0}};
   if (const auto* user = std::get_if<OwnedUmat>(&law_))
-    for (int i : {0, 3, 4}) first.push_back({CycleRow::count + user->umat.n_state + UmatHistory::F + i, 1.0});
+    for (int i : {0, 4, 8}) first.push_back({CycleRow::count + user->umat.n_state + UmatHistory<4>::F + i, 1.0});
   for (int e = 0; e < n_; ++e)
     for (const auto& [row, value] : first) set_value(e, row, value);
 }

@@ -17,6 +17,7 @@ namespace {
 
 constexpr int guard = 64;  // doubles behind the properties and the state variables
 const double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double unwritten = 4.9e-320;  // behind stress and tangent: a number that no routine leaves by chance
 
 struct Stopped {};
 
@@ -24,8 +25,13 @@ bool all_finite(const double* values, int n) {
   return std::all_of(values, values + n, [](double v) { return std::isfinite(v); });
 }
 
-bool is_untouched(const double* values, int n) {
-  return std::all_of(values, values + n, [](double v) { return std::memcmp(&v, &none, sizeof v) == 0; });
+bool is_all(double expected, const double* values, int n) {
+  return std::all_of(values, values + n, [&](double v) { return std::memcmp(&v, &expected, sizeof v) == 0; });
+}
+
+// From xx, yy, zz, xy, yz, zx to Abaqus's order, and back.
+void swap_last_shears(int n, double* values) {
+  if (n == 6) std::swap(values[4], values[5]);
 }
 
 // Lets a library that is opened find xit_ and the others below, as it finds them in Abaqus.
@@ -65,32 +71,42 @@ Umat::Umat(const std::string& library, const std::vector<double>& properties, in
   properties_.insert(properties_.end(), guard, none);
 }
 
-LawStatus Umat::call(const UmatPlace& place, UmatPoint& p, double* state) const {
+LawStatus Umat::call(int components, const UmatPlace& place, UmatPoint& p, double* state) const {
   std::unique_lock<std::mutex> turn(*one_at_a_time_, std::defer_lock);
   if (!thread_safe) turn.lock();
   thread_local std::vector<double> statev;
   statev.assign(state, state + n_state);
   statev.insert(statev.end(), guard, none);
-  std::fill(p.tangent, p.tangent + 16, 0.0);
+  const int n = components;
+  swap_last_shears(n, p.stress), swap_last_shears(n, p.strain), swap_last_shears(n, p.increment);
+  std::fill(p.stress + n, p.stress + UmatPoint::most, unwritten);
+  std::fill(p.tangent, p.tangent + n * n, 0.0);
+  std::fill(p.tangent + n * n, p.tangent + UmatPoint::most * UmatPoint::most, unwritten);
   p.step_factor = 1.0;
-  double rpl = 0.0, drpldt = 0.0, ddsddt[4] = {}, drplde[4] = {};
+  double rpl = 0.0, drpldt = 0.0, ddsddt[UmatPoint::most] = {}, drplde[UmatPoint::most] = {};
   const double zero = 0.0;
-  const int ndi = 3, nshr = 1, ntens = 4, one = 1, step[4] = {place.stage, 1, 1, 0};
+  const int ndi = n == 3 ? 2 : 3, nshr = n - ndi, one = 1, step[4] = {place.stage, 1, 1, 0};
   char name[80];
   std::memset(name, ' ', sizeof name);
   std::memcpy(name, "PRESSWORK", 9);
   try {
     function_(p.stress, statev.data(), p.tangent, &p.energy[0], &p.energy[1], &p.energy[2], &rpl, ddsddt, drplde,
-              &drpldt, p.strain, p.increment, place.time, &place.dt, &zero, &zero, &zero, &zero, name, &ndi, &nshr,
-              &ntens, &n_state, properties_.data(), &n_properties_, place.coordinates, p.rotation, &p.step_factor,
-              &place.length, p.F_n, p.F, &place.cell, &place.point, &one, &one, step, &place.increment, sizeof name);
+              &drpldt, p.strain, p.increment, place.time, &place.dt, &zero, &zero, &zero, &zero, name, &ndi, &nshr, &n,
+              &n_state, properties_.data(), &n_properties_, place.coordinates, p.rotation, &p.step_factor,
+              &place.length, p.F_n, p.F, &place.cell, &place.point, &one, &place.section_point, step, &place.increment,
+              sizeof name);
   } catch (const Stopped&) {
     return LawStatus::stopped;
   }
-  if (!is_untouched(statev.data() + n_state, guard)) return LawStatus::overrun;
+  if (!is_all(none, statev.data() + n_state, guard)) return LawStatus::overrun;
+  if (!is_all(unwritten, p.stress + n, UmatPoint::most - n)) return LawStatus::components;
+  if (!is_all(unwritten, p.tangent + n * n, UmatPoint::most * UmatPoint::most - n * n)) return LawStatus::components;
   if (p.step_factor < 1.0) return LawStatus::smaller;
-  if (!all_finite(p.stress, 4) || !all_finite(p.tangent, 16) || !all_finite(statev.data(), n_state))
+  if (!all_finite(p.stress, n) || !all_finite(p.tangent, n * n) || !all_finite(statev.data(), n_state))
     return LawStatus::not_finite;
+  swap_last_shears(n, p.stress);
+  for (int column = 0; column < n; ++column) swap_last_shears(n, p.tangent + n * column);
+  if (n == 6) std::swap_ranges(p.tangent + 24, p.tangent + 30, p.tangent + 30);
   std::copy_n(statev.data(), n_state, state);
   return LawStatus::done;
 }

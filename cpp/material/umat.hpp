@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A material law from a shared library with Abaqus's interface UMAT (Abaqus User Subroutines Reference, "UMAT").
 //
-// The routine is called as Abaqus/Standard calls it for plane strain and axisymmetric solids without an orientation:
-// NDI 3, NSHR 1, NTENS 4 in the order 11, 22, 33, 12, shear strains engineering. Stress and STRAN come already turned
-// by DROT, DSTRAN is the increment's strain in the turned axes, DFGRD0 and DFGRD1 are of the whole deformation; tensors
-// among the state variables the routine turns itself. There is no temperature, no field variable and no creep of time
-// steps: TEMP, PREDEF and what belongs to them are zero.
+// The routine is called as Abaqus/Standard calls it, shear strains engineering:
+//   plane stress (shells)           NDI 2, NSHR 1, NTENS 3: 11, 22, 12, in the lamina frame, which turns with the
+//                                   material, so that DROT is one
+//   plane strain, axisymmetry       NDI 3, NSHR 1, NTENS 4: 11, 22, 33, 12
+//   space                           NDI 3, NSHR 3, NTENS 6: 11, 22, 33, 12, 13, 23; the last two the other way round in
+//                                   all arrays of presswork, which `call` sees to
+// Stress and STRAN come already turned by DROT, DSTRAN is the increment's strain in the turned axes, DFGRD0 and DFGRD1
+// are of the whole deformation; tensors among the state variables the routine turns itself. There is no temperature, no
+// field variable and no creep of time steps: TEMP, PREDEF and what belongs to them are zero.
 #pragma once
 
 #include <memory>
@@ -38,6 +42,7 @@ enum class LawStatus : int {
   overrun = 3,     // wrote beyond its state variables
   stopped = 4,     // called XIT
   no_stress = 5,   // of a law of our own: found no stress on the yield surface
+  components = 6,  // wrote more stresses than NTENS: it is not written for so few
 };
 
 // Where and when a call is made.
@@ -45,20 +50,22 @@ struct UmatPlace {
   double coordinates[3] = {0.0, 0.0, 0.0};  // [mm]
   double length = 1.0;                      // of the cell [mm]
   int cell = 1, point = 1;                  // from 1
+  int section_point = 1;                    // of a shell, from 1 at the bottom
   int stage = 1, increment = 1;             // from 1
   double time[2] = {0.0, 0.0};              // of stage and process when the increment begins [s]
   double dt = 1.0;                          // [s]
 };
 
-// One point in one increment; matrices by columns. Stress and tangent [MPa].
+// One point of N components in one increment, in the order of law.hpp; matrices by columns. Stress and tangent [MPa].
 struct UmatPoint {
-  double stress[4];                // both
-  double strain[4], increment[4];  // in
-  double rotation[9];              // in
-  double F_n[9], F[9];             // in
-  double energy[3];                // both: elastic, plastic, creep, per volume
-  double tangent[16];              // out
-  double step_factor;              // out: PNEWDT
+  static constexpr int most = 6;
+  double stress[most];                   // both
+  double strain[most], increment[most];  // in
+  double rotation[9];                    // in
+  double F_n[9], F[9];                   // in
+  double energy[3];                      // both: elastic, plastic, creep, per volume
+  double tangent[most * most];           // out: (N, N)
+  double step_factor;                    // out: PNEWDT
 };
 
 class Umat {
@@ -67,9 +74,9 @@ class Umat {
   Umat(const std::string& library, const std::vector<double>& properties, int n_state, UmatJacobian jacobian,
        bool thread_safe, int plastic_strain);
 
-  // `state` has n_state values. On anything but done, the point is not to be used. One call at a time unless several
-  // threads may.
-  LawStatus call(const UmatPlace& place, UmatPoint& point, double* state) const;
+  // Of 3, 4 or 6 components. `state` has n_state values. On anything but done, the point is not to be used. One call at
+  // a time unless several threads may.
+  LawStatus call(int components, const UmatPlace& place, UmatPoint& point, double* state) const;
 
   int n_state;
   UmatJacobian jacobian;

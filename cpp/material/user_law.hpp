@@ -5,45 +5,98 @@
 // Contract of the struct:
 //   static constexpr int n_properties, n_state;        what the case must give, and what a point keeps
 //   explicit Law(const double* properties);            called for each point: store numbers, compute no more
-//   template <class T>
-//   bool update(const T strain[4], double dt, T stress[4], T* state) const;
-//     strain   in    increment xx, yy, zz, xy (engineering) in axes that turn with the material
+//   template <int N, class T>
+//   bool update(const T* strain, double dt, T* stress, T* state) const;
+//     N        4 in the plane: xx, yy, zz, xy; 6 in space: xx, yy, zz, xy, xz, yz
+//     strain   in    increment (N), shears engineering, in axes that turn with the material
 //     dt       in    time of the increment [s]
-//     stress   both  Cauchy stress xx, yy, zz, xy [MPa]
+//     stress   both  Cauchy stress (N) [MPa]
 //     state    both  n_state values; they must not depend on the axes, as scalars do: nobody turns them
 //   false asks for a smaller increment.
+// A shell takes the law of the plane, at the strain across the sheet at which there is no stress across it: Newton's
+// method finds it, with the law's own derivatives.
 // T is a dual number (tensor/dual.hpp): the tangent is the exact derivative of what update computes. A branch is
 // written select(a > b, x, y), functions are square_root, exponential, logarithm, power, larger, smaller; `value_of(x)`
 // gives the number alone, for tests of convergence.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "tensor/dual.hpp"
 
 namespace presswork::user_law {
 
-using Number = Dual<double, 4>;
+// Values and derivatives by the strain increment at the end of one.
+template <int N, int n_state>
+struct Point {
+  Dual<double, N> stress[N], state[n_state + 1];
+};
+
+template <int N, class Law>
+bool update(const Law& law, const double* stress, const double* state, const double* strain, double dt,
+            Point<N, Law::n_state>& end) {
+  using T = Dual<double, N>;
+  T e[N];
+  for (int i = 0; i < N; ++i) end.stress[i] = T(stress[i]), e[i] = T::variable(strain[i], i);
+  for (int k = 0; k < Law::n_state; ++k) end.state[k] = T(state[k]);
+  return law.template update<N>(e, dt, end.stress, end.state);
+}
+
+template <int N, class Law>
+bool call(const Law& law, double* stress, double* state, double* tangent, const double* strain, double dt) {
+  Point<N, Law::n_state> end;
+  if (!update<N>(law, stress, state, strain, dt, end)) return false;
+  for (int i = 0; i < N; ++i) {
+    stress[i] = end.stress[i].value;
+    for (int j = 0; j < N; ++j) tangent[i + N * j] = end.stress[i].slope[j];
+  }
+  for (int k = 0; k < Law::n_state; ++k) state[k] = end.state[k].value;
+  return true;
+}
+
+// What rounding may leave of a stress is this times 1e-13.
+template <class T>
+double size(const T stress[4], double slope, const double strain[4]) {
+  double sum = slope * (std::fabs(strain[0]) + std::fabs(strain[1]));
+  for (int i = 0; i < 4; ++i) sum += std::fabs(stress[i].value);
+  return sum;
+}
+
+// Plane stress: xx, yy, xy of the law of four components, which are 0, 1 and 3 there.
+template <class Law>
+bool call_sheet(const Law& law, double* stress, double* state, double* tangent, const double* strain, double dt) {
+  constexpr int in_plane[3] = {0, 1, 3}, across = 2, most = 60;
+  const double before[4] = {stress[0], stress[1], 0.0, stress[2]};
+  double e[4] = {strain[0], strain[1], 0.0, strain[2]};
+  Point<4, Law::n_state> end;
+  for (int iteration = 0;; ++iteration) {
+    if (!update<4>(law, before, state, e, dt, end)) return false;
+    const auto& out = end.stress[across];
+    if (!(out.slope[across] > 0.0)) return false;
+    // the last step is below what rounding leaves of the stress
+    const double step = out.value / out.slope[across];
+    if (step == 0.0 || std::fabs(out.value) < 1e-13 * size(end.stress, out.slope[across], e)) break;
+    if (iteration == most) return false;
+    e[across] -= step;
+  }
+  const double over = 1.0 / end.stress[across].slope[across];
+  for (int i = 0; i < 3; ++i) {
+    const auto& s = end.stress[in_plane[i]];
+    stress[i] = s.value;
+    for (int j = 0; j < 3; ++j)
+      tangent[i + 3 * j] = s.slope[in_plane[j]] - s.slope[across] * end.stress[across].slope[in_plane[j]] * over;
+  }
+  for (int k = 0; k < Law::n_state; ++k) state[k] = end.state[k].value;
+  return true;
+}
 
 template <class Law>
-void call(double* stress, double* state, double* tangent, const double* strain, double dt, const double* properties,
-          double* step_factor) {
+void call(int components, double* stress, double* state, double* tangent, const double* strain, double dt,
+          const double* properties, double* step_factor) {
   const Law law(properties);
-  Number s[4], e[4], h[Law::n_state + 1];
-  for (int i = 0; i < 4; ++i) {
-    s[i] = Number(stress[i]);
-    e[i] = Number::variable(strain[i], i);
-  }
-  for (int k = 0; k < Law::n_state; ++k) h[k] = Number(state[k]);
-  if (!law.update(e, dt, s, h)) {
-    *step_factor = 0.5;
-    return;
-  }
-  for (int i = 0; i < 4; ++i) {
-    stress[i] = s[i].value;
-    for (int j = 0; j < 4; ++j) tangent[i + 4 * j] = s[i].slope[j];
-  }
-  for (int k = 0; k < Law::n_state; ++k) state[k] = h[k].value;
+  const auto run = components == 3 ? &call_sheet<Law> : components == 4 ? &call<4, Law> : &call<6, Law>;
+  if (!run(law, stress, state, tangent, strain, dt)) *step_factor = 0.5;
 }
 
 }  // namespace presswork::user_law
@@ -56,8 +109,8 @@ void call(double* stress, double* state, double* tangent, const double* strain, 
   extern "C" void umat_(double* stress, double* statev, double* ddsdde, double*, double*, double*, double*, double*, \
                         double*, double*, const double*, const double* dstran, const double*, const double* dtime,   \
                         const double*, const double*, const double*, const double*, const char*, const int*,         \
-                        const int*, const int*, const int*, const double* props, const int*, const double*,          \
+                        const int*, const int* ntens, const int*, const double* props, const int*, const double*,    \
                         const double*, double* pnewdt, const double*, const double*, const double*, const int*,      \
                         const int*, const int*, const int*, const int*, const int*, std::size_t) {                   \
-    presswork::user_law::call<Law>(stress, statev, ddsdde, dstran, *dtime, props, pnewdt);                           \
+    presswork::user_law::call<Law>(*ntens, stress, statev, ddsdde, dstran, *dtime, props, pnewdt);                   \
   }

@@ -153,9 +153,9 @@ def error_of_stiffness(library, properties, n_state, jacobian, element, *, axisy
     corners = np.array([[2.0, 0], [3, 0], [3, 1], [2, 1]])
     points = [*corners, *(0.5 * (corners + np.roll(corners, -1, axis=0))), corners.mean(axis=0)][:nodes]
     points = np.array(points) + 0.05 * rng.standard_normal((nodes, 2))
-    user = np.zeros((1, q, n_state + _core.umat_history_size))
+    user = np.zeros((1, q, n_state + _core.umat_history_size(4)))
     gradient = np.array([1.0, 0, 0, 1, 1]) + 0.1 * rng.standard_normal((q, 5))
-    user[..., n_state : n_state + 5] = gradient
+    user[..., n_state + np.array([0, 3, 1, 4, 8])] = gradient
     user[..., :n_state] = 20 * rng.random((1, q, n_state)) if n_state == 6 else 0.02
     if n_state == 6:
         user[..., 2] = -user[..., 0] - user[..., 1]

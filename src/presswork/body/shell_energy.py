@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.law.elastic_plastic import plastic_work_density, present_young
+from presswork.law.umat import SheetLaw, SheetUmat
 from presswork.model import Model
 from presswork.state import State
 
@@ -26,7 +27,8 @@ def elastic_energy(model: Model, state: State) -> float:
         material = model.materials[block.material]
         sxx, syy, sxy = np.moveaxis(state.stress[i], -1, 0)
         twice = sxx**2 + syy**2 - 2 * material.poisson * sxx * syy + 2 * (1 + material.poisson) * sxy**2
-        total += float((twice / (2 * present_young(material, state.eqps[i])) * state.volume[i]).sum())
+        if material.umat is None:  # else told with the plastic work
+            total += float((twice / (2 * present_young(material, state.eqps[i])) * state.volume[i]).sum())
         _, slopes, weights, _ = _core.shell_shape(block.element)
         base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
         metric = np.einsum("cqji,cqki->cqjk", base, base)
@@ -39,21 +41,28 @@ def elastic_energy(model: Model, state: State) -> float:
     return total
 
 
-def plastic_work(model: Model, laws: list[_core.SheetLaw], state_n: State, trial: State, dt: float) -> float:
-    """Return the plastic work of one increment over dt [s] [N mm], by the trapezoidal rule; laws: of the blocks."""
+def plastic_work(model: Model, laws: list[SheetLaw], state_n: State, trial: State, dt: float) -> float:
+    """Return the plastic work of one increment over dt [s] [N mm], by the trapezoidal rule; laws: of the blocks.
+
+    Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
+    """
     total = 0.0
     for i, block in enumerate(model.mesh.blocks):
         material, after = model.materials[block.material], trial.shells.history[i]
         before = state_n.shells.history[i]
-        n_history = after.shape[-1]
-        work = plastic_work_density(
-            material,
-            laws[i],
-            before.reshape(-1, n_history),
-            after.reshape(-1, n_history),
-            trial.stress[i].reshape(-1, 3),
-            dt,
-            (state_n.temperature[i], trial.temperature[i]),
+        n_history, law = after.shape[-1], laws[i]
+        work = (
+            after[..., -1]
+            if isinstance(law, SheetUmat)
+            else plastic_work_density(
+                material,
+                law,
+                before.reshape(-1, n_history),
+                after.reshape(-1, n_history),
+                trial.stress[i].reshape(-1, 3),
+                dt,
+                (state_n.temperature[i], trial.temperature[i]),
+            )
         )
         total += float((work.reshape(trial.eqps[i].shape) * trial.volume[i]).sum())
         if block.element == "shell4_1pt":

@@ -9,6 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
+from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.shell_energy import elastic_energy, plastic_work
 from presswork.fields.contact_stress import ContactForces
 from presswork.fields.instant import Instant
@@ -17,7 +18,8 @@ from presswork.fields.shell_fields import (
     sheet_effective_stress,
     shell_cell_fields,
 )
-from presswork.law.elastic_plastic import make_sheet_law, temperature, temperature_at_rest
+from presswork.law.elastic_plastic import temperature, temperature_at_rest
+from presswork.law.umat import SheetUmat, open_sheet_law
 from presswork.mesh.directors import Directors, find_directors
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import CellBlock, FloatArray, IntArray, MaskArray, Model
@@ -90,7 +92,7 @@ class ShellMechanics:
         self._model = model
         self._timing = timing
         blocks = model.mesh.blocks
-        laws = [make_sheet_law(m) for m in model.materials]
+        laws = [open_sheet_law(m) for m in model.materials]
         self._laws = [laws[b.material] for b in blocks]
         self._sections = [b.section for b in blocks if b.section is not None]
         if len(self._sections) != len(blocks):
@@ -99,6 +101,8 @@ class ShellMechanics:
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in blocks]
         self.directors = find_model_directors(model)
         self.assembler = _core.ShellAssembler(len(model.mesh.points), self._connectivity, model.solver.symmetric)
+        self._first_cell = np.cumsum([0, *(len(c) for c in self._connectivity)])
+        self._when = _core.UmatPlace()
         self._force: list[FloatArray] = []
         self._stiffness: list[FloatArray] = []
         for connectivity in self._connectivity:
@@ -124,7 +128,10 @@ class ShellMechanics:
             _, q, internal = _core.shell_sizes(self._model.mesh.blocks[i].element)
             k = section.points
             shells.thickness.append(np.full((cells, q), section.thickness))
-            shells.history.append(np.zeros((cells, q, k, law.history_size)))
+            if isinstance(law, SheetUmat):
+                shells.history.append(law.history_at_rest((cells, q, k)))
+            else:
+                shells.history.append(np.zeros((cells, q, k, law.history_size)))
             shells.direction.append(np.repeat(self._first_directions(i)[:, :, None], k, axis=2))
             shells.shear.append(np.zeros((cells, q, 2)))
             shells.internal.append(np.zeros((cells, internal)))
@@ -156,7 +163,7 @@ class ShellMechanics:
 
     def evaluate(
         self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float = 0.0
-    ) -> FloatArray | ShellFailed:
+    ) -> FloatArray | ShellFailed | LawFailed:
         """Return the internal nodal force (n_points, 6) [N, N mm] after `increment` (n_points, 6) from state_n.
 
         dt: time of the increment [s], for laws with a strain rate; in no time they answer elastically. Given
@@ -170,6 +177,7 @@ class ShellMechanics:
         is_small = model.solver.is_small
         points = model.mesh.points if is_small else model.mesh.points + state_n.displacement[:, :3]
         for i, block in enumerate(model.mesh.blocks):
+            law, told = self._laws[i], _core.LawFault()
             cell, fault = _core.evaluate_shells(
                 block.element,
                 self._connectivity[i],
@@ -179,7 +187,7 @@ class ShellMechanics:
                 increment,
                 state_n.shells.director,
                 *self._rules[i],
-                self._laws[i],
+                law.umat if isinstance(law, SheetUmat) else law,
                 dt=dt,
                 penalty=model.solver.kirchhoff_penalty,
                 state_n=_arrays_of(state_n, i),
@@ -190,9 +198,16 @@ class ShellMechanics:
                 symmetric=model.solver.symmetric,
                 small_displacements=is_small,
                 temperature=trial.temperature[i] if trial.temperature[i].size else None,
+                young=law.young,
+                poisson=law.poisson,
+                first_cell=int(self._first_cell[i]),
+                when=self._when,
+                fault=told,
             )
             if cell >= 0:
                 self._timing.add("assembly", started)
+                if fault == _core.ShellFault.law and told.status != _core.LawStatus.done:
+                    return LawFailed.of(i, told)
                 return ShellFailed(i, cell, fault)
             trial.eqps[i][:] = trial.shells.history[i][..., 0].reshape(trial.eqps[i].shape)
         force: FloatArray = self.assembler.assemble_vector(self._force)
@@ -200,7 +215,8 @@ class ShellMechanics:
         return force
 
     def begin_increment(self, state_n: State, step: Step) -> None:
-        """Take note of an increment: the laws of shells do not ask when."""
+        """Keep which increment this is, for laws that ask."""
+        self._when = place_increment(self._model, state_n, step)
 
     def settle(self, state_n: State, trial: State) -> None:
         """Turn the directors of a converged trial state by its increment; with small displacements they stay."""
@@ -237,11 +253,14 @@ class ShellMechanics:
         return total / np.maximum(count, 1.0)
 
     def flow_stress(self, block: int, state: State) -> FloatArray:
-        """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points)."""
+        """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points); of a UMAT effective stress."""
+        law = self._laws[block]
+        if isinstance(law, SheetUmat):  # which does not tell it
+            return sheet_effective_stress(state.stress[block])
         history = state.shells.history[block].reshape(-1, state.shells.history[block].shape[-1])
         material = self._model.materials[self._model.mesh.blocks[block].material]
         eqps, heat = np.ascontiguousarray(history[:, 0]), temperature(material, history, state.temperature[block])
-        flow, _ = self._laws[block].flow_stress(eqps, temperature=heat)
+        flow, _ = law.flow_stress(eqps, temperature=heat)
         result: FloatArray = flow.reshape(state.eqps[block].shape)
         return result
 

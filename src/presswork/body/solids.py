@@ -9,6 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
+from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.shells import ShellMechanics
 from presswork.fields.contact_stress import ContactForces
 from presswork.fields.instant import Instant, SolidPoints
@@ -24,7 +25,7 @@ from presswork.law.elastic_plastic import (
     temperature,
     temperature_at_rest,
 )
-from presswork.law.umat import TOLD, open_umat
+from presswork.law.umat import UNDEFORMED, open_umat
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
 from presswork.outcome import BadGuess, Step
 from presswork.state import State
@@ -47,34 +48,6 @@ class TurnedInsideOut(BadGuess):
         return f"cell {self.cell} of block {self.block} turned inside out"
 
 
-_CUT = {_core.LawStatus.not_finite: 0.5, _core.LawStatus.overrun: 0.0, _core.LawStatus.stopped: 0.0}
-"""By what an increment is cut; 0 gives up."""
-
-
-@dataclass(frozen=True)
-class LawFailed(BadGuess):
-    """A law that refused the trial displacement; the increment must be cut."""
-
-    block: int
-    cell: int
-    status: _core.LawStatus
-    step_factor: float
-    """By which to cut."""
-
-    @property
-    def is_final(self) -> bool:  # type: ignore[override]
-        """Whether the law has said what to do, so that a shorter correction is not to be tried."""
-        return self.status not in (_core.LawStatus.not_finite, _core.LawStatus.no_stress)
-
-    @property
-    def factor(self) -> float:
-        """By what to cut the increment."""
-        return self.step_factor
-
-    def __str__(self) -> str:
-        return f"{TOLD[self.status]} in cell {self.cell} of block {self.block}"
-
-
 def make_law(material: Material, solver: SolverSettings, components: int) -> _core.VonMises | SolidLaw | _core.Umat:
     """Return the compiled material law of a stress of 4 or 6 components, or open the library that has it."""
     if material.umat is not None:
@@ -93,13 +66,13 @@ def make_law(material: Material, solver: SolverSettings, components: int) -> _co
     )
 
 
-def _history_at_rest(law: _core.VonMises | SolidLaw | _core.Umat, size: tuple[int, int]) -> FloatArray:
+def _history_at_rest(law: _core.VonMises | SolidLaw | _core.Umat, size: tuple[int, int], components: int) -> FloatArray:
     """Return what a block's law keeps before the first increment (n_cells, n_points, n_history)."""
     if isinstance(law, _core.VonMises):
         return np.zeros((*size, 0))
     if isinstance(law, _core.Umat):
-        history = np.zeros((*size, law.n_state + _core.umat_history_size))
-        history[..., law.n_state : law.n_state + 5] = (1.0, 0.0, 0.0, 1.0, 1.0)
+        history = np.zeros((*size, law.n_state + _core.umat_history_size(components)))
+        history[..., law.n_state + UNDEFORMED] = 1.0
         return history
     history = np.zeros((*size, _core.kept_values(law)))
     if isinstance(law, _core.SolidLaw):
@@ -166,21 +139,15 @@ class Mechanics:
         """Return the State before the first increment."""
         state = State.at_rest(self._model, n_candidates, n_slots)
         state.history = [
-            _history_at_rest(law, (e.shape[0], e.shape[1])) for law, e in zip(self._laws, state.eqps, strict=True)
+            _history_at_rest(law, (s.shape[0], s.shape[1]), s.shape[2])
+            for law, s in zip(self._laws, state.stress, strict=True)
         ]
         state.temperature = [temperature_at_rest(self._material(i), e.shape) for i, e in enumerate(state.eqps)]
         return state
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""
-        duration = self._model.stages[step.stage].duration
-        self._when = _core.UmatPlace(
-            stage=step.stage + 1,
-            increment=int(state_n.progress[3]) + 1,
-            stage_time=step.fraction_n * duration,
-            time=float(state_n.progress[0]),
-            dt=(step.fraction - step.fraction_n) * duration,
-        )
+        self._when = place_increment(self._model, state_n, step)
 
     def settle(self, state_n: State, trial: State) -> None:
         """Bring a converged trial state's other arrays up to its displacement: solids have none."""
@@ -246,7 +213,7 @@ class Mechanics:
                 return TurnedInsideOut(i, failed)
             if fault.status != _core.LawStatus.done:
                 self._timing.add("assembly", started)
-                return LawFailed(i, fault.cell, fault.status, _CUT.get(fault.status, fault.step_factor))
+                return LawFailed.of(i, fault)
         force: FloatArray = self.assembler.assemble_vector(self._force)
         self._timing.add("assembly", started)
         return force
@@ -365,7 +332,7 @@ class Mechanics:
         total = 0.0
         for i, law in enumerate(self._laws):
             if isinstance(law, _core.Umat):
-                work = trial.history[i][..., _core.umat_history_work - _core.umat_history_size]
+                work = trial.history[i][..., -1]
             elif isinstance(law, _core.VonMises):
                 mean_flow = 0.5 * (self.flow_stress(i, state_n) + self.flow_stress(i, trial))
                 work = mean_flow * (trial.eqps[i] - state_n.eqps[i])

@@ -38,6 +38,9 @@ class Kind:
     builder: str = ""
     """Module and name of what makes a Model of it; of a one-step case, no process in time, build_onestep_model does."""
 
+    has_laws: bool = True
+    """Whether its materials have laws of deformation, which may be in shared libraries."""
+
     @property
     def name(self) -> str:
         """Name of its class."""
@@ -66,7 +69,12 @@ KINDS = {
         "presswork.case.stamping.schema:StampingCase",
         "presswork.case.stamping.builder:build_stamping_model",
     ),
-    "heat": Kind(("heat",), "presswork.case.heat.schema:HeatCase", "presswork.case.heat.builder:build_heat_model"),
+    "heat": Kind(
+        ("heat",),
+        "presswork.case.heat.schema:HeatCase",
+        "presswork.case.heat.builder:build_heat_model",
+        has_laws=False,
+    ),
     "onestep": Kind(("onestep",), "presswork.case.onestep.schema:OneStepCase"),
 }
 """By the names that `presswork schema` knows."""
@@ -99,7 +107,7 @@ def build_model(case: AnyCase, *, run_user_code: bool = True) -> Model:
     if not kind.builder:
         text, remedy = "this is no process in time", f"run it by `presswork {case.analysis}`"
         raise CaseError([Problem("analysis", text, remedy, case.analysis)], case.source)
-    options = {"run_user_code": run_user_code} if kind is KINDS["solid"] else {}
+    options = {"run_user_code": run_user_code} if kind.has_laws else {}
     model: Model = resolve_name(kind.builder)(case, **options)
     return model
 

@@ -27,6 +27,7 @@ from presswork.explicit.layers import LayersOfRun
 from presswork.explicit.options import ShellOptions as ShellOptions
 from presswork.explicit.options import layer_rule
 from presswork.explicit.tools import ToolsOfRun
+from presswork.law.umat import TOLD, SheetLaw, SheetUmat
 from presswork.mesh.topology import is_triangle, with_four_nodes
 
 Array = npt.NDArray[np.float64]
@@ -56,9 +57,8 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
     """4-node and 3-node shells in explicit dynamics.
 
     points (n_nodes, 3) [mm]; connectivity (n, 4), nodes in turn round each shell, a triangle with its last node twice,
-    or (n, 3) of triangles alone; thickness [mm], one or (n); law in
-    plane stress; density [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each
-    shell.
+    or (n, 3) of triangles alone; thickness [mm], one or (n); law in plane stress: law.umat.open_sheet_law makes it of a
+    material; density [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each shell.
     hanging: nodes that follow the ends of sides (n, 7), as SplitMesh.hanging gives them.
     precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
     the time and memory; docs/theory/explicit.md says where it is good enough.
@@ -70,7 +70,7 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
         points: npt.ArrayLike,
         connectivity: npt.ArrayLike,
         thickness: npt.ArrayLike,
-        law: _core.SheetLaw,
+        law: SheetLaw,
         density: float,
         *,
         axis: npt.ArrayLike = (1.0, 0.0, 0.0),
@@ -99,6 +99,8 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
         place[self._nodes] = np.arange(len(x))
         self._young, self._poisson = law.young, law.poisson
         self.start, self.connectivity, self.axis, self.options = x, cells, axes, options
+        if isinstance(law, SheetUmat) and precision != "double":
+            raise ExplicitError(f"precision = {precision!r}: a UMAT computes in double precision")
         height, weight = layer_rule(options.n_points, options.rule)
         self._loop = LOOPS[precision](x[self._nodes])
         self._loop.ironing = options.ironing
@@ -108,7 +110,7 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
                     place[cells[part, :n]],
                     sheet[part],
                     np.ascontiguousarray(axes[part]),
-                    law,
+                    law.umat if isinstance(law, SheetUmat) else law,
                     density,
                     height,
                     weight,
@@ -116,6 +118,8 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
                     treatment=options.treatment,
                     viscous=options.hourglass == "viscous",
                     hourglass=options.coefficients,
+                    elastic=(law.young, law.poisson),
+                    number=part.tolist() if isinstance(law, SheetUmat) else [],
                 )
         except ValueError as error:
             raise ExplicitError(str(error)) from None
@@ -251,13 +255,17 @@ class ExplicitShells(LayersOfRun, ToolsOfRun, BeadsOfRun):
         if self._reference is None:
             start = sum_energies(self._energies(damping, force_scale, velocity_scale))
             self._reference = (start, abs(start))
-        shell, cycle = self._loop.advance(self.dt, *scales, damping=damping)
+        self._loop.time = self.time
+        shell, cycle, status = self._loop.advance(self.dt, *scales, damping=damping)
         if shell >= 0:
             done = self.cycle + cycle + 1
+            when = f"in cycle {done} (t = {self.time + (cycle + 1) * self.dt:g} s)"
+            if status != _core.LawStatus.no_stress:
+                raise ExplicitError(f"{TOLD[status]} in shell {self._elements[shell]} {when}: shorten the step")
             raise ExplicitError(
-                f"the material law of shell {self._elements[shell]} has failed in cycle {done} (t = "
-                f"{self.time + (cycle + 1) * self.dt:g} s), it finds no stress for the strain of this step: the step "
-                f"{self.dt:g} s is too long, the shell has collapsed, or the law's parameters are not those of a metal"
+                f"the material law of shell {self._elements[shell]} has failed {when}, it finds no stress for the "
+                f"strain of this step: the step {self.dt:g} s is too long, the shell has collapsed, or the law's "
+                "parameters are not those of a metal"
             )
         self.cycle += n
         self.time += n * self.dt

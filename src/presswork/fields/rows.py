@@ -106,7 +106,10 @@ def _temperature(now: Instant) -> FloatArray | None:
 
 def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:
     """Return the means of UMATs' state variables, from 1 on; zero in cells of other laws."""
-    if now.points is None or not now.points.user:
+    if now.points is None:
+        of_sheet = now.sheet.get("state_variables")
+        return None if of_sheet is None else {str(i + 1): column for i, column in enumerate(of_sheet.T)}
+    if not now.points.user:
         return None
     umats = [now.model.materials[block.material].umat for block in now.model.mesh.blocks]
     numbers = [umat.n_state if umat else 0 for umat in umats]

@@ -51,6 +51,7 @@ def shell_cell_fields(state: State, geometry: list[ShellGeometry]) -> dict[str, 
         _block_fields(state, i, g)
         | _back_stress_fields(state, i, g)
         | temperature_field(g.material, state.shells.history[i], state.temperature[i])
+        | state_variable_field(g.material, state.shells.history[i])
         for i, g in enumerate(geometry)
     ]
     names = max(parts, key=len)  # not every block has back stresses and a temperature
@@ -70,6 +71,13 @@ def temperature_field(
     if material is None or material.heating is None:
         return {}
     return {"temperature": temperature(material, history, given).max(axis=2).mean(axis=1)}
+
+
+def state_variable_field(material: Material | None, history: FloatArray) -> dict[str, FloatArray]:
+    """Return the means of a UMAT's state variables (n_cells, n), if any; history: of layers (n_cells, q, k, m)."""
+    if material is None or material.umat is None or material.umat.n_state == 0:
+        return {}
+    return {"state_variables": history[..., 1 : 1 + material.umat.n_state].mean(axis=(1, 2))}
 
 
 def sheet_effective_stress(stress: FloatArray) -> FloatArray:

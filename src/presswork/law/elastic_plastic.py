@@ -52,6 +52,13 @@ def make_solid_law(material: Material) -> _core.SolidLaw:
     return _core.SolidLaw(**_arguments_of_solid(material))
 
 
+def first_flow_stress(material: Material) -> float:
+    """Return the flow stress of a sheet that has not flowed yet, at rest [MPa]; of a UMAT what the case tells."""
+    if material.umat is not None:
+        return material.umat.yield_stress
+    return float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
+
+
 def is_plain(material: Material) -> bool:
     """Tell whether a solid's material is von Mises with isotropic hardening alone, which has a law in closed form."""
     beside = (material.yield_function, material.kinematic, material.rate, material.heating, material.young_decrease)

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from presswork import _core, model
+from presswork.law.elastic_plastic import make_sheet_law
 from presswork.model import FloatArray
 
 _FORTRAN = ("gfortran", "-shared", "-fPIC", "-O2", "-I", str(Path(__file__).parent / "abaqus"))
@@ -66,11 +67,59 @@ def open_umat(law: model.Umat) -> _core.Umat:
     )
 
 
+@dataclass(frozen=True)
+class SheetUmat:
+    """A UMAT in plane stress, as shells take it, with the elastic constants of its first tangent [MPa]."""
+
+    umat: _core.Umat
+    young: float
+    poisson: float
+
+    @property
+    def history_size(self) -> int:
+        """Values that a layer keeps behind its stress: equivalent plastic strain, state variables, the call's own."""
+        return 1 + self.umat.n_state + _core.umat_history_size(3)
+
+    def history_at_rest(self, shape: tuple[int, ...]) -> FloatArray:
+        """Return what layers keep before the first increment (*shape, history_size)."""
+        history: FloatArray = np.zeros((*shape, self.history_size))
+        history[..., 1 + self.umat.n_state + UNDEFORMED] = 1.0
+        return history
+
+
+UNDEFORMED = np.array([0, 4, 8])
+"""Diagonal of the whole deformation gradient behind the state variables."""
+
+
+SheetLaw = _core.SheetLaw | SheetUmat
+
+
+def open_sheet_law(material: model.Material) -> SheetLaw:
+    """Make the law of a material in plane stress, or open its UMAT.
+
+    Raises RuntimeError that says what the library lacks.
+    """
+    if material.umat is None:
+        return make_sheet_law(material)
+    return SheetUmat(open_umat(material.umat), material.young, material.poisson)
+
+
+def elastic_constants(tangent: FloatArray) -> tuple[float, float]:
+    """Return Young's modulus and Poisson's ratio of an isotropic tangent (3, 3) in plane stress, (4, 4) or (6, 6)."""
+    if len(tangent) == 3:
+        poisson = float(tangent[0, 1] / tangent[0, 0])
+        return float(tangent[0, 0]) * (1.0 - poisson**2), poisson
+    shear, bulk = float(tangent[3, 3]), float(tangent[:3, :3].mean())
+    young = 9.0 * bulk * shear / (3.0 * bulk + shear)
+    return young, young / (2.0 * shear) - 1.0
+
+
 TOLD = {
     _core.LawStatus.smaller: "the UMAT asks for a smaller increment (PNEWDT)",
     _core.LawStatus.not_finite: "the UMAT gives a stress or tangent that is no number",
     _core.LawStatus.overrun: "the UMAT writes beyond its state variables",
     _core.LawStatus.stopped: "the UMAT stops the analysis (XIT)",
+    _core.LawStatus.components: "the UMAT writes more stresses than NTENS",
     _core.LawStatus.no_stress: "the law found no stress on the yield surface",
 }
 """What a law that failed has told."""
@@ -89,19 +138,20 @@ class Trial:
     status: str = "done"
     """Name of the LawStatus of its last call."""
     tangent: tuple[tuple[float, ...], ...] = ()
-    """DDSDDE at a strain of one millionth, shape (4, 4) [MPa]."""
+    """DDSDDE at a strain of one millionth, shape (components, components) [MPa]."""
 
 
-def try_umat(law: model.Umat) -> Trial:
+def try_umat(law: model.Umat, components: int) -> Trial:
     """Open a library and call it, in a process of its own: whatever it does there ends neither this one nor waits.
 
+    components: NTENS: 3 of shells, 4 of solids in the plane, 6 of solids in space.
     The library's own constructors and its routine run: try only what may run.
     """
     read, write = os.pipe()
     try:
         done = subprocess.run(
             [sys.executable, "-m", "presswork.law.umat", str(write)],
-            input=json.dumps(asdict(law)), text=True, pass_fds=(write,), timeout=_LONGEST,
+            input=json.dumps([asdict(law), components]), text=True, pass_fds=(write,), timeout=_LONGEST,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
         os.close(write)
@@ -126,22 +176,23 @@ def try_umat(law: model.Umat) -> Trial:
     return Trial(said["fault"], said["status"], tuple(map(tuple, said["tangent"])))
 
 
-def _answer_trial(law: model.Umat) -> Trial:
+def _answer_trial(law: model.Umat, components: int) -> Trial:
     """Open a library and call it twice, in this process."""
     try:
         compiled = open_umat(law)
     except RuntimeError as error:
         return Trial(str(error))
-    rest: FloatArray = np.zeros(4)
+    rest: FloatArray = np.zeros(components)
     status, _, state, tangent = compiled.update(rest, rest, np.zeros(law.n_state), 1.0)
     if status == _core.LawStatus.done:  # once more with a strain: a first call may only set up state variables
-        strain = np.array([_SMALL, 0.0, 0.0, 0.0])
+        strain = np.zeros(components)
+        strain[0] = _SMALL
         status, _, _, tangent = compiled.update(strain, rest, state, 1.0)
     return Trial("", status.name, tuple(map(tuple, tangent.tolist())))
 
 
 if __name__ == "__main__":
-    data = json.load(sys.stdin)
-    trial = _answer_trial(model.Umat(**{**data, "props": tuple(data["props"])}))
+    data, size = json.load(sys.stdin)
+    trial = _answer_trial(model.Umat(**{**data, "props": tuple(data["props"])}), size)
     with os.fdopen(int(sys.argv[1]), "w") as answer:
         json.dump(asdict(trial), answer)

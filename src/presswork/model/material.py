@@ -91,6 +91,8 @@ class Umat:
     """Several threads may call it at once."""
     plastic_strain: int = 0
     """Which state variable is the equivalent plastic strain, from 1; 0: none."""
+    yield_stress: float = 0.0
+    """First flow stress [MPa], by which forces and energies of a stamping are judged; 0: not told."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ class Material:
     young_decrease: tuple[float, float] | None = None
     """Young's modulus after large plastic strain [MPa], and the rate at which it gets there."""
     umat: Umat | None = None
-    """Of a solid: the law, instead of hardening."""
+    """The law, instead of hardening."""
     density: float = 0.0
     """[t/mm3]; dynamics and heating ask for it."""
     heating: Heating | None = None

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.geometry.tool_surface import make_surface
-from presswork.law.elastic_plastic import make_sheet_law
+from presswork.law.elastic_plastic import first_flow_stress
 from presswork.mesh.flange import find_held_area
 from presswork.model import FloatArray, Model, Tool
 from presswork.process.stamping_tools import is_pushed_in
@@ -78,7 +78,7 @@ def _warn_of_squeezing(
     section, material = model.sheet
     area = find_held_area(model.mesh, make_surface(holder.surface), holder.position) * model.whole
     force = float(np.max(history[f"{holder.name}.force"][fixed], initial=0.0))
-    yield_stress = float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
+    yield_stress = first_flow_stress(material)
     if area > 0 and force / area > SQUEEZED * yield_stress:
         t = section.thickness
         yield (

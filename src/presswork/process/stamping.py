@@ -22,9 +22,10 @@ from presswork.explicit.shells import FREEDOMS, PHASES, SAFETY, ExplicitShells
 from presswork.fields.explicit_fields import OnePointFields
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
-from presswork.fields.shell_fields import temperature_field
+from presswork.fields.shell_fields import state_variable_field, temperature_field
 from presswork.fields.table import compute_fields
-from presswork.law.elastic_plastic import make_sheet_law
+from presswork.law.elastic_plastic import first_flow_stress
+from presswork.law.umat import open_sheet_law
 from presswork.model import BoolArray, ExplicitSheet, FloatArray, Mesh, Model, Refinement, Stage
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
@@ -61,7 +62,7 @@ class ExplicitStamping(RowRecording):
         self.reactions = Reactions(model, 6, [t.name for t in model.tools])
         self._reaction = np.zeros((len(model.mesh.points), 6))
         material = model.sheet[1]
-        yield_stress = float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
+        yield_stress = first_flow_stress(material)
         self._formed = YIELD_OFFSET * yield_stress * self._mass / material.density
         if self.settings.target_step is not None:
             self._scale_mass(self.settings.target_step)
@@ -81,7 +82,7 @@ class ExplicitStamping(RowRecording):
             model.mesh.points,
             self._cells,
             section.thickness,
-            make_sheet_law(material),
+            open_sheet_law(material),
             material.density,
             axis=rolling,
             options=ShellOptions(
@@ -263,7 +264,9 @@ class ExplicitStamping(RowRecording):
         fields = self._fields.cell_fields(
             shells.position, shells.thickness, shells.flow_stress_at_points, shells.pressure_at_points, history[..., 0]
         )
-        return fields | temperature_field(self.model.sheet[1], history, self.shells.given_temperature)
+        material = self.model.sheet[1]
+        degrees = temperature_field(material, history, self.shells.given_temperature)
+        return fields | degrees | state_variable_field(material, history)
 
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
         """Return the verdict on the sheet by its cell fields."""

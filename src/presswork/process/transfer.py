@@ -18,11 +18,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from presswork import _core
+from presswork.body.law_failed import LawFailed
 from presswork.body.shells import ShellFailed, ShellMechanics, lay_directors
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells, Precision
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.law.elastic_plastic import make_sheet_law
+from presswork.law.umat import open_sheet_law
 from presswork.mesh.directors import cell_normals
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.mesh.topology import is_triangle, with_four_nodes
@@ -148,7 +149,7 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
 
     trial = state.duplicate()
     force = mechanics.evaluate(state, trial, np.zeros_like(state.displacement), with_stiffness=False)
-    if isinstance(force, ShellFailed):
+    if isinstance(force, ShellFailed | LawFailed):
         raise TransferError(f"the deformed sheet cannot be taken over: {force}")
     state.volume = trial.volume
     procedure.initial_volume = procedure.volume()
@@ -176,7 +177,7 @@ def carry_to_explicit(
         sheet.position,
         np.concatenate([with_four_nodes(block.connectivity) for block in sheet.blocks]),
         np.concatenate([block.thickness.mean(axis=1) for block in sheet.blocks]),
-        make_sheet_law(material),
+        open_sheet_law(material),
         material.density,
         axis=np.concatenate([block.axis.mean(axis=1) for block in sheet.blocks]),
         options=options,

@@ -16,26 +16,29 @@ extern "C" void sinv_(const double*, double*, double*, const int*, const int*);
 
 namespace {
 
-void elastic(double E, double nu, double* D) {
+void elastic(int n, double E, double nu, double* D) {
   const double G = E / (2 * (1 + nu)), lame = E * nu / ((1 + nu) * (1 - 2 * nu));
-  std::fill_n(D, 16, 0.0);
+  std::fill_n(D, n * n, 0.0);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) D[i + 4 * j] = lame + (i == j ? 2 * G : 0.0);
-  D[15] = G;
+    for (int j = 0; j < 3; ++j) D[i + n * j] = lame + (i == j ? 2 * G : 0.0);
+  for (int i = 3; i < n; ++i) D[i + n * i] = G;
 }
 
-void add(const double* D, const double* e, double* s) {
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) s[i] += D[i + 4 * j] * e[j];
+void add(int n, const double* D, const double* e, double* s) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) s[i] += D[i + n * j] * e[j];
 }
 
 // Radial return of stress - back to flow(p); slope is that of flow, H Prager's; n of unit length.
 template <class Flow>
-void radial_return(double E, double nu, double* stress, double* D, double* back, double H, double& p, Flow flow) {
+void radial_return(int components, double E, double nu, double* stress, double* D, double* back, double H, double& p,
+                   Flow flow) {
   const double G = E / (2 * (1 + nu));
-  double xi[4], mean = (stress[0] + stress[1] + stress[2]) / 3;
-  for (int i = 0; i < 4; ++i) xi[i] = stress[i] - (i < 3 ? mean : 0.0) - back[i];
-  const double length = std::sqrt(xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2] + 2 * xi[3] * xi[3]);
+  double xi[6], mean = (stress[0] + stress[1] + stress[2]) / 3;
+  for (int i = 0; i < components; ++i) xi[i] = stress[i] - (i < 3 ? mean : 0.0) - back[i];
+  double square = 0.0;
+  for (int i = 0; i < components; ++i) square += (i < 3 ? 1.0 : 2.0) * xi[i] * xi[i];
+  const double length = std::sqrt(square);
   const double q = std::sqrt(1.5) * length;
   double value, slope;
   flow(p, value, slope);
@@ -49,33 +52,33 @@ void radial_return(double E, double nu, double* stress, double* D, double* back,
   }
   flow(p + dp, value, slope);
   p += dp;
-  double n[4];
-  for (int i = 0; i < 4; ++i) n[i] = xi[i] / length;
+  double n[6];
+  for (int i = 0; i < components; ++i) n[i] = xi[i] / length;
   const double turn = std::sqrt(1.5) * dp;  // length of the plastic strain increment
-  for (int i = 0; i < 4; ++i) stress[i] -= 2 * G * turn * n[i], back[i] += 2.0 / 3 * H * turn * n[i];
+  for (int i = 0; i < components; ++i) stress[i] -= 2 * G * turn * n[i], back[i] += 2.0 / 3 * H * turn * n[i];
   const double theta = 3 * G * dp / q, bar = 3 * G / (3 * G + H + slope) - theta;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) {
+  for (int i = 0; i < components; ++i)
+    for (int j = 0; j < components; ++j) {
       const double unit = i == j ? (i < 3 ? 1.0 : 0.5) : 0.0, third = i < 3 && j < 3 ? 1.0 / 3 : 0.0;
-      D[i + 4 * j] -= 2 * G * (theta * (unit - third) + bar * n[i] * n[j]);
+      D[i + components * j] -= 2 * G * (theta * (unit - third) + bar * n[i] * n[j]);
     }
 }
 
-void neo_hooke(const double* props, const double* F, double* stress, double* D) {
+void neo_hooke(int n, const double* props, const double* F, double* stress, double* D) {
   const double mu = props[1], kappa = props[2];
-  const double J = (F[0] * F[4] - F[1] * F[3]) * F[8];
-  const double b[4] = {F[0] * F[0] + F[3] * F[3], F[1] * F[1] + F[4] * F[4], F[8] * F[8], F[0] * F[1] + F[3] * F[4]};
-  const double share = mu / std::pow(J, 5.0 / 3), trace = b[0] + b[1] + b[2];
-  for (int i = 0; i < 4; ++i) stress[i] = share * b[i];
-  for (int i = 0; i < 3; ++i) stress[i] += kappa * (J - 1) - share * trace / 3;
+  const double J =
+      F[0] * (F[4] * F[8] - F[5] * F[7]) - F[3] * (F[1] * F[8] - F[2] * F[7]) + F[6] * (F[1] * F[5] - F[2] * F[4]);
+  const int at[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+  auto B = [&](int i, int j) { return F[i] * F[j] + F[i + 3] * F[j + 3] + F[i + 6] * F[j + 6]; };
+  const double share = mu / std::pow(J, 5.0 / 3), trace = B(0, 0) + B(1, 1) + B(2, 2);
+  for (int i = 0; i < n; ++i)
+    stress[i] = share * B(at[i][0], at[i][1]) + (i < 3 ? kappa * (J - 1) - share * trace / 3 : 0.0);
   // Jaumann rate of Kirchhoff stress over J: share (1/2)(delta b + b delta) - (2/3) share (b 1 + 1 b) + ...
-  const int at[4][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}};
-  auto B = [&](int i, int j) { return i == j ? b[i] : (i < 2 && j < 2 ? b[3] : 0.0); };
-  for (int r = 0; r < 4; ++r)
-    for (int c = 0; c < 4; ++c) {
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; ++c) {
       const int i = at[r][0], j = at[r][1], k = at[c][0], l = at[c][1];
       auto d = [](int x, int y) { return x == y ? 1.0 : 0.0; };
-      D[r + 4 * c] = share * (0.5 * (d(i, k) * B(j, l) + B(i, k) * d(j, l) + d(i, l) * B(j, k) + B(i, l) * d(j, k)) -
+      D[r + n * c] = share * (0.5 * (d(i, k) * B(j, l) + B(i, k) * d(j, l) + d(i, l) * B(j, k) + B(i, l) * d(j, k)) -
                               2.0 / 3 * (B(i, j) * d(k, l) + d(i, j) * B(k, l)) + 2.0 / 9 * trace * d(i, j) * d(k, l)) +
                      kappa * (2 * J - 1) * d(i, j) * d(k, l);
     }
@@ -91,13 +94,14 @@ extern "C" void umat_(double* stress, double* statev, double* ddsdde, double* ss
                       const double* celent, const double*, const double* dfgrd1, const int* noel, const int* npt,
                       const int*, const int*, const int* jstep, const int* kinc, std::size_t length) {
   const int law = static_cast<int>(props[0]);
-  if (law == 2) return neo_hooke(props, dfgrd1, stress, ddsdde);
+  if (law == 2) return neo_hooke(*ntens, props, dfgrd1, stress, ddsdde);
   const double E = props[1], nu = props[2];
-  elastic(E, nu, ddsdde);
-  add(ddsdde, dstran, stress);
+  const int n = std::max(4, *ntens);  // not written for plane stress
+  elastic(n, E, nu, ddsdde);
+  add(n, ddsdde, dstran, stress);
   if (law == 1) {
-    double none[4] = {};
-    radial_return(E, nu, stress, ddsdde, none, 0.0, statev[0], [&](double p, double& flow, double& slope) {
+    double none[6] = {};
+    radial_return(n, E, nu, stress, ddsdde, none, 0.0, statev[0], [&](double p, double& flow, double& slope) {
       flow = props[3] * std::pow(props[4] + p, props[5]);
       slope = props[5] * flow / (props[4] + p);
     });
@@ -105,7 +109,7 @@ extern "C" void umat_(double* stress, double* statev, double* ddsdde, double* ss
     const int kind = 1;
     double back[4];
     rotsig_(statev, drot, back, &kind, ndi, nshr);
-    radial_return(E, nu, stress, ddsdde, back, props[4], statev[4], [&](double, double& flow, double& slope) {
+    radial_return(n, E, nu, stress, ddsdde, back, props[4], statev[4], [&](double, double& flow, double& slope) {
       flow = props[3];
       slope = 0.0;
     });

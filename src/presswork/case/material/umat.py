@@ -13,8 +13,8 @@ from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.part import Part
 from presswork.case.settings import Whole
-from presswork.case.units import Density, Number
-from presswork.law.umat import try_umat
+from presswork.case.units import Density, Number, Stress
+from presswork.law.umat import elastic_constants, try_umat
 
 _FAULTS = {
     "not_finite": (
@@ -25,8 +25,22 @@ _FAULTS = {
         "it writes beyond its {n_state} state variables",
         "give state_variables as its *DEPVAR says",
     ),
+    "components": (
+        "it writes more than NTENS = {components} stresses",
+        "it is not written for {family}: take a routine that asks for NDI and NTENS",
+    ),
     "stopped": ("it stops (XIT) at its first call", "look at its own message; check props"),
 }
+
+
+FAMILIES = {3: "plane stress, as shells need it", 4: "solids in the plane", 6: "solids in space"}
+"""By the number of components of their stress."""
+
+
+def kind_of_material(data: object) -> str:
+    """Tell a table with a UMAT from others, as a discriminator of unions."""
+    has_umat = "umat" in data if isinstance(data, dict) else isinstance(data, UmatMaterial)
+    return "umat" if has_umat else "laws"
 
 
 class UmatMaterial(Part):
@@ -49,13 +63,27 @@ class UmatMaterial(Part):
     thread_safe: bool = Field(
         default=False, description="whether several threads may call the routine at once; most Fortran routines may not"
     )
+    yield_stress: Stress | None = Field(
+        default=None,
+        gt=0,
+        description="first flow stress [MPa] of the sheet of a stamping, by which forces and energies are judged",
+    )
+
+    def find_density(self) -> float:
+        """Return the density, 0 where none is given [t/mm3]."""
+        return self.density or 0.0
+
+    def is_metal(self) -> bool:
+        """Whether there is a density."""
+        return self.density is not None
 
 
 def build_umat(
-    name: str, material: UmatMaterial, folder: Path, *, run_user_code: bool = True
+    name: str, material: UmatMaterial, folder: Path, components: int, *, run_user_code: bool = True
 ) -> model.Material | Problem:
     """Open and try the library of a material; return the Model's, with the elastic constants that it shows.
 
+    components: of the stress: 3 of shells, 4 of solids in the plane, 6 of solids in space.
     run_user_code: without it the library is not opened, and the constants are nan.
     """
     key = f"materials.{name}"
@@ -67,23 +95,31 @@ def build_umat(
     if (material.plastic_strain or 0) > n_state:
         fault = f"there are only {n_state} state variables"
         return Problem(f"{key}.plastic_strain", fault, "count from 1", material.plastic_strain)
+    if components == 3 and material.jacobian != "stress_increment":
+        fault = "no shell takes it: the rate of stress asks for the strain across the sheet, which no routine tells"
+        return Problem(f"{key}.jacobian", fault, 'take "stress_increment"', material.jacobian)
     law = model.Umat(
-        str(path), material.props, n_state, material.jacobian, material.thread_safe, material.plastic_strain or 0
+        str(path),
+        material.props,
+        n_state,
+        material.jacobian,
+        material.thread_safe,
+        material.plastic_strain or 0,
+        material.yield_stress or 0.0,
     )
     if not run_user_code:
-        return model.Material(name, math.nan, math.nan, hardening=None, umat=law, density=material.density or 0.0)
-    trial = try_umat(law)
+        return model.Material(name, math.nan, math.nan, hardening=None, umat=law, density=material.find_density())
+    trial = try_umat(law, components)
     if trial.fault:
         remedy = "compile it with `presswork material compile`"
         return Problem(f"{key}.umat", f"cannot be used: {trial.fault}", remedy, material.umat)
     if trial.status in _FAULTS:
-        fault, remedy = (text.format(n_props=n_props, n_state=n_state) for text in _FAULTS[trial.status])
+        words = {"n_props": n_props, "n_state": n_state, "components": components, "family": FAMILIES[components]}
+        fault, remedy = (text.format(**words) for text in _FAULTS[trial.status])
         return Problem(f"{key}.umat", fault, remedy, material.umat)
     tangent = np.array(trial.tangent)
-    shear, bulk = float(tangent[3, 3]), float(tangent[:3, :3].mean())
-    if trial.status != "done" or not (shear > 0.0 and bulk > 0.0):
+    if trial.status != "done" or not (np.diag(tangent) > 0.0).all() or not tangent[:2, :2].mean() > 0.0:
         fault = "its first call, at a strain of one millionth, gives no tangent (DDSDDE) of a solid"
         return Problem(f"{key}.umat", fault, f"check the {n_props} props and their units (MPa, mm, s)", material.umat)
-    young = 9.0 * bulk * shear / (3.0 * bulk + shear)
-    poisson = young / (2.0 * shear) - 1.0
-    return model.Material(name, young, poisson, hardening=None, umat=law, density=material.density or 0.0)
+    young, poisson = elastic_constants(tangent)
+    return model.Material(name, young, poisson, hardening=None, umat=law, density=material.find_density())

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import replace
 from math import radians
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from presswork import _core, model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.library import list_keys
+from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.shell.schema import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.solid.grid import grid_lines
@@ -30,8 +30,11 @@ _ALONG = 1e-6
 """Part of a moment, or sine of an axis, across the directors below which it does nothing."""
 
 
-def build_shell_model(case: ShellCase) -> model.Model:
-    """Build the Model of a shell's case; raises CaseError with every problem of the first kind that is found."""
+def build_shell_model(case: ShellCase, *, run_user_code: bool = True) -> model.Model:
+    """Build the Model of a shell's case; raises CaseError with every problem of the first kind that is found.
+
+    run_user_code: try the shared libraries that it names.
+    """
     _stop_at(_check_names(case), case)
     mesh = _build_mesh(case)
     _stop_at(_check_sets(case, mesh), case)
@@ -42,11 +45,8 @@ def build_shell_model(case: ShellCase) -> model.Model:
         analysis="shell",
         depth=1.0,
         mesh=mesh,
-        materials=tuple(
-            replace(sheet, density=case.materials[sheet.name].find_density())
-            for sheet in build_sheets(
-                case.materials, case.workpiece.material, case.workpiece.section.thickness, case.source
-            )
+        materials=build_sheets(
+            case.materials, case.workpiece.material, case.workpiece.section.thickness, case.source, run_user_code
         ),
         tools=(),
         supports=tuple(entry.build(name) for name, entry in case.boundary.items()),
@@ -89,7 +89,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
                 fault, remedy = "arc length follows loads, not prescribed displacements", 'take control = "load"'
                 problems.append(Problem("solver.control", f"{fault} (stages.{index})", remedy, "arc_length"))
         for name, material in case.materials.items():
-            if material.rate is not None:
+            if not isinstance(material, UmatMaterial) and material.rate is not None:
                 fault = f"along a path that arc length follows no time passes, which materials.{name}.rate needs"
                 remedy = 'take control = "load", or the material without rate'
                 problems.append(Problem("solver.control", fault, remedy, "arc_length"))

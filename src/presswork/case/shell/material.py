@@ -6,9 +6,10 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
-from pydantic import Field, GetJsonSchemaHandler, ValidationInfo, model_validator
+from pydantic import Discriminator, Field, GetJsonSchemaHandler, Tag, ValidationInfo, model_validator
+from pydantic.config import JsonDict
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
@@ -16,6 +17,7 @@ from presswork.case.errors import CaseError
 from presswork.case.material.heating import HEAVIEST, LIGHTEST, require_density
 from presswork.case.material.library import find_sheet, list_keys
 from presswork.case.material.sheet import SheetLaws
+from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.units import Density, fault
 
 logger = logging.getLogger(__name__)
@@ -39,7 +41,7 @@ class ShellMaterial(SheetLaws):
     @classmethod
     def _take_from_library(cls, data: Any, info: ValidationInfo) -> Any:
         if isinstance(data, dict) and "umat" in data:
-            raise fault("a sheet takes no UMAT", "give young, poisson and hardening, or form a solid", key="umat")
+            raise fault("one step takes no UMAT", "give young, poisson and hardening", key="umat")
         if not (isinstance(data, dict) and isinstance(data.get("library"), str)):
             return data
         source = info.context.get("source") if isinstance(info.context, dict) else None
@@ -89,6 +91,14 @@ class HeavyShellMaterial(ShellMaterial):
     def is_metal(self) -> bool:
         """Whether the density found is that of a metal."""
         return LIGHTEST < self.find_density() < HEAVIEST
+
+
+_TABLES: JsonDict = {"laws": "#/$defs/HeavyShellMaterial", "umat": "#/$defs/UmatMaterial"}
+SheetTable = Annotated[
+    Annotated[HeavyShellMaterial, Tag("laws")] | Annotated[UmatMaterial, Tag("umat")],
+    Discriminator(kind_of_material),
+    Field(json_schema_extra={"discriminator": {"mapping": _TABLES}}),
+]
 
 
 def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:

@@ -17,7 +17,7 @@ from presswork.case.limits import Limits
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.settings import Output, Solver
-from presswork.case.shell.material import HeavyShellMaterial, add_library_materials
+from presswork.case.shell.material import SheetTable, add_library_materials
 from presswork.case.solid.workpiece import MeshFile, Rectangle, assume_rectangle
 from presswork.case.units import (
     Angle,
@@ -169,7 +169,7 @@ class ShellCase(CaseFile):
     title: Title = Field(description="what the case shows, in one line")
     analysis: Literal["shell"] = Field(description="shell")
     workpiece: ShellWorkpiece = Field(description="the sheet that is formed")
-    materials: dict[Name, HeavyShellMaterial] = Field(default={}, description="materials by name")
+    materials: dict[Name, SheetTable] = Field(default={}, description="materials by name")
     boundary: dict[Name, ShellBoundary] = Field(default={}, description="supports and symmetry planes by name")
     stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")

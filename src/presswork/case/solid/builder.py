@@ -8,7 +8,7 @@ of the workpiece normal to that component. In plane strain a tool that reaches o
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -37,7 +37,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     mesh, bodies = build_bodies(case)
     problems = check_sets(case, mesh)
     _stop_at(problems, case)
-    materials, problems = _build_materials(case, run_user_code)
+    materials, problems = build_materials(case.materials, case.source, 4, run_user_code)
     _stop_at(problems, case)
     contacts, problems = build_contacts(case, mesh, bodies, materials)
     planes, plane_problems = _find_symmetry_planes(case, mesh, bodies)
@@ -105,15 +105,22 @@ def _folder(case: schema.Case) -> Path:
     return case.source.parent if case.source is not None else Path()
 
 
-def _build_materials(case: schema.Case, run_user_code: bool) -> tuple[tuple[model.Material, ...], list[Problem]]:
+def build_materials(
+    materials: Mapping[str, schema.Material | UmatMaterial],
+    source: Path | None,
+    components: int,
+    run_user_code: bool,
+) -> tuple[tuple[model.Material, ...], list[Problem]]:
+    """Return the Model's materials of solids whose stress has so many components, and the problems of UMATs."""
+    folder = source.parent if source is not None else Path()
     built = [
-        build_umat(name, material, _folder(case), run_user_code=run_user_code)
+        build_umat(name, material, folder, components, run_user_code=run_user_code)
         if isinstance(material, UmatMaterial)
         else build_material(name, material)
-        for name, material in case.materials.items()
+        for name, material in materials.items()
     ]
-    materials = tuple(material for material in built if isinstance(material, model.Material))
-    return materials, [problem for problem in built if isinstance(problem, Problem)]
+    made = tuple(material for material in built if isinstance(material, model.Material))
+    return made, [problem for problem in built if isinstance(problem, Problem)]
 
 
 def build_material(name: str, material: schema.Material) -> model.Material:

@@ -24,7 +24,7 @@ from presswork.case.case_file import CaseFile
 from presswork.case.limits import Limits
 from presswork.case.material.heating import require_density
 from presswork.case.material.plastic import PlasticLaws
-from presswork.case.material.umat import UmatMaterial
+from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part, ShortForm
 from presswork.case.settings import Output, Solver
@@ -77,18 +77,10 @@ class Material(PlasticLaws):
         return self
 
 
-_MATERIALS: JsonDict = {"von_mises": "#/$defs/Material", "umat": "#/$defs/UmatMaterial"}
-
-
-def _kind_of_material(data: object) -> str:
-    """Tell a table with a UMAT from others."""
-    has_umat = "umat" in data if isinstance(data, dict) else isinstance(data, UmatMaterial)
-    return "umat" if has_umat else "von_mises"
-
-
+_MATERIALS: JsonDict = {"laws": "#/$defs/Material", "umat": "#/$defs/UmatMaterial"}
 MaterialTable = Annotated[
-    Annotated[Material, Tag("von_mises")] | Annotated[UmatMaterial, Tag("umat")],
-    Discriminator(_kind_of_material),
+    Annotated[Material, Tag("laws")] | Annotated[UmatMaterial, Tag("umat")],
+    Discriminator(kind_of_material),
     Field(json_schema_extra={"discriminator": {"mapping": _MATERIALS}}),
 ]
 

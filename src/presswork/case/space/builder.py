@@ -10,7 +10,7 @@ from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
-from presswork.case.solid.builder import build_material
+from presswork.case.solid.builder import build_materials
 from presswork.case.solid.law_checks import check_integrator
 from presswork.case.solid.references import check_set_names
 from presswork.case.solid.workpiece import MeshFile
@@ -24,18 +24,18 @@ from presswork.mesh.faces import face_areas
 logger = logging.getLogger(__name__)
 
 
-def build_space_model(case: SpaceCase) -> model.Model:
-    """Build the Model of a solid in space; raises CaseError with every problem of the first kind that is found."""
+def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.Model:
+    """Build the Model of a solid in space; raises CaseError with every problem of the first kind that is found.
+
+    run_user_code: try the shared libraries that it names.
+    """
     _stop_at(_check_names(case), case)
     piece = case.workpiece
     material = list(case.materials).index(piece.material)
     mesh = mesh_space_body("workpiece", piece.mesh, piece.element, material, case.source)
     _stop_at(_check_sets(case, mesh), case)
-    materials = tuple(
-        build_material(name, material)
-        for name, material in case.materials.items()
-        if not isinstance(material, UmatMaterial)
-    )
+    materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
+    _stop_at(problems, case)
     return model.Model(
         title=case.title,
         analysis="solid",
@@ -98,12 +98,13 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
     problems = []
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
-            fault, remedy = "solids in space take no UMAT yet", "give young, poisson and hardening"
-            problems.append(Problem(f"materials.{name}.umat", fault, remedy))
-            continue
-        problems += material.check_in_solids(f"materials.{name}")
-        if name == case.workpiece.material:
-            problems += check_integrator(name, material, case.solver)
+            if case.solver.tangent == "thesis":
+                fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"
+                problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
+        else:
+            problems += material.check_in_solids(f"materials.{name}")
+            if name == case.workpiece.material:
+                problems += check_integrator(name, material, case.solver)
         if case.solver.inertia and material.density is None and name == case.workpiece.material:
             remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
             problems.append(Problem(f"materials.{name}.density", "missing key", remedy))

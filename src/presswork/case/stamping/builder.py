@@ -48,8 +48,11 @@ IMPLICIT_ELEMENTS: dict[int, model.ElementName] = {3: "shell3_mitc_plus", 4: "sh
 SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
 
-def build_stamping_model(case: StampingCase) -> model.Model:
-    """Build the Model of a stamping; raises CaseError with every problem of the first kind that is found."""
+def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> model.Model:
+    """Build the Model of a stamping; raises CaseError with every problem of the first kind that is found.
+
+    run_user_code: try the shared libraries that it names.
+    """
     _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_tools(case) + check_ways(case), case)
     stages = tuple(build_stage(stage, case) for stage in case.stages)
@@ -81,10 +84,7 @@ def build_stamping_model(case: StampingCase) -> model.Model:
         analysis="stamping",
         mesh=mesh,
         rolling_direction=(cos(angle), sin(angle), 0.0),
-        materials=tuple(
-            replace(sheet, density=case.materials[sheet.name].find_density())
-            for sheet in build_sheets(case.materials, case.blank.material, case.blank.thickness, case.source)
-        ),
+        materials=build_sheets(case.materials, case.blank.material, case.blank.thickness, case.source, run_user_code),
         tools=tools,
         symmetry=symmetry,
         supports=(*supports, *(entry.build(name) for name, entry in case.boundary.items())),

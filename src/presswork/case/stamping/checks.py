@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork.case.errors import Problem, suggest
 from presswork.case.material.library import list_keys
+from presswork.case.material.umat import UmatMaterial
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
 from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage, TrimFile
 from presswork.case.stamping.shapes import clearance
@@ -35,6 +36,9 @@ def check_names(case: StampingCase) -> list[Problem]:
     if case.blank.material not in case.materials:
         remedy = suggest(case.blank.material, [*case.materials, *list_keys()], "materials, of the case and the library")
         problems.append(Problem("blank.material", "no such material", remedy, case.blank.material))
+    for name, material in case.materials.items():
+        if isinstance(material, UmatMaterial):
+            problems += _check_umat(f"materials.{name}", material, case)
     if case.blank.thickness < THINNEST:
         fault, remedy = "thinner than any rolled metal", 'plain numbers are mm: 0.8, or "0.8 mm"'
         problems.append(Problem("blank.thickness", fault, remedy, case.blank.thickness))
@@ -190,6 +194,20 @@ def check_ways(case: StampingCase) -> list[Problem]:
     return problems
 
 
+def _check_umat(key: str, material: UmatMaterial, case: StampingCase) -> list[Problem]:
+    """Return the problems of what a stamping must know of a law from a shared library."""
+    problems = []
+    if material.density is None:
+        problems.append(Problem(f"{key}.density", "missing key", 'add it: steel has "7850 kg/m^3"'))
+    if material.yield_stress is None:
+        remedy = "add it: the routine does not tell it, and holder forces and energies are judged by it"
+        problems.append(Problem(f"{key}.yield_stress", "missing key", remedy))
+    if case.procedure == "explicit" and case.explicit.precision == "single":
+        fault = "a UMAT computes in double precision"
+        problems.append(Problem("explicit.precision", fault, 'take "double"', "single"))
+    return problems
+
+
 def check_target_step(case: StampingCase, stages: tuple[Stage, ...]) -> list[Problem]:
     """Return a problem where the time step asked for is longer than the smooth start of a stage."""
     target = case.explicit.target_step
@@ -207,6 +225,8 @@ def check_speeds(case: StampingCase, stages: tuple[Stage, ...]) -> list[Problem]
     if case.procedure != "explicit":
         return []
     material = case.materials[case.blank.material]
+    if isinstance(material, UmatMaterial):
+        return []  # its elasticity is known once the library is open
     sound = float(np.sqrt(material.young / material.find_density()))
     problems = []
     for index, (given, stage) in enumerate(zip(case.stages, stages, strict=True)):

@@ -9,10 +9,11 @@ import logging
 import numpy as np
 
 from presswork.case.errors import Problem
+from presswork.case.material.umat import UmatMaterial
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
 from presswork.geometry.tool_surface import make_surface
-from presswork.law.elastic_plastic import make_sheet_law
+from presswork.law.elastic_plastic import first_flow_stress
 from presswork.mesh.flange import find_held_area
 from presswork.mesh.tool_clearance import Closing, find_closing
 from presswork.model import Mesh, SweptProfile, Tool, Triangulation
@@ -174,8 +175,11 @@ def _check_holders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]
 def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[Problem]:
     """Return the problems of holder forces that press nothing, or press the sheet flat."""
     problems = []
-    sheet = case.materials[case.blank.material].to_model(case.blank.material)
-    strength = float(make_sheet_law(sheet).flow_stress(np.zeros(1))[0][0])
+    sheet = case.materials[case.blank.material]
+    if isinstance(sheet, UmatMaterial):
+        strength = sheet.yield_stress or 0.0
+    else:
+        strength = first_flow_stress(sheet.to_model(case.blank.material))
     for holder in (t for t in tools if t.kind == "holder"):
         area = find_held_area(mesh, make_surface(holder.surface), holder.position) * 2 ** len(set(case.blank.symmetry))
         for index, stage in enumerate(case.stages):

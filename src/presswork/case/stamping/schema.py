@@ -6,11 +6,13 @@ from __future__ import annotations
 import itertools
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic.config import JsonDict
 
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.limits import Limits
+from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.shell.material import HeavyShellMaterial, add_library_materials
@@ -41,6 +43,12 @@ class StampingMaterial(HeavyShellMaterial):
         return self
 
 
+_TABLES: JsonDict = {"laws": "#/$defs/StampingMaterial", "umat": "#/$defs/UmatMaterial"}
+StampingTable = Annotated[
+    Annotated[StampingMaterial, Tag("laws")] | Annotated[UmatMaterial, Tag("umat")],
+    Discriminator(kind_of_material),
+    Field(json_schema_extra={"discriminator": {"mapping": _TABLES}}),
+]
 ForceRow = tuple[Length, Force]
 
 
@@ -243,7 +251,7 @@ class StampingCase(CaseFile):
         description="explicit: dynamics in small steps of time; implicit: equilibrium after every increment",
     )
     blank: Blank = Field(description="the sheet that is formed")
-    materials: dict[Name, StampingMaterial] = Field(default={}, description="materials by name")
+    materials: dict[Name, StampingTable] = Field(default={}, description="materials by name")
     tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
     beads: tuple[StampingBead, ...] = Field(default=(), description="drawbeads")
     boundary: dict[Name, ShellBoundary] = Field(

@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +20,13 @@ from presswork.case.material.forming_limit.curves import (
 from presswork.case.material.forming_limit.marciniak import marciniak_kuczynski_curve
 from presswork.case.material.laws import KeelerLimit, PointsLimit, SwiftHillLimit
 from presswork.case.material.sheet import SheetLaws
+from presswork.case.material.umat import UmatMaterial, build_umat
 from presswork.case.material.yield_function import r_value
 from presswork.formability import Formability, FormingLimitCurve
 from presswork.model import Material
+
+if TYPE_CHECKING:
+    from presswork.case.shell.material import HeavyShellMaterial
 
 SAME_THICKNESS = 0.02
 """Relative difference of thickness up to which a forming limit is that of the blank."""
@@ -60,20 +65,35 @@ def build_curve(material: SheetLaws, thickness: float | None = None) -> FormingL
 
 
 def build_sheets(
-    materials: Mapping[str, SheetLaws], used: str, thickness: float, source: Path | None
+    materials: Mapping[str, HeavyShellMaterial | UmatMaterial],
+    used: str,
+    thickness: float,
+    source: Path | None,
+    run_user_code: bool,
 ) -> tuple[Material, ...]:
     """Return a case's materials for the Model; that which the sheet is of with what its strains are judged by.
 
     Raises CaseError.
     """
-    try:
-        judged = build_formability(materials[used], f"materials.{used}", thickness)
-    except CaseError as error:
-        raise CaseError(error.problems, source) from None
-    return tuple(
-        dataclasses.replace(sheet.to_model(name), formability=judged if name == used else Formability())
-        for name, sheet in materials.items()
-    )
+    judged, sheet = Formability(), materials[used]
+    if not isinstance(sheet, UmatMaterial):
+        try:
+            judged = build_formability(sheet, f"materials.{used}", thickness)
+        except CaseError as error:
+            raise CaseError(error.problems, source) from None
+    folder, built, problems = source.parent if source else Path(), [], []
+    for name, table in materials.items():
+        if isinstance(table, UmatMaterial):
+            made = build_umat(name, table, folder, 3, run_user_code=run_user_code)
+        else:
+            made = dataclasses.replace(table.to_model(name), density=table.find_density())
+        if isinstance(made, Problem):
+            problems.append(made)
+        else:
+            built.append(dataclasses.replace(made, formability=judged) if name == used else made)
+    if problems:
+        raise CaseError(problems, source)
+    return tuple(built)
 
 
 def build_formability(material: SheetLaws, key: str, thickness: float) -> Formability:

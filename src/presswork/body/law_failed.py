@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A material law that refused an increment, and what a law from a shared library is told of one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from presswork import _core
+from presswork.law.umat import TOLD
+from presswork.model import Model
+from presswork.outcome import BadGuess, Step
+from presswork.state import State
+
+_CUT = {
+    _core.LawStatus.not_finite: 0.5,
+    _core.LawStatus.overrun: 0.0,
+    _core.LawStatus.stopped: 0.0,
+    _core.LawStatus.components: 0.0,
+}
+"""By what an increment is cut; 0 gives up."""
+
+
+@dataclass(frozen=True)
+class LawFailed(BadGuess):
+    """A law that refused the trial displacement; the increment must be cut."""
+
+    block: int
+    cell: int
+    status: _core.LawStatus
+    step_factor: float
+    """By which to cut."""
+
+    @classmethod
+    def of(cls, block: int, fault: _core.LawFault) -> LawFailed:
+        """Return what a block's fault asks for."""
+        return cls(block, fault.cell, fault.status, _CUT.get(fault.status, fault.step_factor))
+
+    @property
+    def is_final(self) -> bool:  # type: ignore[override]
+        """Whether the law has said what to do, so that a shorter correction is not to be tried."""
+        return self.status not in (_core.LawStatus.not_finite, _core.LawStatus.no_stress)
+
+    @property
+    def factor(self) -> float:
+        """By what to cut the increment."""
+        return self.step_factor
+
+    def __str__(self) -> str:
+        return f"{TOLD[self.status]} in cell {self.cell} of block {self.block}"
+
+
+def place_increment(model: Model, state_n: State, step: Step) -> _core.UmatPlace:
+    """Return which increment this is, as a law from a shared library is told."""
+    duration = model.stages[step.stage].duration
+    return _core.UmatPlace(
+        stage=step.stage + 1,
+        increment=int(state_n.progress[3]) + 1,
+        stage_time=step.fraction_n * duration,
+        time=float(state_n.progress[0]),
+        dt=(step.fraction - step.fraction_n) * duration,
+    )
