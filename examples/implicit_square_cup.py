@@ -16,15 +16,17 @@ from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.shells import mesh_shell_rectangle
 from presswork.model import (
+    Friction,
     Hardening,
     Material,
     Model,
     OutputSettings,
     Section,
-    SheetTool,
     SolverSettings,
     Stage,
     Support,
+    Tool,
+    ToolMotion,
 )
 
 THICKNESS, SIDE, HOLDER_GAP, FRICTION = 0.8, 100.0, 0.1, 0.1
@@ -41,7 +43,7 @@ def make_model(cells: int, depth: float) -> Model:
         "die": (draw_die((27.0, 27.0), 11.5, 4.0, width=80.0, depth=60.0), -half),
         "holder": (draw_holder((27.0, 27.0), 11.5, 0.0, width=80.0, height=10.0), half + HOLDER_GAP),
     }
-    tools = tuple(SheetTool(name, shape, (0.0, 0.0, z), FRICTION) for name, (shape, z) in drawn.items())
+    tools = tuple(Tool(name, shape, (0.0, 0.0, z), Friction(mu=FRICTION)) for name, (shape, z) in drawn.items())
     planes = (
         Support("left", (True, False, False, False, True, True)),
         Support("bottom", (False, True, False, True, False, True)),
@@ -49,15 +51,13 @@ def make_model(cells: int, depth: float) -> Model:
     return Model(
         title="square cup",
         analysis="shell",
-        depth=1.0,
         mesh=mesh,
         materials=(steel,),
-        tools=(),
+        tools=tools,
         supports=planes,
-        stages=(Stage("draw", sheet_tool_move={"punch": (0.0, 0.0, -depth)}),),
+        stages=(Stage("draw", tool_motion={"punch": ToolMotion((0.0, 0.0, -depth))}),),
         solver=SolverSettings(symmetric=False, initial_increment=0.027 / depth, max_iterations=25),
         output=OutputSettings(steps=1),
-        sheet_tools=tools,
     )
 
 

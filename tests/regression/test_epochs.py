@@ -54,11 +54,11 @@ def ask_for_a_mesh_without_sets(epoch: Epoch) -> MeshChange:
     return change
 
 
-def run(folder: Path, hook: Any = ask, **options: Any) -> Outcome:
+def run(folder: Path, hook: Any = ask, case: dict[str, Any] = BILLET, **options: Any) -> Outcome:
     def begin(model: Model, threads: int) -> ImplicitRecording:
         return ImplicitRecording(model, threads=threads, ask_for_mesh=hook)
 
-    return run_model(build_model(Case.model_validate(BILLET)), folder, threads=1, procedure=begin, **options)
+    return run_model(build_model(Case.model_validate(case)), folder, threads=1, procedure=begin, **options)
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +94,25 @@ def test_a_run_resumed_before_or_after_the_change_gives_the_same_bits(whole: Pat
     assert run(tmp_path / "out", on_increment=stop_after(reports)).status == "interrupted"
     assert run(tmp_path / "out", resume=True).status == "completed"
     assert_same_bits(tmp_path / "out", whole)
+
+
+def test_another_mesh_is_asked_for_once_where_an_increment_fails(tmp_path: Path) -> None:
+    failures: list[str] = []
+
+    def ask_where_it_fails(epoch: Epoch) -> MeshChange | None:
+        failures.append(epoch.failure)
+        return renumber(epoch.mesh) if epoch.failure else None
+
+    few = {
+        **BILLET,
+        "solver": {"initial_increment": 0.1, "max_increment": 0.1, "min_increment": 0.05, "max_iterations": 2},
+    }
+    outcome = run(tmp_path / "out", hook=ask_where_it_fails, case=few)
+    assert outcome.status == "gave_up"
+    assert len(failures) == 1
+    assert "finds no equilibrium" in failures[0], "the other mesh fails as well, and is not asked for another"
+    with h5py.File(tmp_path / "out" / "results.vtkhdf") as file:
+        assert sorted(file["presswork/meshes"]) == ["0", "1"]
 
 
 def test_a_mesh_without_a_set_that_the_model_names_stops_the_run(tmp_path: Path) -> None:

@@ -24,6 +24,10 @@ class Epoch:
 
     mesh: Mesh
     state: State
+    run: ImplicitProcedure
+    """The procedure on this mesh: its contact, supports and laws."""
+    failure: str = ""
+    """Why the next increment finds no equilibrium; empty where none has failed."""
 
 
 Transfer = Callable[[Epoch, Epoch], None]
@@ -43,8 +47,8 @@ class MeshChange:
 
 
 AskForMesh = Callable[[Epoch], MeshChange | None]
-"""Asked after every converged increment but the last; its answer may depend on the epoch alone, so that a resumed run
-gives the same bits."""
+"""Asked after every converged increment but the last, and once where an increment fails; its answer may depend on the
+epoch alone, so that a resumed run gives the same bits."""
 
 
 def new_epoch(run: ImplicitProcedure, mesh: Mesh, transfer: Transfer) -> ImplicitProcedure:
@@ -58,7 +62,7 @@ def new_epoch(run: ImplicitProcedure, mesh: Mesh, transfer: Transfer) -> Implici
     after = ImplicitProcedure(replace(run.model, mesh=mesh), before=run)
     state = after.state
     state.take_over(run.state)
-    transfer(Epoch(run.model.mesh, run.state), Epoch(mesh, state))
+    transfer(Epoch(run.model.mesh, run.state, run), Epoch(mesh, state, after))
     if not state.contact.any():
         stage = max(int(state.progress[STAGE]) - int(state.progress[FRACTION] == 0.0), 0)
         after.interactions.tools.contact.begin(state, after.interactions.supports.fixed(stage))

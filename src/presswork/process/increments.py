@@ -14,10 +14,11 @@ from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
 from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
 from presswork.mesh.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, Mesh, Model
+from presswork.outcome import GaveUpError
 from presswork.process.recording import ModelRecording, Row
 
-EPOCH, ORIGIN = "epoch.", "origin"
-"""Prefix of the arrays of a mesh in a checkpoint, and one of them."""
+EPOCH, ORIGIN, MADE = "epoch.", "origin", "made"
+"""Prefix of the arrays of a mesh in a checkpoint, and two of them."""
 
 
 class IncrementRecording(ModelRecording):
@@ -31,6 +32,8 @@ class IncrementRecording(ModelRecording):
         self._ask_for_mesh = ask_for_mesh
         self._origin: FloatArray | None = None
         """Where the material of the nodes was when the run began; None: on the first mesh."""
+        self._made_at, self._failed_at = 0, -1
+        """Increments when the mesh was made, and when one last failed."""
         self._notes: list[str] = []
 
     @property
@@ -53,19 +56,33 @@ class IncrementRecording(ModelRecording):
 
     def advance(self) -> Iterator[IncrementReport]:
         """Compute increment after increment, and change the mesh between them. Raises GaveUpError."""
-        while True:
-            if self._ask_for_mesh is not None and self.number > 0 and self.remaining() > 0.0:
-                change = self._ask_for_mesh(Epoch(self.model.mesh, self.procedure.state))
-                if change is not None:
-                    self.change_mesh(change)
-            report = next(self.procedure.advance(), None)
-            if report is None:
-                return
+        while self.remaining() > 0.0:
+            if self.number > 0 and self._made_at != self.number:
+                self._may_change_mesh()
+            try:
+                report = next(self.procedure.advance())
+            except GaveUpError as error:
+                if self._failed_at == self.number:
+                    raise
+                self._failed_at = self.number
+                if not self._may_change_mesh(str(error)):
+                    raise
+                continue
             yield report
+
+    def _may_change_mesh(self, failure: str = "") -> bool:
+        """Ask for another mesh, and go on with it; return whether there is one."""
+        change = None
+        if self._ask_for_mesh is not None:
+            change = self._ask_for_mesh(Epoch(self.model.mesh, self.procedure.state, self.procedure, failure))
+        if change is not None:
+            self.change_mesh(change)
+        return change is not None
 
     def change_mesh(self, change: MeshChange) -> None:
         """Go on with another mesh. Raises GaveUpError."""
         self._begin_on(new_epoch(self.procedure, change.mesh, change.transfer), change.origin)
+        self._made_at = self.number
         cells = sum(len(block.connectivity) for block in change.mesh.blocks)
         self._notes.append(f"new mesh of {cells} cells after increment {self.number} {change.reason}".rstrip())
 
@@ -96,6 +113,7 @@ class IncrementRecording(ModelRecording):
         if self._origin is not None:
             arrays |= {f"{EPOCH}{name}": values for name, values in dump_mesh(self.model.mesh).items()}
             arrays[f"{EPOCH}{ORIGIN}"] = self._origin
+            arrays[f"{EPOCH}{MADE}"] = np.array([self._made_at, self._failed_at])
         return arrays
 
     def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
@@ -105,6 +123,7 @@ class IncrementRecording(ModelRecording):
             mesh, origin = load_mesh(own), np.asarray(own[ORIGIN], dtype=np.float64)
             after = ImplicitProcedure(replace(self.procedure.model, mesh=mesh), before=self.procedure)
             self._begin_on(after, mesh.points if np.array_equal(origin, mesh.points) else origin)
+            self._made_at, self._failed_at = (int(number) for number in own[MADE])
         self.procedure.state.load_arrays({n: values for n, values in arrays.items() if not n.startswith(EPOCH)})
 
     def _begin_row(self, report: IncrementReport) -> Row:
