@@ -46,7 +46,7 @@ def page(browser: Any, upset: Result) -> Iterator[Page]:
 
 def test_values_in_the_page_are_those_of_the_results(page: Page, upset: Result) -> None:
     step = len(upset.times) - 1
-    for name in ("effective_stress", "stress_xy", "contact_pressure", "displacement"):
+    for name in ("effective_stress", "stress_xy", "contact_pressure", "contact_status", "displacement"):
         script = "async ([step, name]) => [...await presswork.runs[0].values(step, presswork.runs[0].findField(name))]"
         values = upset.scalar(name, step)
         np.testing.assert_allclose(page.ask(script, [step, name]), values, atol=2e-5 * np.ptp(values))

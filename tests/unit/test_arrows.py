@@ -74,7 +74,7 @@ PYTHON_ROOMS = {
     },
     "post": {"fields", "formability", "geometry", "mesh", "model", "results"},
     "view": {"fields", "formability", "model", "post", "results"},
-    "report": {"fields", "formability", "model", "post", "results", "view"},
+    "report": {"case", "fields", "formability", "model", "post", "results", "view"},
     "recorder": {"model", "outcome", "process", "results", "stop"},
     "study": {"api", "case", "geometry", "model", "post", "recorder", "results", "view"},
     "material": {"case", "formability", "law", "model", "view"},

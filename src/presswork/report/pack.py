@@ -31,9 +31,9 @@ class Blocks:
     texts: list[str] = field(default_factory=list)
 
     def add_values(self, values: NDArray[np.floating[Any]]) -> Packed:
-        """Add values (n,) or (n, k), each column in 16 bits of its own range [lo, hi]."""
+        """Add values (n,) or (n, k), each column in 16 bits of its own range [lo, hi]; whole numbers stay whole."""
         columns = np.atleast_2d(np.asarray(values, dtype=np.float64).T)
-        lows, highs, coded = [], [], []
+        lows, highs, coded, is_whole = [], [], [], []
         for column in columns:
             finite = np.isfinite(column)
             inside = column[finite]
@@ -44,9 +44,10 @@ class Blocks:
             coded.append(whole)
             lows.append(low)
             highs.append(high)
+            is_whole.append(high - low <= LEVELS and bool((inside == np.rint(inside)).all()))
         flat = np.concatenate(coded) if coded else np.zeros(0, dtype=np.uint16)
         number = self._add(_split_bytes(_difference(flat)))
-        return {"block": number, "as": "range", "n": int(columns.shape[1]), "lo": lows, "hi": highs}
+        return {"block": number, "as": "range", "n": int(columns.shape[1]), "lo": lows, "hi": highs, "whole": is_whole}
 
     def add_numbers(self, values: NDArray[np.floating[Any]]) -> Packed:
         """Add values (n,) in single precision."""

@@ -11,7 +11,8 @@ import numpy as np
 from presswork.fields.table import describe_field
 from presswork.formability import ZONES
 from presswork.model import FloatArray
-from presswork.post import trace_interface, trace_profile
+from presswork.post import measure_draw_in_around, trace_interface, trace_profile
+from presswork.report.case_data import list_defaults, read_text
 from presswork.report.choose import Choice, Shown, choose
 from presswork.report.history import pack_history
 from presswork.report.pack import Blocks, Packed
@@ -45,7 +46,9 @@ def pack_run(result: Result, blocks: Blocks, budget: int) -> dict[str, Any]:
             "history": pack_history(result, blocks),
             "formability": _pack_formability(result),
             "summary": result.summary,
-            "case": _read_case(result),
+            "case": read_text(result.folder / CASE),
+            "defaults": list_defaults(result.folder / CASE),
+            "draw_in": _pack_draw_in(result, choice),
             "notes": list(choice.notes),
         }
 
@@ -167,9 +170,13 @@ def _pack_formability(result: Result) -> dict[str, Any]:
     }
 
 
-def _read_case(result: Result) -> str:
-    path = result.folder / CASE
-    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+def _pack_draw_in(result: Result, choice: Choice) -> dict[str, Any]:
+    """Return how far a stamped blank's edge has come in, all round, by the last step before it was trimmed."""
+    if not result.is_stamping:
+        return {}
+    last = max(step for step in choice.steps if result.mesh_at(step) is result.mesh)
+    angles, ways = measure_draw_in_around(result, last).T
+    return {"step": describe_step(result, last), "angle": _round(angles), "way": _round(ways)}
 
 
 def _round(values: FloatArray) -> list[float | None]:

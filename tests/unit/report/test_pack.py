@@ -41,6 +41,12 @@ def test_a_constant_field_stays_constant() -> None:
     np.testing.assert_array_equal(unpack(blocks.add_values(np.full(7, 273.15)), blocks.texts)[:, 0], 273.15)
 
 
+def test_numbers_of_zones_come_back_exactly() -> None:
+    zones = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 3.0])
+    blocks = Blocks()
+    np.testing.assert_array_equal(unpack(blocks.add_values(zones), blocks.texts)[:, 0], zones)
+
+
 def test_indices_come_back_exactly() -> None:
     indices = np.random.default_rng(2).integers(0, 2**31 - 1, size=(300, 3))
     blocks = Blocks()

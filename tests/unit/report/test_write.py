@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from presswork.cli import app
 from presswork.examples import copy_example
 from presswork.report import write_report
+from presswork.report.case_data import list_defaults
 from presswork.report.choose import choose
 from presswork.results import Result
 from tests.unit.report.unpack import unpack
@@ -87,6 +88,16 @@ def test_page_names_no_address(tmp_path: Path) -> None:
     text = write_report(Result(write_upset_output(tmp_path / "upset"))).read_text("utf-8")
     assert not re.findall(r"""(?:src|href)\s*=|url\(|@import""", re.sub(r">[A-Za-z0-9+/=]{200,}<", "><", text))
     assert "default-src 'none'" in text
+
+
+def test_defaults_are_what_the_case_does_not_say(tmp_path: Path) -> None:
+    case = copy_example("upsetting_q4", tmp_path)
+    found = dict(list_defaults(case))
+    assert found["materials.steel.yield_function.law"] == '"von_mises"'
+    assert "materials.steel.young" not in found, "the case says it"
+    assert found["procedure"] == '"implicit"'
+    case.write_text("title = 'broken'", encoding="utf-8")
+    assert list_defaults(case) == []
 
 
 def test_command_writes_the_page_beside_the_results(tmp_path: Path) -> None:

@@ -27,4 +27,6 @@ def unpack(packed: Packed, texts: list[str]) -> NDArray[np.generic]:
         return values
     low, high = np.array(packed["lo"])[:, None], np.array(packed["hi"])[:, None]
     coded = values.reshape(len(packed["lo"]), -1)
-    return np.where(coded > LEVELS, np.nan, low + coded * (high - low) / LEVELS).T
+    values = low + coded * (high - low) / LEVELS
+    values = np.where(np.array(packed["whole"])[:, None], np.rint(values), values)
+    return np.where(coded > LEVELS, np.nan, values).T

@@ -15,7 +15,7 @@ export class CasePanel {
       const rows = flatten(run.summary).filter(([name]) => !SAID_ELSEWHERE.has(name) && !name.startsWith("fields "));
       parent.append(makeTable([["Summary", "Value"], ...rows]));
       if (run.case) parent.append(make("h2", {}, "Case"), make("pre", { tabindex: "0", "aria-label": `Case file of ${run.name}` }, run.case));
-      if (run.effective) parent.append(make("h2", {}, "Case with all defaults"), make("pre", { tabindex: "0", "aria-label": `Case of ${run.name} with all defaults` }, run.effective));
+      if (run.defaults.length) parent.append(make("h2", {}, "Defaults that it takes"), makeTable([["Key", "Value"], ...run.defaults]));
     }
   }
 

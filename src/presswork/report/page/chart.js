@@ -39,10 +39,11 @@ export class Chart {
   }
 
   /** Draw series; ranges are found anew. */
-  setSeries(series, { xRange, yRange } = {}) {
+  setSeries(series, { xRange, yRange, isEqual } = {}) {
     this.series = series;
     const shown = series.filter((one) => !one.isBeside);
     this.ranges = { x: xRange ?? findRange(shown, "x", true), y: yRange ?? findRange(shown, "y", false) };
+    if (isEqual) this.#equalise();
     this.plot?.destroy();
     const { xLabel, yLabel, height } = this.options;
     this.plot = new uPlot({
@@ -63,6 +64,17 @@ export class Chart {
       patch.style.background = one.colour;
       return make("li", {}, patch, one.label);
     }));
+  }
+
+  /** Widen the shorter range so that a length is as long along both axes. */
+  #equalise() {
+    const { x, y } = this.ranges, pixels = [(this.box.clientWidth || 400) - 70, this.options.height - 60];
+    const scale = Math.max((x[1] - x[0]) / pixels[0], (y[1] - y[0]) / pixels[1]);
+    for (const [range, size] of [[x, pixels[0]], [y, pixels[1]]]) {
+      const more = 0.5 * (scale * size - (range[1] - range[0]));
+      range[0] -= more;
+      range[1] += more;
+    }
   }
 
   setMarks(marks) {

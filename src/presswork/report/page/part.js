@@ -70,6 +70,16 @@ export class PartPanel {
     return [make("h2", {}, "Zones of formability"), makeTable(rows)];
   }
 
+  /** Draw how far a stamped blank's edge has come in. */
+  #drawDrawIn(run) {
+    const { angle, way, step } = run.draw_in;
+    if (!angle?.length || this.drawIn) return;
+    const box = make("div");
+    this.outline.append(make("h2", {}, "Draw-in around the part"), make("p", { class: "soft" }, step), box);
+    this.drawIn = new Chart(box, { label: "Draw-in of the blank's edge over the angle from x", xLabel: "angle from x [degrees]", yLabel: "draw-in [mm]", height: 220 });
+    this.drawIn.setSeries([{ x: angle, y: way, colour: LINES[0] }]);
+  }
+
   /** Draw a sheet's outline from above, now and at the first step. */
   async #drawOutline(run, step) {
     if (!run.sheet) return;
@@ -87,10 +97,12 @@ export class PartPanel {
       this.outline.append(make("h2", {}, "Outline from above"));
       this.chart = new Chart(this.outline, { label: "Outline of the sheet from above, blank and now", xLabel: "x [mm]", yLabel: "y [mm]", height: 300 });
     }
-    this.chart.setSeries([{ ...trace(mesh.reference), label: "blank", colour: LINES[5], dash: [5, 4], width: 1.2 }, { ...trace(points), label: "now", colour: LINES[0] }]);
+    this.chart.setSeries([{ ...trace(mesh.reference), label: "blank", colour: LINES[5], dash: [5, 4], width: 1.2 }, { ...trace(points), label: "now", colour: LINES[0] }], { isEqual: true });
+    this.#drawDrawIn(run);
   }
 
   destroy() {
     this.chart?.destroy();
+    this.drawIn?.destroy();
   }
 }

@@ -178,6 +178,7 @@ export class Stage {
     const coloured = this.values?.[run];
     if (!coloured) return `face ${face}`;
     const value = coloured.field.kind === "cell" ? coloured.raw[face] : coloured.raw[node];
+    if (coloured.field.zones && !coloured.isDifference) return coloured.field.zones[value]?.name ?? "–";
     return `${formatNumber(value)} ${coloured.field.unit === "–" ? "" : coloured.field.unit}`.trim();
   }
 

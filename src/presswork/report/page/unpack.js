@@ -32,13 +32,14 @@ function sumDifferences(values) {
 }
 
 /** Return numbers as written by add_values: (n, k) row after row, k columns. */
-function scaleToRange(coded, { n, lo, hi }) {
+function scaleToRange(coded, { n, lo, hi, whole }) {
   const k = lo.length, found = new Float32Array(n * k);
   for (let column = 0; column < k; column++) {
     const scale = (hi[column] - lo[column]) / LEVELS;
     for (let i = 0; i < n; i++) {
       const level = coded[column * n + i];
-      found[i * k + column] = level > LEVELS ? MISSING : lo[column] + level * scale;
+      const value = lo[column] + level * scale;
+      found[i * k + column] = level > LEVELS ? MISSING : whole[column] ? Math.round(value) : value;
     }
   }
   return found;
