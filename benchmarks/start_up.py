@@ -2,8 +2,8 @@
 """From case file to pictures: the shipped 15 x 15 4CST upsetting through the command line, start of Python included.
 
 Times are processor seconds, user and system, the least of all rounds, beside those of `python -c "import numpy"` in the
-same rounds: such a ratio holds on a machine with other work, where wall time does not. The exit status is 1 if a target is
-missed.
+same rounds: such a ratio holds on a machine with other work, where wall time does not. The exit status is 1 if a
+target is missed.
 """
 
 from __future__ import annotations

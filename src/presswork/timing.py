@@ -17,7 +17,7 @@ class Timing:
         """Add the time since `started` (a perf_counter reading) to a phase."""
         self.seconds[phase] += perf_counter() - started
 
-    def give(self, phase: str, seconds: float) -> None:
+    def add_seconds(self, phase: str, seconds: float) -> None:
         """Add seconds that have been measured elsewhere to a phase."""
         self.seconds[phase] += seconds
 

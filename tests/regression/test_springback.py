@@ -18,7 +18,7 @@ from presswork.model import Model, PrescribedDisplacement
 from presswork.process.springback import hold_rigidly, make_springback_model
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
-from presswork.view.style import is_let_go
+from presswork.view.style import is_released
 from tests.regression.whole_runs import assert_same_bits, run_to_end, stop_after
 
 YOUNG, YIELD, THICKNESS, LENGTH = 206e3, 200.0, 1.0, 20.0
@@ -123,7 +123,7 @@ def test_what_is_recorded_of_springback(bent) -> None:
 
 def test_springback_is_drawn(bent, tmp_path) -> None:
     assert "shell_springback_003.png" in [p.name for p in plot_all(bent, tmp_path)]
-    assert [is_let_go(bent, step) for step in range(4)] == [False, False, False, True]
+    assert [is_released(bent, step) for step in range(4)] == [False, False, False, True]
 
 
 @pytest.mark.parametrize("reports", [20, 22])

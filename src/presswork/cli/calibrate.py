@@ -10,7 +10,7 @@ import typer
 
 from presswork.case.errors import CaseError, Problem
 from presswork.cli.members import Jobs, Overwrite, Quiet, Resume, Settings, progress_shown
-from presswork.cli.terminal import INTERRUPTED, console, errors_told
+from presswork.cli.terminal import INTERRUPTED, console, exit_on
 from presswork.results import OutputError
 from presswork.study.calibrate import SYMBOLS, BorePlace, Calibration, FrictionLaw, calibrate_ring
 
@@ -48,7 +48,7 @@ def ring(
 ) -> None:
     """Fit friction to a measured ring test: the value, its 95 % confidence, and the picture."""
     folder = output or measured.with_name(f"{measured.stem}_calibration")
-    with errors_told(CaseError, OutputError), progress_shown("calibration curves", quiet) as show:
+    with exit_on(CaseError, OutputError), progress_shown("calibration curves", quiet) as show:
         calibration = calibrate_ring(
             measured,
             case,

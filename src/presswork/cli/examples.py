@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from presswork.case.errors import CaseError
-from presswork.cli.terminal import errors_told
+from presswork.cli.terminal import exit_on
 from presswork.examples import copy_example, list_examples
 
 
@@ -24,5 +24,5 @@ def examples(
         for example, title in list_examples().items():
             typer.echo(f"{example:20s} {title}")
         return
-    with errors_told(CaseError):
+    with exit_on(CaseError):
         typer.echo(copy_example(name, to))

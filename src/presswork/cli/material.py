@@ -17,7 +17,7 @@ from presswork.case.material.forming_limit.build import build_curve, mean_r_valu
 from presswork.case.material.library import find_sheet
 from presswork.case.material.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
-from presswork.cli.terminal import errors_told
+from presswork.cli.terminal import exit_on
 from presswork.law.umat import CompileError, compile_law
 from presswork.material.fit_plot import draw_curves, draw_fit
 from presswork.material.identify import (
@@ -46,14 +46,14 @@ def compile_(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="The library; default: beside it.")] = None,
 ) -> None:
     """Compile a material law into a shared library, for [materials.NAME] umat = "LIBRARY"."""
-    with errors_told(CompileError):
+    with exit_on(CompileError):
         typer.echo(compile_law(source, output))
 
 
 @app.command()
 def show(name: Name) -> None:
     """Say what a material is and where its numbers come from."""
-    with errors_told(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError):
         sheet = find_sheet(name)
     typer.echo(f"{sheet.name}: {sheet.summary}" + (f", {sheet.thickness:g} mm" if sheet.thickness else ""))
     for key, value in sheet.material.model_dump(exclude_none=True).items():
@@ -69,7 +69,7 @@ def plot(
     output: Annotated[Path | None, typer.Option(help="The picture; default: the material's name here.")] = None,
 ) -> None:
     """Draw a material: yield locus, yield stress and r-value by direction, flow stress."""
-    with errors_told(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError):
         sheet = find_sheet(name)
         typer.echo(draw_sheet(sheet, output or Path(f"{sheet.key}.png")))
 
@@ -83,7 +83,7 @@ def flc(
     ] = None,
 ) -> None:
     """Find a material's forming limit curve; write its points and draw it."""
-    with errors_told(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError):
         sheet = find_sheet(name)
         curve = build_curve(sheet.material, sheet.thickness if thickness is None else thickness)
         path = output or Path(f"{sheet.key}_flc.png")
@@ -112,12 +112,12 @@ def fit(
     output: Annotated[Path | None, typer.Option(help="Material file; default: the CSV's name, .toml.")] = None,
 ) -> None:
     """Fit a hardening law and a yield function to tensile tests; write a material file and a picture."""
-    with errors_told(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError):
         tests = read_tensile(tensile)
         modulus = _read_stress("--young", young)
         along = _pick_rolling_direction(tests, tensile)
         fits = _fit_laws(along, law, modulus)
-        _tell_laws(along, fits, modulus)
+        _print_laws(along, fits, modulus)
         r_values = {test.angle: fit_r_value(test, modulus, poisson) for test in tests}
         for angle, r in r_values.items():
             if r is not None:
@@ -148,7 +148,7 @@ def yld2000(
     r_weight: Weight = R_WEIGHT,
 ) -> None:  # fmt: skip
     """Fit Yld2000-2d to yield stresses over one reference and r-values, by all angles of a file or the usual eight."""
-    with errors_told(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError):
         usual = YieldData(np.array([0.0, 45.0, 90.0]), np.array([s00, s45, s90]), np.array([r00, r45, r90]), sb, rb)
         if data is not None and usual.count():
             raise CaseError([Problem("", "data in a file and by options", "give one of them")], "Yld2000-2d")
@@ -171,7 +171,7 @@ def _fit_surface(data: YieldData, exponent: int, r_weight: float) -> dict[str, A
     return {"law": "yld2000", "alpha": list(fitted.alpha), "exponent": exponent}
 
 
-def _tell_laws(along: TensileTest, fits: list[HardeningFit], young: float) -> None:
+def _print_laws(along: TensileTest, fits: list[HardeningFit], young: float) -> None:
     best = fits[0]
     typer.echo(f"Rp0.2 = {find_yield_stress(along, young):.1f} MPa; fitted to a plastic strain of "
                f"{best.largest_strain:.3f}")  # fmt: skip

@@ -13,7 +13,7 @@ from presswork.case import CaseError
 from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.cli.case_files import picture_undercut
 from presswork.cli.pictures import show
-from presswork.cli.terminal import GAVE_UP, console, errors_told, refuse
+from presswork.cli.terminal import GAVE_UP, console, exit_on, refuse
 from presswork.mesh import MeshError
 from presswork.model import OneStepModel
 from presswork.onestep.part import OneStepError
@@ -88,7 +88,7 @@ def onestep(
         raise refuse(str(error), GAVE_UP) from error
     except (OutputError, MeshError) as error:
         raise refuse(str(error)) from error
-    with errors_told(OutputError):
+    with exit_on(OutputError):
         show(result, plot=plot, report=report)
 
 

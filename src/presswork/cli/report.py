@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from presswork.cli.terminal import console, errors_told
+from presswork.cli.terminal import console, exit_on
 from presswork.results import OutputError, Result
 
 NAME = "report.html"
@@ -31,7 +31,7 @@ def report(
     """
     from presswork.report import write_report
 
-    with errors_told(OutputError):
+    with exit_on(OutputError):
         results = [Result(folder) for folder in folders]
         path = write_report(results, out or _default_path(folders), budget=int(1e6 * size))
     console().print(f"{path}, {path.stat().st_size / 1e6:.1f} MB", markup=False)

@@ -14,7 +14,7 @@ import typer
 
 from presswork.cli.case_files import load_model
 from presswork.cli.pictures import show
-from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, Settings, console, errors_told, refuse
+from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, Settings, console, exit_on, refuse
 from presswork.model import Model, OneStepModel
 from presswork.recorder import Outcome, Progress, StartError, run_model
 from presswork.results import OutputError, Result
@@ -40,7 +40,7 @@ def run(
         if resume:
             raise refuse("a one-step run takes seconds and leaves nothing to resume; run it anew with --overwrite")
         result = _run_onestep(model, folder, overwrite, threads, quiet)
-        with errors_told(OutputError):
+        with exit_on(OutputError):
             show(result, plot=plot, report=report, quiet=quiet)
         return
     signal.signal(signal.SIGTERM, signal.default_int_handler)

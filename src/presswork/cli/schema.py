@@ -10,7 +10,7 @@ import typer
 
 from presswork.case import json_schema
 from presswork.case.errors import CaseError
-from presswork.cli.terminal import errors_told
+from presswork.cli.terminal import exit_on
 
 
 def schema(
@@ -20,5 +20,5 @@ def schema(
     ] = None,
 ) -> None:
     """Print the JSON schema of case files, for editors that complete them."""
-    with errors_told(CaseError):
+    with exit_on(CaseError):
         typer.echo(json.dumps(json_schema(kind), indent=2))

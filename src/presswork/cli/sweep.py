@@ -13,7 +13,7 @@ import typer
 
 from presswork.case.errors import CaseError, Problem
 from presswork.cli.members import Jobs, Overwrite, Quiet, Resume, Settings, progress_shown
-from presswork.cli.terminal import BAD_INPUT, GAVE_UP, INTERRUPTED, console, errors_told
+from presswork.cli.terminal import BAD_INPUT, GAVE_UP, INTERRUPTED, console, exit_on
 from presswork.results import OutputError
 from presswork.study.sweep import TABLE, SweepResult, run_sweep
 from presswork.study.table import require_pyarrow, write_parquet
@@ -50,7 +50,7 @@ def sweep(
 ) -> None:
     """Run a family of cases in parallel, and leave one table and one picture."""
     folder = output or case.with_name(f"{case.stem}_sweep")
-    with errors_told(CaseError, OutputError):
+    with exit_on(CaseError, OutputError):
         if table_format == "parquet":
             require_pyarrow()  # before anything is run
         varied: dict[str, list[Any]] = {}

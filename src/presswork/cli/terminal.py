@@ -41,7 +41,7 @@ def refuse(message: str, status: int = BAD_INPUT) -> typer.Exit:
 
 
 @contextmanager
-def errors_told(*kinds: type[Exception]) -> Iterator[None]:
+def exit_on(*kinds: type[Exception]) -> Iterator[None]:
     """End the program with a plain message and exit status 2 if an error of these kinds is raised."""
     try:
         yield

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the state means to an engineer: the quantities of the results."""
+"""Quantities of the results, computed from the state."""

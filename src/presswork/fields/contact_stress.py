@@ -34,16 +34,16 @@ CORNER = np.cos(np.radians(30.0))
 
 @dataclass(frozen=True)
 class ContactForces:
-    """What tools do to the nodes that they hold: an entry for each node and tool, n in all."""
+    """Forces of tools on the nodes that they hold: one entry for each pair of node and tool, n in all."""
 
     nodes: IntArray
     """(n,); a node that two tools hold comes twice."""
     tool: IndexArray
     """Index into Model.plane_tools (n,)."""
     segment: IntArray
-    """Of the tool's profile that the node touches (n,); of its first face in an inner corner."""
+    """Segment of the tool's profile that the node touches (n,); in an inner corner that of the first face."""
     normal: FloatArray
-    """Of the tool, into the workpiece (n, 2); of the first face in an inner corner."""
+    """Normal of the tool, into the workpiece (n, 2); in an inner corner that of the first face."""
     in_corner: BoolArray
     """Whether two faces hold the node (n,)."""
     push: FloatArray
@@ -53,7 +53,7 @@ class ContactForces:
     force: FloatArray
     """The whole force (n, 2) [N]."""
     status: ContactArray
-    """Of every node (n_points,): 0 apart, 1 held along the normal, 2 held in both directions."""
+    """Contact of every node (n_points,): 0 apart, 1 held along the normal, 2 held in both directions."""
     gap: FloatArray
     """Distance of every node from the nearest tool (n_points,) [mm]; NaN inside the body and where there is none."""
 

@@ -15,7 +15,7 @@ from presswork.mesh.topology import is_triangle
 from presswork.model import FloatArray, IntArray, Mesh, Section
 
 SLOPES = np.array([[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]]) / 4.0
-"""Of the shape functions of four nodes at the centre (1, 4, 2)."""
+"""Gradients of the shape functions of four nodes at the centre (1, 4, 2)."""
 
 
 class OnePointFields:

@@ -26,20 +26,20 @@ class Field:
     """A row of the table of fields."""
 
     name: str
-    """In files and commands. `{}` stands for what `each` says."""
+    """Name in files and commands; `{}` stands for what `each` counts."""
     unit: str
     """"1" for a pure number."""
     place: Place
-    """Where its values are: at the nodes, in the cells, or in the bottom, middle and top layers of a sheet's cells."""
+    """Place of its values: at the nodes, in the cells, or in the bottom, middle and top layers of a sheet's cells."""
     find: Callable[[Instant], FloatArray | Mapping[str, FloatArray] | None]
     """Return the values at an instant, (n,) or (n, n_components), n nodes or cells; by layer, tool or number if there
     are several; None where the procedure has no such quantity."""
     each: Literal["", "layer", "tool", "number"] = ""
-    """What there is a field for each of, where one quantity gives several fields."""
+    """What a quantity with several fields has one field for."""
     components: tuple[str, ...] = ()
     """Names of the columns; none of a scalar."""
     label: str = ""
-    """In words, for pictures, with `{}` as in the name; the words of the name if empty."""
+    """Label in pictures, with `{}` as in the name; the words of the name if empty."""
     alias: str = ""
     """A short name that commands and `Result.field` take too."""
     single: bool = False
@@ -47,5 +47,5 @@ class Field:
 
     @property
     def kind(self) -> Literal["point", "cell"]:
-        """What its values are counted by in files."""
+        """Kind of data in files: point or cell."""
         return "point" if self.place == "point" else "cell"

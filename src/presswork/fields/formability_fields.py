@@ -49,16 +49,16 @@ class Extreme:
     """Its middle, deformed [mm]."""
 
     def where(self) -> str:
-        """Say where it lies."""
+        """Return the place in words."""
         return f"at ({', '.join(f'{x:.4g}' for x in self.place)}) mm"
 
 
 @dataclass(frozen=True)
 class FormingVerdict:
-    """Whether a part splits, and where it comes nearest to it."""
+    """Verdict on a part: whether it splits, and where it is nearest to the limit."""
 
     forming_limit: str
-    """How the curve was found; empty without one."""
+    """Origin of the curve; empty without a curve."""
     zones: dict[str, int]
     """Number of cells by the name of the zone; empty without a curve."""
     margin: Extreme | None
@@ -66,7 +66,7 @@ class FormingVerdict:
     thinning: Extreme
     """The thinnest cell, in per cent."""
     note: str = ""
-    """What to know of the curve."""
+    """Notes on the curve."""
 
     @property
     def failing(self) -> int:
@@ -74,7 +74,7 @@ class FormingVerdict:
         return self.zones.get(ZONES[CRACKS], 0)
 
     def text(self) -> str:
-        """Say it in a sentence."""
+        """Return the verdict as a sentence."""
         thin = "nothing thins"
         if self.thinning.value >= 0.05:
             thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a procedure shows of itself at one instant: the fields are computed from it, whatever the procedure."""
+"""State of any procedure at one instant, from which the fields are computed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class SolidPoints:
     user: Sequence[FloatArray] = ()
     """State variables of laws from libraries (c, q, n)."""
     temperature: FloatArray | None = None
-    """Of the cells of all blocks (n_cells,) [degrees C]."""
+    """Temperature of the cells of all blocks (n_cells,) [degrees C]."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +43,11 @@ class NodalContact:
     friction_limit: FloatArray
     """Largest shear that the tools' laws of friction allow (n_points,) [MPa]."""
     traction: Mapping[str, FloatArray]
-    """Of each tool on the workpiece (n_points, 3) [MPa]."""
+    """Contact stress of each tool on the workpiece (n_points, 3) [MPa]."""
     total_traction: FloatArray
-    """Of all tools (n_points, 3) [MPa]."""
+    """Contact stress of all tools (n_points, 3) [MPa]."""
     force: FloatArray
-    """Of tools and bodies (n_points, 3) [N]."""
+    """Contact forces of tools and bodies (n_points, 3) [N]."""
 
 
 @dataclass
@@ -66,11 +66,11 @@ class Instant:
     velocity: FloatArray | None = None
     """(n_points, 2 | 3) [mm/s]."""
     reaction: FloatArray | None = None
-    """Of supports and moved sets: forces (n_points, 2 | 3) [N]; of shells with moments (n_points, 6) [N, N mm]."""
+    """Reactions of supports and moved sets: forces (n_points, 2 | 3) [N]; shells have moments too (n_points, 6)."""
     tool_force: FloatArray | None = None
-    """Of the tools on the nodes (n_points, 2 | 3) [N]."""
+    """Forces of the tools on the nodes (n_points, 2 | 3) [N]."""
     springback: FloatArray | None = None
-    """Displacement since the part was let go (n_points, 3) [mm]."""
+    """Displacement of springback (n_points, 3) [mm]."""
     deviation: FloatArray | None = None
     """Distance from the shape that the part had in its tools (n_points,) [mm]."""
     temperature: FloatArray | None = None
@@ -81,7 +81,7 @@ class Instant:
     """Returns thickness, strains and stresses of a sheet's cells by the names of their fields (n_cells,) or
     (n_cells, k): they are computed together, from the metric of every layer."""
     judged: Formability = field(default_factory=Formability)
-    """What the strains of a sheet are judged by."""
+    """Forming limit by which the strains of a sheet are judged."""
 
     @cached_property
     def contact(self) -> NodalContact | None:

@@ -21,12 +21,12 @@ from presswork.state import State
 
 @dataclass(frozen=True)
 class ShellGeometry:
-    """What the fields of one block need besides the State."""
+    """Data of one block that its fields need besides the State."""
 
     connectivity: IntArray
     director_of: IntArray
     slopes: FloatArray
-    """Of the shape functions at the points (q, n_nodes, 2)."""
+    """Gradients of the shape functions at the points (q, n_nodes, 2)."""
     points: FloatArray
     """Undeformed (n_points, 3)."""
     director: FloatArray

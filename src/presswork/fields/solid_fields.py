@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Of solids: the effective stress, and contact at the nodes from the forces of tools and bodies."""
+"""Fields of solids: effective stress, and contact at the nodes from the forces of tools and bodies."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class ToolStress:
     shear: FloatArray
     """(n_points,) [MPa]."""
     traction: FloatArray
-    """Of each tool on the workpiece (n_tools, n_points, 3) [MPa]."""
+    """Contact stress of each tool on the workpiece (n_tools, n_points, 3) [MPa]."""
     friction_limit: FloatArray
     """Largest shear that the tools' laws allow (n_points,) [MPa]; zero apart from tools with friction."""
 

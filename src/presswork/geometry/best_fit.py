@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far one shape of a sheet lies off another, wherever the two stand in space."""
+"""Distance between two shapes of a sheet after the best rigid alignment."""
 
 from __future__ import annotations
 

@@ -37,12 +37,12 @@ class Piece:
 
     @property
     def start(self) -> FloatArray:
-        """Where it starts, (2,) [mm]."""
+        """Start point (2,) [mm]."""
         return self.segments[0][0:2]
 
     @property
     def end(self) -> FloatArray:
-        """Where it ends, (2,) [mm]."""
+        """End point (2,) [mm]."""
         return self.segments[-1][2:4]
 
     def __str__(self) -> str:
@@ -60,7 +60,7 @@ class Chain:
     segments: FloatArray
     """Shape (n_segments, 7), in the form of model.Tool [mm]."""
     pieces: tuple[str, ...]
-    """What the piece of each segment is called."""
+    """Name of the piece that each segment belongs to."""
 
 
 def join_pieces(pieces: Sequence[Piece], tolerance: float) -> Chain:
@@ -93,7 +93,7 @@ def _place(point: FloatArray) -> str:
 
 
 def _is_long(piece: Piece, tolerance: float) -> bool:
-    """Say whether a piece is more than a dot: the ends apart, or a closed curve."""
+    """Return whether a piece is more than a dot: the ends apart, or a closed curve."""
     if len(piece.segments) > 1:
         return True
     reach = [np.linalg.norm(point - piece.start) for point in (piece.end, _middle(piece))]
@@ -168,7 +168,7 @@ def _walk(pieces: Sequence[Piece], ends: IndexArray, tolerance: float) -> list[t
 
 
 def _name_gap(pieces: Sequence[Piece], ends: IndexArray, chain: set[int], tolerance: float) -> ProfileFileError:
-    """Say where the drawing falls apart: at the loose ends of one chain that are nearest to another's."""
+    """Describe the gap in a drawing that falls apart: the loose ends of one chain that are nearest to another's."""
     places: tuple[list[FloatArray], list[FloatArray]] = ([], [])
     for i, side in np.argwhere(np.bincount(ends.ravel())[ends] == 1).tolist():
         places[i not in chain].append(pieces[i].end if side else pieces[i].start)
@@ -186,7 +186,7 @@ def _name_gap(pieces: Sequence[Piece], ends: IndexArray, chain: set[int], tolera
 
 
 def _close_gap(before: FloatArray, after: FloatArray) -> None:
-    """Let one segment end where the next starts, in place: a line gives way to an arc."""
+    """Make one segment end where the next one starts, in place; if one is an arc, the line is changed."""
     if (before[2:4] == after[0:2]).all():
         return
     if before[6] == 0.0:

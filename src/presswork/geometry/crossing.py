@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a profile of lines and arcs crosses or touches itself."""
+"""Find where a profile of lines and arcs crosses or touches itself."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from presswork.model import FloatArray
 
 TOUCHING = 1e-9
-"""Of the profile's extent: how close two pieces are that touch."""
+"""Distance below which two pieces touch, over the profile's extent."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def _meet(a: FloatArray, b: FloatArray, tolerance: float) -> list[FloatArray]:
 
 
 def _is_on(point: FloatArray, segment: FloatArray, tolerance: float) -> bool:
-    """Say whether a point lies on a segment, its ends included."""
+    """Return whether a point lies on a segment, its ends included."""
     if min(np.linalg.norm(point - segment[0:2]), np.linalg.norm(point - segment[2:4])) <= tolerance:
         return True
     if segment[6] == 0.0:

@@ -19,7 +19,7 @@ def list_sides(polygon: FloatArray) -> FloatArray:
 
 
 def contains(sides: FloatArray, points: FloatArray) -> BoolArray:
-    """Say which points (n, 2) lie inside the closed loops of sides (m, 2, 2): a ray along x meets an odd number."""
+    """Return which points (n, 2) lie inside the closed loops of sides (m, 2, 2): a ray along x meets an odd number."""
     inside = np.zeros(len(points), dtype=bool)
     x, y = points.T
     sides = sides[sides[:, 0, 1] != sides[:, 1, 1]]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a rigid tool stands: from its own frame, in which its profile is given, into space and back."""
+"""Position and angle of a rigid tool: maps between the tool's own frame, in which its profile is given, and space."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class ToolPose:
     """A tool has turned about its centre, and moved with it."""
 
     centre: FloatArray
-    """Where it was at the start (2,) [mm]."""
+    """Position at the start (2,) [mm]."""
     displacement: FloatArray
     """(2,) [mm]."""
     angle: float

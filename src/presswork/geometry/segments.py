@@ -16,7 +16,7 @@ from presswork.model import FloatArray
 
 X0, X1, CENTRE, TURN = slice(0, 2), slice(2, 4), slice(4, 6), 6
 TOUCHING = 1e-9
-"""Of the size of the workpiece: the gap of a tool that is moved to touch it."""
+"""Gap that remains where a tool is moved to touch the workpiece, over the workpiece's size."""
 MOST_STEPS = 2000
 """Steps on its way there: one for a flat tool, more the more it slides along the workpiece."""
 
@@ -67,7 +67,7 @@ def _arc_angles(segment: FloatArray) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class ProfileDistance:
-    """Where points lie relative to a profile."""
+    """Position of points relative to a profile."""
 
     distance: FloatArray
     """Signed distance [mm], positive on the left, shape (n,)."""

@@ -19,11 +19,11 @@ from presswork.geometry.biarc import Curve, CurveError, fit_biarcs
 from presswork.model import BoolArray, FloatArray, IndexArray
 
 ON_LINE = 1e-7
-"""Of the extent of the points: how far points of a straight piece may lie off its line."""
+"""Largest distance of points of a straight piece from its line, over the extent of the points."""
 BULGE = 3.0
-"""How many times the bulge of an arc with the same turn a span may bulge."""
+"""Largest bulge of a span, over that of an arc with the same turn."""
 LEAST_BULGE = 1e-3
-"""Of the extent of the points: a bulge that is never refused."""
+"""Bulge that is always accepted, over the extent of the points."""
 
 
 class BulgeError(Exception):

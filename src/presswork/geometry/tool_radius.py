@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How sharply a tool made of triangles is bent, for comparison with the elements that are to be bent round it."""
+"""Smallest radius of a tool made of triangles, for comparison with the size of the elements that bend around it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a line that a sheet is cut along runs beside it: there the part keeps the sheet's own edge."""
+"""Find where a trim line runs outside the sheet: there the part keeps the edge of the sheet."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from presswork.geometry.polygon import contains, list_sides, measure_distance, s
 from presswork.model import FloatArray
 
 _PLACES = 2000
-"""Looked at along the line."""
+"""Number of places along the line that are checked."""
 _ON = 1e-6
 """Part of the line's extent by which it may run beside the sheet's edge and counts as on it."""
 
@@ -21,13 +21,13 @@ class Beside:
     """The part of a line that runs beside the sheet."""
 
     depth: float
-    """How far it is from the sheet at most [mm]."""
+    """Largest distance from the sheet [mm]."""
     place: tuple[float, float]
-    """Where that is [mm]."""
+    """Place of the largest distance [mm]."""
     length: float
-    """Of that part [mm]."""
+    """Length of the part that is outside [mm]."""
     whole: float
-    """Of the line, as far as it is modelled [mm]."""
+    """Length of the line within the modelled region [mm]."""
 
 
 def find_beside(outline: FloatArray, line: FloatArray, symmetry: tuple[bool, bool]) -> Beside | None:

@@ -19,7 +19,7 @@ from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh, 
 
 _ELEMENTS: dict[int, ElementName] = {3: "shell3_1pt", 4: "shell4_1pt"}
 _ON_AXIS, _ON_DIAGONAL = 0.65, 0.75
-"""Where the square core of a circle ends, over its radius."""
+"""Extent of the square core of a circle along its axes and its diagonal, over the radius."""
 
 
 def mesh_rectangular_blank(

@@ -75,7 +75,7 @@ class CutMesh:
     """A mesh after a cut."""
 
     weights: scipy.sparse.csr_array
-    """Of the old nodes at the new ones (n_new, n_old); rows add up to one."""
+    """Weights of the old nodes in the new ones (n_new, n_old); each row adds up to one."""
     cells: tuple[CutCells, ...]
     """Quadrilaterals, triangles: those that there are."""
     cut_edges: IntArray
@@ -178,7 +178,7 @@ class _Cutter:
         return None
 
     def _can_move(self, node: int, cells: list[tuple[int, int]], nodes: IntArray, weights: FloatArray) -> bool:
-        """Say whether every cell round a node keeps a shape when it moves."""
+        """Return whether every cell around a node keeps an acceptable shape when the node moves."""
         before = self.points[node].copy()
         normals = [find_normal(self.points[self.blocks[b][cell]]) for b, cell in cells]
         self.points[node] = weights @ self.points[nodes]
@@ -190,7 +190,7 @@ class _Cutter:
         return good
 
     def _move(self, node: int, nodes: IntArray, weights: FloatArray) -> None:
-        """Let a node lie at the mean of nodes."""
+        """Place a node at the mean of other nodes."""
         self.points[node] = weights @ self.points[nodes]
         self.weights[[node]] = scipy.sparse.csr_array(weights[None, :]) @ self.weights[nodes.tolist()].tocsr()
         self.moved[node], self.side[node] = True, 0
@@ -337,7 +337,7 @@ class _Cutter:
 
 
 class _Pieces:
-    """What is kept, cell by cell."""
+    """The part that is kept, cell by cell."""
 
     def __init__(self) -> None:
         self._rows: dict[int, list[tuple[IntArray, IntArray, FloatArray]]] = {4: [], 3: []}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What of a blank lies below a holder."""
+"""Area of a blank that lies below a holder."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _INSIDE = 0.45
 _CORNER = 35.0
 """Degrees by which an outline turns at a point that a node has to lie on."""
 _ROUNDS = 30
-"""Of smoothing; the effect reaches about their square root in cells."""
+"""Number of smoothing passes; the effect reaches about their square root in cells."""
 _FLATTEST, _GOOD = 0.1, 0.4
 """Least sine of a cell's corners that is taken, and that from which on no smaller cells are tried."""
 _SMALLER = (1.0, 0.95, 0.9, 0.85)

@@ -43,11 +43,11 @@ class UndercutError(MeshError):
     def __init__(self, fault: str, remedy: str, points: FloatArray, triangles: IntArray, over: BoolArray) -> None:
         super().__init__(fault, remedy)
         self.points = points
-        """In the press's axes (n_points, 3) [mm]."""
+        """Points in the axes of the press (n_points, 3) [mm]."""
         self.triangles = triangles
         """(n, 3), of quadrilaterals two each."""
         self.over = over
-        """Which of them lie under the part (n,)."""
+        """Mask of those that lie under the part (n,)."""
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ class _Sheet:
         self.points = points
         self.triangles = triangles.astype(np.int32)
         self.error = np.zeros(len(points))
-        """Of the surface round each point (n_points,) [mm]."""
+        """Largest possible distance from the original surface around each point (n_points,) [mm]."""
         self._size, self._below = size, below
         self._measure()
 
@@ -142,7 +142,7 @@ class _Sheet:
         return int(chosen.sum())
 
     def _keeps_topology(self, v: IntArray, w: IntArray, row: IndexArray, after: IntArray) -> BoolArray:
-        """Say where the two ends have no neighbours in common but those across the edge (Dey et al. 1999)."""
+        """Return where the two ends have no neighbours in common but those across the edge (Dey et al. 1999)."""
         common = np.bincount(row, self._is_edge(after, w[row]) & (after != w[row]), len(v))
         before = self._before[v]  # the one neighbour of a point of the rim that no triangle names next
         common += (before >= 0) & (before != w) & self._is_edge(np.maximum(before, 0), w)
@@ -153,7 +153,7 @@ class _Sheet:
         self, w: IntArray, row: IndexArray, starts: IndexArray, cell: IndexArray, after: IntArray, last: IntArray,
         kept: BoolArray,
     ) -> BoolArray:  # fmt: skip
-        """Say where triangles lack less of the quality asked for, none turns, and no edge grows too long."""
+        """Return where triangles lack less of the quality asked for, none turns, and no edge grows too long."""
         x = self.points
         new = np.stack([w[row], after, last], axis=1)
         before, quality = self.quality[cell], np.where(kept, triangle_quality(x, new), np.inf)
@@ -261,7 +261,7 @@ def _rank(order: FloatArray) -> IndexArray:
 
 
 def _are_first(members: IndexArray, order: FloatArray, n: int) -> BoolArray:
-    """Say which rows share no member (of n) with a row of a better rank."""
+    """Return which rows share no member (of n) with a row of a better rank."""
     rank = _rank(order)
     best = np.full(n, len(order))
     np.minimum.at(best, members, rank[:, None])

@@ -27,7 +27,7 @@ class SplitMesh:
     cells: IntArray
     """Nodes in turn (n, 4)."""
     level: IntArray
-    """How often each shell has been split (n,)."""
+    """Number of times that each shell has been split (n,)."""
     n_nodes: int
     side: NDArray[np.int64]
     """Keys of sides with a middle, sorted (m,)."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far a rigid tool can go before it strikes another."""
+"""Travel of a rigid tool until it strikes another tool."""
 
 from __future__ import annotations
 
@@ -60,12 +60,12 @@ def find_clearance(
 
 @dataclass(frozen=True)
 class Closing:
-    """Where two tools leave no more than a certain room between them."""
+    """The place where the distance of two tools falls to a given room."""
 
     travel: float
-    """Of the one along its way, counted from where it starts [mm]."""
+    """Travel of the moving tool from its start [mm]."""
     place: FloatArray
-    """Where they are nearest, in the other's frame (3,) [mm]."""
+    """Place where they are nearest, in the frame of the other tool (3,) [mm]."""
 
 
 def find_closing(
@@ -83,7 +83,7 @@ def find_closing(
     farthest = sum(heights) + float(np.abs(between @ way))
     at_least = [surface.nearest(x)[0] for surface, x in zip(surfaces, points, strict=True)]
 
-    def ask(travel: float, near: float) -> tuple[float, FloatArray]:
+    def least_gap(travel: float, near: float) -> tuple[float, FloatArray]:
         """Return the least gap at a travel, and its place, of the points that may be nearer than `near`."""
         found = [(math.inf, np.zeros(3))]
         for side, (surface, x, along) in enumerate(zip(surfaces, points, ways, strict=True)):
@@ -97,7 +97,7 @@ def find_closing(
 
     before, travel = 0.0, 0.0
     while travel <= farthest:
-        gap, place = ask(travel, room + step)
+        gap, place = least_gap(travel, room + step)
         if gap < room:
             break
         advance = min(max(step, min(float(g.min()) for g in at_least) - room), farthest + step)
@@ -110,7 +110,7 @@ def find_closing(
         return None
     while travel - before > 1e-3 * step:
         middle = 0.5 * (before + travel)
-        gap, at = ask(middle, room + 2.0 * step)
+        gap, at = least_gap(middle, room + 2.0 * step)
         if gap < room:
             travel, place = middle, at
         else:

@@ -63,7 +63,7 @@ def read_tool(
     triangles, part = _wind_alike(points, triangles, notes)
     points, triangles = separate_parts(points, triangles, part)
     rims = find_rims(points, triangles)
-    _say_rims(points, rims, closed, notes)
+    _note_rims(points, rims, closed, notes)
     triangles = _turn_outwards(points, triangles, part, rims, facing, notes)
     return Triangulation(points, triangles, not rims), tuple(notes)
 
@@ -138,7 +138,7 @@ def _wind_alike(points: FloatArray, triangles: IntArray, notes: list[str]) -> tu
     return triangles, part
 
 
-def _say_rims(points: FloatArray, rims: list[IntArray], closed: bool, notes: list[str]) -> None:
+def _note_rims(points: FloatArray, rims: list[IntArray], closed: bool, notes: list[str]) -> None:
     if not rims:
         return
     loops = []

@@ -104,10 +104,10 @@ def drop_unused_points(points: FloatArray, connectivities: Sequence[IntArray]) -
 
 
 def with_four_nodes(cells: IntArray) -> IntArray:
-    """Give connectivity (n, 4): of triangles (n, 3) with the last node twice."""
+    """Return connectivity (n, 4); triangles (n, 3) repeat their last node."""
     return cells[:, [0, 1, 2, 2]] if cells.ndim == 2 and cells.shape[1] == 3 else cells
 
 
 def is_triangle(cells: IntArray) -> BoolArray:
-    """Say which shells of connectivity (n, 4) have their last node twice."""
+    """Return which shells of connectivity (n, 4) repeat their last node."""
     return np.asarray(cells[:, 2] == cells[:, 3])

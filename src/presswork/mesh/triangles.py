@@ -52,7 +52,7 @@ def triangle_quality(points: FloatArray, triangles: IntArray) -> FloatArray:
 
 
 def find_flat(points: FloatArray, triangles: IntArray, tolerance: float) -> BoolArray:
-    """Say which triangles have no area: less high over their longest side than the tolerance [mm]."""
+    """Return which triangles have no area: less high over their longest side than the tolerance [mm]."""
     corners = points[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     flat: BoolArray = np.linalg.norm(double_areas(points, triangles), axis=1) <= tolerance * longest
@@ -146,7 +146,7 @@ def find_triangle_parts(n: int, edges: Edges) -> tuple[int, IntArray]:
 
 
 def find_turned(n: int, edges: Edges, part: IntArray) -> tuple[BoolArray, BoolArray]:
-    """Say which of n triangles are wound against most of their part (n,), and which edges no winding suits (n_edges,).
+    """Return masks of triangles wound against most of their part (n,), and of edges that no winding suits (n_edges,).
 
     The winding spreads from triangle to triangle over the edges; a part that has edges left cannot have two sides.
     """

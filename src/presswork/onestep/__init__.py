@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the finished part back to its blank: the run, its files and pictures, and the command line."""
+"""Inverse one-step analysis: from the finished part back to its blank."""
 
 import lazy_loader
 

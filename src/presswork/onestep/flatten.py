@@ -49,7 +49,7 @@ class _Sheet:
         # corners at (0, 0), (length, 0), (x, y) in the triangle's plane
         x, y = np.einsum("ni,ni->n", first, second) / length, size / length
         self.gradient = np.array([[-y, x - length], [y, -x], [np.zeros_like(y), length]]) / size
-        """Of the corners' shape functions (3, 2, n) [1/mm]."""
+        """Gradients of the corners' shape functions (3, 2, n) [1/mm]."""
         self.areas = 0.5 * size
         self.triangles = np.ascontiguousarray(triangles, dtype=np.int32)
         self._n = len(points)

@@ -18,7 +18,7 @@ def strain_metric(hill: tuple[float, float, float, float]) -> list[float]:
 
 
 STRAIN_METRIC = strain_metric((0.5, 0.5, 0.5, 1.5))
-"""Of von Mises."""
+"""Strain metric of von Mises."""
 
 
 def turn_metric(metric: list[float], angle: float) -> list[float]:

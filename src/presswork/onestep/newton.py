@@ -241,7 +241,7 @@ class OneStep:
         """Bring a solution into equilibrium, as after other friction was set. Raises OneStepError."""
         self._iterate(solution, self.problem.law, 1.0, on_iteration, with_friction=True)
         if self._thickness_strains(solution.blank).min() < _TORN:
-            raise OneStepError(f"the sheet would tear: {self._say_thinnest(solution.blank)}")
+            raise OneStepError(f"the sheet would tear: {self._describe_thinnest(solution.blank)}")
 
     def _thickness_strains(self, blank: FloatArray) -> FloatArray:
         """Return those of the triangles (n,)."""
@@ -252,7 +252,7 @@ class OneStep:
         formed = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]
         return np.asarray(np.log(np.maximum(flat, 1e-300) / formed))
 
-    def _say_thinnest(self, blank: FloatArray) -> str:
+    def _describe_thinnest(self, blank: FloatArray) -> str:
         """Say how thin the sheet is where it is thinnest, and where that is."""
         part, strain = self.problem.part, self._thickness_strains(blank)
         thinnest = int(np.argmin(strain))
@@ -299,7 +299,7 @@ class OneStep:
         else:
             raise OneStepError(
                 f"no equilibrium was found in {MAX_ITERATIONS} iterations (unbalanced force {error:.1e} of the flow "
-                f"force); in the last, {self._say_thinnest(blank)}"
+                f"force); in the last, {self._describe_thinnest(blank)}"
             )
 
     def _correct(self, data: FloatArray, balance: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -346,7 +346,7 @@ class OneStep:
             if step < _SHORTEST_STEP:
                 if is_usable:
                     return new, new_held
-                raise OneStepError(f"no equilibrium was found: as it is sought, {self._say_thinnest(blank)}")
+                raise OneStepError(f"no equilibrium was found: as it is sought, {self._describe_thinnest(blank)}")
             step *= 0.5
 
 

@@ -29,7 +29,7 @@ from presswork.onestep.loads import (
 from presswork.onestep.newton import Friction, OneStep, OneStepProblem, OneStepSolution, lay_over
 from presswork.onestep.part import OneStepError, prepare_part
 
-_SETTLED = 0.01
+_FRICTION_CHANGE = 0.01
 """Change of friction under the holder, and at the radii, from pass to pass over its sum that no longer matters."""
 _MOST_PASSES = 6
 _TYPICAL_STRAIN = 0.1
@@ -79,7 +79,7 @@ def solve_one_step(
         edge = float(np.sqrt(part.areas.sum() / len(part.points)))
         fixed.append(bead_friction(part, tools, model.beads, edge))
     problem = replace(problem, friction=tuple(fixed))
-    solution, passes = _settle(problem, tools, holder, model.mu, start, threads, on_iteration)
+    solution, passes = _iterate_friction(problem, tools, holder, model.mu, start, threads, on_iteration)
     fields = triangle_fields(problem, metric, solution.blank)
     seconds = {"flatten": flattened - started, "solve": perf_counter() - flattened}
     return OneStepResult(
@@ -95,7 +95,7 @@ def solve_one_step(
     )
 
 
-def _settle(
+def _iterate_friction(
     problem: OneStepProblem,
     tools: Tools,
     holder: Holder | None,
@@ -122,7 +122,7 @@ def _settle(
         held = press(nodal_thickness(problem, solution.blank))
         drag = radius_friction(part, tools, solution.forces, mu)
         forces = np.stack([held.force, drag.force])
-        if (np.abs(forces - before).sum(axis=1) <= _SETTLED * forces.sum(axis=1)).all():
+        if (np.abs(forces - before).sum(axis=1) <= _FRICTION_CHANGE * forces.sum(axis=1)).all():
             return solution, number
         before = forces
         solver.set_friction((*problem.friction, held, drag))

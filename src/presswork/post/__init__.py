@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is worked out from the results: nodal averages, the contact surface and its force, neutral radius, profiles."""
+"""Evaluation of results: nodal averages, the contact surface and its force, neutral radius, profiles."""
 
 import lazy_loader
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of a die's cavity the metal has filled: the gap between the die's profile and the workpiece."""
+"""Filling of a die: the gap between the die's profile and the workpiece."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class DieFill:
     """The cavity's wall at equal distances along the profile, and what is open before it."""
 
     points: FloatArray
-    """On the die's profile where it is (n, 2) [mm]."""
+    """Places on the die's profile in its present position (n, 2) [mm]."""
     gap: FloatArray
-    """From each to the workpiece's surface (n,) [mm]."""
+    """Distance from each place to the workpiece's surface (n,) [mm]."""
     filled: float
     """Part of the wall's area that lies within the tolerance of the workpiece, 0 to 1."""
     unfilled_volume: float

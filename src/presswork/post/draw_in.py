@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far the edge of a drawn sheet has come in, in every direction."""
+"""Draw-in of the edge of a drawn sheet in every direction."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a drawn flange lies to a target outline, and where the blank's edge would have to lie instead.
+"""Compare a drawn flange with a target outline, and correct the edge of the blank.
 
 A point of the edge that is to come to rest elsewhere on its way, by dx, has to start from elsewhere by F^-1 dx, F the
 deformation of the sheet beside it. For a flange that keeps its thickness this is exact to first order: the area between
@@ -35,7 +35,7 @@ class FlangeFit:
     deviation: FloatArray
     """Distance from the target, above zero outside of it (n,) [mm]."""
     correction: FloatArray
-    """By which each point of the blank's edge has to move (n, 2) [mm]."""
+    """Displacement of each point of the blank's edge that corrects the flange (n, 2) [mm]."""
 
     @property
     def worst(self) -> float:
@@ -80,7 +80,7 @@ def _find_nearest(points: FloatArray, polygon: FloatArray) -> FloatArray:
 
 
 def _is_inside(points: FloatArray, polygon: FloatArray) -> BoolArray:
-    """Say which points lie within a polygon."""
+    """Return which points lie within a polygon."""
     inside = np.zeros(len(points), dtype=bool)
     x, y = points.T
     for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a part of a saved run splits or wrinkles: by the forming limit saved with it, or by another."""
+"""Judge a saved part by the forming limit that was saved with it, or by another: does it split or wrinkle?"""
 
 from __future__ import annotations
 

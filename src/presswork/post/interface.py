@@ -14,7 +14,7 @@ from presswork.post.tool_profile import distance_to_profile, trace_profile
 from presswork.results import Result
 
 _NEAR = 5e-3
-"""Of the size of the body: how far from a tool's polyline a node that touches the tool may lie."""
+"""Largest distance of a touching node from the tool's polyline, over the size of the body."""
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the flow along a tool parts: the neutral radius of a ring or a disc."""
+"""Neutral radius of a ring or a disc: the radius where the flow along a tool changes its direction."""
 
 from __future__ import annotations
 
@@ -63,8 +63,9 @@ def find_neutral_radius(result: Result, step: int = -1, tool: str | None = None)
     still = np.abs(slip).max(initial=0.0) <= 1e-6 * np.linalg.norm(carried)
     same = trace.patch[1:] == trace.patch[:-1]
     part = _find_parting(radius, slip, same & lasting[1:] & lasting[:-1]) if not still else None
-    rubs = np.abs(trace.contact_shear).max(initial=0.0) > _NO_FRICTION * np.abs(trace.contact_pressure).max(initial=0.0)
-    turn = _find_parting(radius, trace.contact_shear, same, share=0.0) if rubs else None
+    pressure, shear = (np.abs(values).max(initial=0.0) for values in (trace.contact_pressure, trace.contact_shear))
+    has_friction = shear > _NO_FRICTION * pressure
+    turn = _find_parting(radius, trace.contact_shear, same, share=0.0) if has_friction else None
     return NeutralRadius(
         by_slip=float(np.mean(part)) if part else np.nan,
         stick_width=part[1] - part[0] if part else np.nan,

@@ -19,9 +19,9 @@ class OutlineLoop:
     """A closed edge of the whole sheet, the sheet on its left."""
 
     nodes: IndexArray
-    """Of the mesh, in order (n,); those of mirror images come again."""
+    """Nodes of the mesh in order (n,); mirror images repeat them."""
     signs: FloatArray
-    """By which x, y of the node are multiplied, -1 in a mirror image (n, 2)."""
+    """Factors on x and y of the node, -1 in a mirror image (n, 2)."""
 
     def place(self, points: FloatArray) -> FloatArray:
         """Return the loop's places, or its vectors, of those of all nodes (n_points, 2 | 3)."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is seen of a body in space."""
+"""Outer surface of a body in space."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What springback does to a section: angles of the wall with bottom and flange, radius of its curl."""
+"""Springback of a section: angles of the wall with bottom and flange, and the radius of its curl."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ class WallShape:
     flange_angle: float | None
     """Between the third of the wall beside the flange and the flange [degree]."""
     curl_radius: float
-    """Of the whole wall, by least squares [mm]; infinite for a straight one."""
+    """Radius of the whole wall by least squares [mm]; infinite if it is straight."""
 
 
 @dataclass(frozen=True)
 class SectionSpringback:
-    """A section before and after the part was let go."""
+    """A section before and after springback."""
 
     formed: SheetSection
     free: SheetSection
     walls: tuple[tuple[WallShape, WallShape], ...]
-    """Of each wall from the beginning of the section outwards: formed and free."""
+    """Each wall from the beginning of the section outwards, as formed and after springback."""
 
 
 def find_formed_step(result: Result, step: int = -1) -> int:
-    """Return the last step before the part was let go that has the mesh of `step`. Raises ResultError without one."""
+    """Return the last step before springback that has the mesh of `step`. Raises ResultError without one."""
     last = step % len(result.times)
     mesh = result.mesh_at(last)
     if "springback" in result.field_names and result.field("springback", last).any():

@@ -123,8 +123,8 @@ class ExplicitStamping(RowRecording):
         """Share out the time since `started`, by what the shells' clock said then and says now."""
         spent = {phase: now - self._seconds_n[phase] for phase, now in self.shells.seconds.items()}
         for phase, seconds in spent.items():
-            self.timing.give(phase, seconds)
-        self.timing.give("rest", perf_counter() - started - sum(spent.values()))
+            self.timing.add_seconds(phase, seconds)
+        self.timing.add_seconds("rest", perf_counter() - started - sum(spent.values()))
 
     def _refine(self, refinement: Refinement) -> None:
         """Split the shells that are bent, or will be; again, as far as there are levels."""

@@ -23,7 +23,7 @@ from presswork.geometry.pose import ToolPose, place_segments
 from presswork.model import FloatArray, IntArray
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
 from presswork.results.history import read_history
-from presswork.results.vtkhdf import damage_told, locate_mesh, open_file, open_results
+from presswork.results.vtkhdf import locate_mesh, open_file, open_results, report_damage
 from presswork.results.vtkhdf_tools import find_body
 from presswork.results.whole_file import OutputError
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 class ResultError(OutputError):
-    """What was asked for is not among the results; the message says what is."""
+    """The results do not hold what was asked for; the message lists what they hold."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Result:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """How the run went; empty while it still goes."""
+        """Summary of the run; empty until the run ends."""
         path = self.folder / SUMMARY
         if not path.is_file():
             return {}
@@ -98,7 +98,7 @@ class Result:
 
     @cached_property
     def info(self) -> dict[str, Any]:
-        """What the run said of itself: title, analysis, the sheet's forming limit; texts, numbers and arrays."""
+        """Description of the run as texts, numbers and arrays: title, analysis, forming limit."""
         with self._open() as file:
             return {
                 name: value.item() if np.ndim(value) == 0 and hasattr(value, "item") else value
@@ -107,7 +107,7 @@ class Result:
 
     @property
     def formability(self) -> Formability:
-        """What the strains of a sheet are judged by; without a curve if its material had no forming limit."""
+        """Forming limit of the sheet; it has no curve if the material had none."""
         return Formability.from_info(self.info)
 
     @cached_property
@@ -262,12 +262,12 @@ class Result:
 
     @property
     def is_onestep(self) -> bool:
-        """Whether the first step is a blank that was found from the part, which is the second."""
+        """Whether this is a one-step run: the first step is the blank, the second the part."""
         return self.info.get("analysis") == "onestep"
 
     @property
     def is_stamping(self) -> bool:
-        """Whether it is a blank between tools in space."""
+        """Whether the body is a blank between tools in space."""
         return self.info.get("analysis") == "stamping"
 
     @property
@@ -327,7 +327,7 @@ class Result:
             with open_results(self.folder / RESULTS) as file:
                 yield file
         else:
-            with damage_told(self.folder / RESULTS):
+            with report_damage(self.folder / RESULTS):
                 yield self._file
 
 

@@ -42,12 +42,12 @@ from presswork.results.vtkhdf_tools import (
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
 VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28, "hex8": 12}
-"""By the kind of cell."""
+"""VTK's number of each kind of cell."""
 
 _ROWS_PER_CHUNK = 16384
 _OVERHEAD_BYTES = 65536
 _COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
-"""Of each mesh."""
+"""Numbers that are kept for each mesh."""
 _GEOMETRY_OFFSETS = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
 _WITH_A_COLUMN = ("CellOffsets", "ConnectivityIdOffsets")
 
@@ -133,7 +133,7 @@ def truncate_steps(path: Path | str, n: int) -> None:
 @contextmanager
 def open_results(path: Path | str) -> Iterator[h5py.File]:
     """Open the file for reading. Raises OutputError if it is not a results file, or what the block reads is damaged."""
-    with damage_told(path), open_file(path) as file:
+    with report_damage(path), open_file(path) as file:
         yield file
 
 
@@ -143,7 +143,7 @@ def open_file(path: Path | str) -> h5py.File:
         file = h5py.File(path, "r")
     except (OSError, ValueError) as error:
         raise OutputError(f"{path} cannot be read as a results file: {error}") from error
-    with damage_told(path):
+    with report_damage(path):
         if "VTKHDF/Steps" not in file or "presswork" not in file:
             file.close()
             raise OutputError(f"{path} is not a results file of presswork")
@@ -151,8 +151,8 @@ def open_file(path: Path | str) -> h5py.File:
 
 
 @contextmanager
-def damage_told(path: Path | str) -> Iterator[None]:
-    """Raise OutputError for whatever reading of the file raises in the block."""
+def report_damage(path: Path | str) -> Iterator[None]:
+    """Turn any error that reading the file raises in the block into OutputError."""
     try:
         yield
     except OutputError:
@@ -240,13 +240,13 @@ class MeshPlace:
     points: slice
     cells: slice
     ids: slice
-    """Of the connectivity."""
+    """Rows of the connectivity."""
     offsets: slice
     """One more than cells."""
 
 
 def _is_last_mesh(body: h5py.Group, mesh: Mesh) -> bool:
-    """Say whether the mesh is that of the last step."""
+    """Return whether the mesh is that of the last step."""
     place = _locate_mesh(body, len(body["NumberOfPoints"]) - 1)
     ids = np.concatenate([block.connectivity.ravel() for block in mesh.blocks])
     n_cells = sum(len(block.connectivity) for block in mesh.blocks)

@@ -28,7 +28,7 @@ class OutputError(Exception):
 
 @contextmanager
 def replace_whole(path: Path, *, needed_bytes: int) -> Iterator[Path]:
-    """Give a path to write to, and put what was written there in the place of `path` when the block ends.
+    """Provide a temporary path to write to, and replace `path` by that file when the block ends.
 
     `needed_bytes` is what the new file takes, for the message when the disk is full. If the block fails, `path` stays
     as it was. Raises OutputError in place of OSError.
@@ -58,7 +58,7 @@ def explain_write_error(error: OSError, path: Path, needed_bytes: int) -> Output
 
 
 def _how_to_go_on(folder: Path) -> str:
-    """Say how to run again in a folder: a run that has left no checkpoint cannot be resumed."""
+    """Return the advice on how to run again in a folder: a run that has left no checkpoint cannot be resumed."""
     if (folder / CHECKPOINT).is_file():
         return "run with --resume"
     return "run with --overwrite" if (folder / HISTORY).is_file() else "run again"
@@ -69,7 +69,7 @@ def write_hdf5(path: Path, mode: str) -> Iterator[h5py.File]:
     """Open an HDF5 file for writing ("w" new, "r+" existing); raise OSError if any write failed.
 
     The HDF5 library does not survive a failed write (it can crash the process as it closes the file), so it is shown a
-    file whose writes always succeed, and the failure is raised once the library has let go of it.
+    file whose writes always succeed, and the failure is raised once the library has closed it.
     """
     import h5py
 

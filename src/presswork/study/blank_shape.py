@@ -32,7 +32,7 @@ from presswork.study.table import read_summary, write_table
 
 TABLE, CASE, POINTS, DRAWING = "table.csv", "blank.toml", "blank.csv", "blank.dxf"
 _KEPT = ("thickness", "material", "points", "rule", "rolling_direction", "symmetry", "element_size", "cells", "refine")
-"""Of the case's blank, whatever its shape."""
+"""Keys of the case's blank that are kept whatever its new shape."""
 _CHORD = 2.0
 """Degrees between points on the round corners of a target."""
 _STUCK = 0.9
@@ -53,7 +53,7 @@ class Draw:
 
 @dataclass(frozen=True)
 class BlankShape:
-    """How the search for a blank ended."""
+    """Result of the search for a blank."""
 
     status: Status
     """"gave_up": no blank drew a flange within the tolerance."""

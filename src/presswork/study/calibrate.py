@@ -116,7 +116,7 @@ def fit_friction(curves: CalibrationCurves, measured: MeasuredRings) -> Friction
 
 
 def _warn(friction: float, half: float, low: float, high: float, count: int) -> list[str]:
-    """Say what makes a fit doubtful."""
+    """Return warnings of a doubtful fit."""
     warnings = []
     near = 1e-3 * (high - low)
     if friction - low < near or high - friction < near:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a row of a study's table holds: numbers of a run by name, from its summary, its history and its fields."""
+"""Values in a row of a study's table: numbers of a run by name, from its summary, its history and its fields."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Column:
 
     @property
     def title(self) -> str:
-        """What the table calls it."""
+        """Heading in the table."""
         return f"{self.extreme}:{self.name}"
 
     def measure(self, result: Result) -> float:
@@ -118,7 +118,7 @@ def _measure_sheet(summary: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _measure_draw_in(result: Result, history: Mapping[str, NDArray[Any]]) -> dict[str, float]:
-    """Return least and largest draw-in of a drawn blank's edge [mm], before it was trimmed or let go."""
+    """Return least and largest draw-in of a drawn blank's edge [mm], before trimming and springback."""
     if not result.is_stamping or not len(history["time"]):
         return {}
     from presswork.post import measure_draw_in_around

@@ -27,7 +27,7 @@ Mode = Literal["new", "overwrite", "resume"]
 
 @dataclass(frozen=True)
 class Task:
-    """What a member's process has to do."""
+    """Task of a member's process."""
 
     case: AnyCase
     folder: Path
@@ -46,26 +46,26 @@ def main() -> None:
             overwrite=task.mode == "overwrite",
             resume=task.mode == "resume",
             threads=1,
-            on_increment=_tell_progress,
+            on_increment=_send_progress,
         )
     except (CaseError, StartError) as error:
-        _tell(status="bad_input", reason=str(error))
+        _send(status="bad_input", reason=str(error))
     except OutputError as error:
-        _tell(status="failed", reason=str(error))
+        _send(status="failed", reason=str(error))
     except KeyboardInterrupt:
-        _tell(status="interrupted", reason="stopped before the first increment")
+        _send(status="interrupted", reason="stopped before the first increment")
     else:
-        _tell(status=outcome.status, reason=outcome.reason)
+        _send(status=outcome.status, reason=outcome.reason)
 
 
-def _tell_progress(progress: Progress) -> None:
+def _send_progress(progress: Progress) -> None:
     try:
-        _tell(fraction=progress.fraction)
+        _send(fraction=progress.fraction)
     except BrokenPipeError:
         raise KeyboardInterrupt from None  # the sweep is gone
 
 
-def _tell(**message: float | str) -> None:
+def _send(**message: float | str) -> None:
     print(json.dumps(message), flush=True)
 
 

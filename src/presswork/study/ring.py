@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a ring test measures, from the results of a run: bore, outer diameter, height, neutral radius."""
+"""Measurements of a ring test, from the results of a run: bore, outer diameter, height, neutral radius."""
 
 from __future__ import annotations
 

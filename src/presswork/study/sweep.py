@@ -31,18 +31,18 @@ FINISHED = ("completed", "gave_up", "failed", "bad_input")
 
 @dataclass(frozen=True)
 class SweepProgress:
-    """What a progress display needs whenever something has happened."""
+    """Progress of a sweep, for a display."""
 
     fraction: float
-    """Of the whole sweep."""
+    """Completed part of the whole sweep."""
     counts: Counter[str]
-    """How many members have each status."""
+    """Number of members of each status."""
     total: int
 
 
 @dataclass(frozen=True)
 class MemberResult:
-    """How one member ended."""
+    """Result of one member."""
 
     number: int
     values: dict[str, Any]
@@ -60,7 +60,7 @@ class MemberResult:
 
 @dataclass(frozen=True)
 class SweepResult:
-    """How a sweep ended."""
+    """Result of a sweep."""
 
     folder: Path
     members: tuple[MemberResult, ...]
@@ -71,7 +71,7 @@ class SweepResult:
 
     @property
     def counts(self) -> Counter[str]:
-        """How many members ended with each status."""
+        """Number of members that ended with each status."""
         return Counter(member.status for member in self.members)
 
     @property
@@ -195,7 +195,7 @@ class _Sweep:
         return tasks
 
     def _can_resume(self, member: Member) -> bool:
-        """Say whether there is something to go on from. Raises OutputError if it is that of another case."""
+        """Return whether there is a run to continue. Raises OutputError if it is that of another case."""
         folder = self.folder / member.folder_name
         if not (folder / RESULTS).is_file():
             return False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which cases a sweep consists of: `key=a:b:n` and `key=v1,v2` read, multiplied out, and every case checked."""
+"""The cases of a sweep: `key=a:b:n` and `key=v1,v2` read, multiplied out, and every case checked."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Member:
 
     number: int
     values: dict[str, Any]
-    """What tells it from the others: the varied keys and their values."""
+    """The varied keys and their values, which distinguish it from the others."""
     case: AnyCase | None
     """None if the case cannot be computed."""
     model_id: str = ""

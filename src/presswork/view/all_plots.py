@@ -30,10 +30,10 @@ from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
 from presswork.view.mirror import Mirror
 from presswork.view.outline_plot import plot_outline
-from presswork.view.section_plot import comes_in, plot_draw_in, plot_section
+from presswork.view.section_plot import is_drawn_in, plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell
 from presswork.view.springback_plot import plot_springback
-from presswork.view.style import bare_figure, create_folder, is_let_go, require_matplotlib, save_picture
+from presswork.view.style import bare_figure, create_folder, is_released, require_matplotlib, save_picture
 from presswork.view.temperature_plot import find_widest_step, has_temperatures, plot_temperatures
 
 if TYPE_CHECKING:
@@ -45,11 +45,11 @@ STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", 
 """The last if the run knows a forming limit."""
 ONESTEP_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
 SPRINGBACK_FIELDS = ("springback", "deviation")
-"""Displacement since the part was let go; distance from its shape in the tools."""
+"""Displacement of springback; distance from the shape in the tools."""
 TEMPERATURE = "temperature"
-"""Of a solid that plastic work heats."""
+"""Field of a solid that plastic work heats."""
 NODAL_TEMPERATURE = "nodal_temperature"
-"""Of bodies that conduct heat."""
+"""Field of bodies that conduct heat."""
 
 
 def plot_all(
@@ -98,7 +98,7 @@ def _plot_all(
     if fields is None:
         fields = default_fields(result)
         fields = [field for field in fields if field in result.field_names or field not in FORMABILITY_FIELDS]
-        fields = [field for field in fields if field in FORMABILITY_FIELDS or _is_told(result, field, chosen)]
+        fields = [field for field in fields if field in FORMABILITY_FIELDS or _is_nonzero(result, field, chosen)]
     count = len(result.times)
     for step in chosen:
         for field in fields:
@@ -118,7 +118,7 @@ def _plot_all(
                 save_picture(plot_outline(result, step, figure=bare_figure()), folder / f"outline_{step:03d}.png")
             )
             write_draw_in(result, folder / f"draw_in_{step:03d}.csv", step)
-            if is_let_go(result, step) and _has_formed_step(result, step):
+            if is_released(result, step) and _has_formed_step(result, step):
                 figure = plot_springback(result, 0.0, step, figure=bare_figure())
                 figure.set_size_inches(7.4, 4.8)
                 paths.append(save_picture(figure, folder / f"springback_section_{step:03d}.png"))
@@ -140,7 +140,7 @@ def _plot_all(
     if result.is_onestep:
         return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=bare_figure()), folder / "blank.png")]
     paths += [*_plot_forces(result, folder), *_plot_energies(result, folder), *_plot_temperatures(result, folder)]
-    if result.surfaces and count > 1 and comes_in(result):
+    if result.surfaces and count > 1 and is_drawn_in(result):
         paths.append(save_picture(plot_draw_in(result, figure=bare_figure()), folder / "draw_in.png"))
     return [*paths, *_plot_interfaces(result, folder, steps)]
 
@@ -158,13 +158,13 @@ def default_fields(result: Result) -> Sequence[str]:
     return (*fields, *(name for name in (temperature,) if name in result.field_names))
 
 
-def _is_told(result: Result, field: str, steps: Sequence[int]) -> bool:
-    """Say whether a field is anything but zero throughout, as plastic strain is in an elastic sheet."""
+def _is_nonzero(result: Result, field: str, steps: Sequence[int]) -> bool:
+    """Return whether a field is anything but zero throughout, as plastic strain is in an elastic sheet."""
     return any(bool(result.field(field, step).any()) for step in steps)
 
 
 def _has_formed_step(result: Result, step: int) -> bool:
-    """Say whether a step before springback was saved on the same mesh."""
+    """Return whether a step before springback was saved on the same mesh."""
     try:
         find_formed_step(result, step)
     except ResultError:

@@ -75,7 +75,7 @@ def plot_interface(
 
 
 def _spreads(traces: Iterable[Interface]) -> bool:
-    """Say whether the radius tells the nodes apart: along a cylindrical wall it does not."""
+    """Return whether the radius distinguishes the nodes: along a cylindrical wall it does not."""
     return all(
         len(np.unique(np.round(trace.points[trace.patch == patch, 0], 6))) == (trace.patch == patch).sum()
         for trace in traces

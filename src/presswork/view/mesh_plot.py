@@ -52,7 +52,7 @@ def plot_mesh(
     else:
         colours = _draw_cells(ax, outlines, values, mirror, show_edges, bare=False)
         places = np.array([outline.mean(axis=0) for outline in outlines])
-    _tell_extremes(ax, result, values, places, step)
+    _label_extremes(ax, result, values, places, step)
     _add_colour_bar(ax, colours, label_field(result, field))
     return ax
 
@@ -82,7 +82,7 @@ def plot_contours(
         drawn = ax.tricontourf(net, shown, levels=levels, cmap=COLOURS, zorder=1)
         ax.tricontour(net, shown, levels=levels, colors="k", linewidths=0.25, zorder=1.5)
         _draw_boundary(ax, result.mesh_at(step).boundary_edges, points, sign, mirror)
-    _tell_extremes(ax, result, values, points, step)
+    _label_extremes(ax, result, values, points, step)
     _add_colour_bar(ax, drawn, label_field(result, field))
     return ax
 
@@ -184,7 +184,7 @@ def _draw_cells(
     return cells
 
 
-def _tell_extremes(ax: Axes, result: Result, values: FloatArray, places: FloatArray, step: int) -> None:
+def _label_extremes(ax: Axes, result: Result, values: FloatArray, places: FloatArray, step: int) -> None:
     """Mark the extremes of the values (n,) at their places (n, 2) [mm], and say them under the title."""
     mark_extremes(ax, values, places)
     title = f"{describe_step(result, step)}\n{describe_extremes(values, places)}"

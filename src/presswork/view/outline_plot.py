@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 _WIDTH, _BELOW = 4.4, 3.0
-"""Of the outline, and of what is below it with its labels [inch]."""
+"""Width of the outline, and height of the diagram below it with its labels [inch]."""
 
 
 def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None) -> Figure:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
 _COLOURS = np.array([[0.72, 0.74, 0.76], [0.78, 0.06, 0.18]])
-"""Of the part and of what is undercut."""
+"""Colours of the part and of undercut regions."""
 
 
 def draw_undercut(points: FloatArray, triangles: IntArray, over: BoolArray, path: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.post.section import ORIGIN, cut_sheet, cut_tool, measure_draw_in
 from presswork.results import Result, ResultError
-from presswork.view.style import begin_at_zero, clean_axes, describe_step, is_let_go, new_figure, require_matplotlib
+from presswork.view.style import begin_at_zero, clean_axes, describe_step, is_released, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,8 +75,8 @@ def plot_section(
     return figure
 
 
-def comes_in(result: Result) -> bool:
-    """Say whether the blank's edge has moved along x by the last step on the first mesh."""
+def is_drawn_in(result: Result) -> bool:
+    """Return whether the blank's edge has moved along x by the last step on the first mesh."""
     steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
     size = float(np.ptp(result.mesh.points, axis=0).max())
     return any(abs(measure_draw_in(result, float(np.radians(a)), steps[-1])) > 1e-4 * size for a in _DRAW_IN_ANGLES)
@@ -85,13 +85,13 @@ def comes_in(result: Result) -> bool:
 def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     """Draw how far the blank's edge has come in along x, y and the diagonal against the stroke.
 
-    Steps after the part was cut or let go are left out.
+    Steps after trimming or springback are left out.
     """
     require_matplotlib()
     figure = new_figure(6.4, 4.2) if figure is None else figure
     ax = figure.subplots()
     steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
-    steps = [step for step in steps if not is_let_go(result, step)]
+    steps = [step for step in steps if not is_released(result, step)]
     way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
     tool = max(way, key=lambda name: way[name])
     stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SHOWN = 0.1
-"""Of the section's size: how large the largest movement is drawn about."""
+"""Size at which the largest movement is drawn, about, over the size of the section."""
 _FACTORS = np.array([1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0])
 
 
@@ -29,7 +29,7 @@ def plot_springback(
     exaggeration: float | None = None,
     figure: Figure | None = None,
 ) -> Figure:
-    """Draw a section as formed and let go, with the walls' angles and curl radii; see measure_springback.
+    """Draw a section as formed and after springback, with the walls' angles and curl radii; see measure_springback.
 
     exaggeration: factor on the movement; by default one that shows it. Raises ResultError if nothing has sprung back.
     """
@@ -45,10 +45,10 @@ def plot_springback(
         exaggeration = float(_FACTORS[max(wanted, 1.0) >= _FACTORS][-1])
     ax = figure.subplots()
     ax.plot(*formed.T, color="0.45", linewidth=1.6, label="as formed")
-    ax.plot(*free.T, color="C3", linewidth=1.6, label="let go")
+    ax.plot(*free.T, color="C3", linewidth=1.6, label="after springback")
     if exaggeration > 1:
         shown = formed + exaggeration * (free - formed)
-        ax.plot(*shown.T, "--", color="C3", linewidth=1.2, label=f"let go, movement x {exaggeration:g}")
+        ax.plot(*shown.T, "--", color="C3", linewidth=1.2, label=f"after springback, movement x {exaggeration:g}")
     ax.set_aspect("equal")
     ax.set(xlabel="distance along the section [mm]", ylabel="z [mm]")
     title = str(result.info.get("title", "")).strip()

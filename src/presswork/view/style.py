@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How all pictures look: figures, colours, labels with units, and what a saved step is called."""
+"""Style of all pictures: figures, colours, labels with units, and names of saved steps."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 COLOURS = "viridis"
 ZONE_COLOURS = ("#3a9d4a", "#f2b134", "#c8102e", "#b8bcc2", "#7fb2e5", "#2b4c9b")
-"""Of formability.ZONES: green, amber and red towards cracks, grey where little happens, blues towards wrinkles."""
+"""Colours of formability.ZONES: green, amber, red towards cracks, grey for small strains, blues towards wrinkles."""
 DPI = 150
 MARGIN = 0.1
 """White around what is drawn [inch]."""
@@ -74,7 +74,7 @@ def _cut_margin(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def require_matplotlib() -> None:
-    """Say how to get matplotlib if it is missing."""
+    """Raise ImportError with the remedy if matplotlib is missing."""
     try:
         import matplotlib  # noqa: F401
     except ImportError as error:
@@ -90,16 +90,16 @@ def label_field(result: Result, name: str) -> str:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far the process has come at a saved step."""
+    """Progress of the process at a saved step."""
 
     tool: str
     """The tool that works at this step."""
     stroke: float
-    """Its way [mm]."""
+    """Its displacement [mm]."""
     direction: str
-    """"height" or "width": the body's extent along that way."""
+    """"height" or "width": the extent of the body along the stroke."""
     reduction: float
-    """How much smaller the whole body's extent has become, as a fraction."""
+    """Reduction of the whole body's extent, as a fraction."""
 
 
 def measure_progress(result: Result, step: int) -> Progress | None:
@@ -136,8 +136,8 @@ def find_turning_tool(result: Result) -> str | None:
     return tool if tool is not None and angles[tool] > 0 else None
 
 
-def is_let_go(result: Result, step: int) -> bool:
-    """Say whether the part has sprung back by this step."""
+def is_released(result: Result, step: int) -> bool:
+    """Return whether the part has sprung back by this step."""
     return "springback" in result.field_names and bool(result.field("springback", step).any())
 
 
@@ -147,7 +147,7 @@ def describe_step(result: Result, step: int) -> str:
         return "part" if step % len(result.times) else "blank"
     if result.surfaces and (tool := find_working_tool(result, step)) is not None:
         stroke = f"{tool} stroke {np.linalg.norm(result.surface_displacement(tool, step)):.2f} mm"
-        return f"{stroke}, after springback" if is_let_go(result, step) else stroke
+        return f"{stroke}, after springback" if is_released(result, step) else stroke
     if (roll := find_turning_tool(result)) is not None:
         return f"{roll} turned by {abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
     progress = measure_progress(result, step)
@@ -179,7 +179,7 @@ def _describe_load(result: Result, step: int) -> str:
 
 
 def begin_at_zero(ax: Axes, *, x: bool = True) -> None:
-    """Let axes begin at zero where all that is drawn is positive, with a small margin elsewhere."""
+    """Start axes at zero if all values are positive, with a small margin at the other end."""
     for axis in ("x", "y") if x else ("y",):
         parts = [np.asarray(getattr(line, f"get_{axis}data")(), dtype=np.float64) for line in ax.lines]
         values = np.concatenate([np.zeros(0), *parts])
@@ -206,7 +206,7 @@ def create_folder(folder: Path) -> None:
 
 
 def clean_axes(ax: Axes) -> None:
-    """Give a diagram of curves a light grid and no box."""
+    """Draw a light grid and no box in a diagram of curves."""
     ax.grid(True, color="0.9", linewidth=0.8)
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
