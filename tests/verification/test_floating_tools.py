@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tools whose place follows from a force, and tools that turn, against statics and closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from presswork import Case, CaseError, build_model
 from presswork.implicit.stepping import ImplicitProcedure, NotHeldError
+from presswork.model import Push, ToolMotion
 from presswork.outcome import GaveUpError
 from presswork.process.tool_quantities import measure_tools
 
@@ -60,6 +63,16 @@ def test_a_pushed_tool_stops_where_the_workpiece_balances_its_force() -> None:
     assert punch.force == pytest.approx(8e3, rel=1e-6)
     strain = 8e3 / (WIDTH * DEPTH) * (1 - POISSON**2) / YOUNG
     assert punch.stroke == pytest.approx(strain * HEIGHT, rel=2e-3)  # log strain, and the width grows a little
+
+
+def test_a_force_follows_its_table_over_the_stage() -> None:
+    """8 kN at half of the stage and 2 kN at its end, from nothing; the last row alone would give 1 kN at half."""
+    model = build_model(block_case())
+    push = Push((0.0, -1.0), np.array([[0.5, 8e3], [1.0, 2e3]]))
+    stage = replace(model.stages[0], tool_motion={"punch": ToolMotion(push=push)})
+    procedure = ImplicitProcedure(replace(model, stages=(stage,)), threads=1)
+    forces = [(report.fraction, quantities(procedure)["punch"].force) for report in procedure.advance()]
+    np.testing.assert_allclose(forces, [(0.25, 4e3), (0.5, 8e3), (0.75, 5e3), (1.0, 2e3)], rtol=1e-6)
 
 
 def test_force_control_and_stroke_control_agree_in_plastic_flow() -> None:

@@ -111,7 +111,8 @@ class Push:
     """Unit vector along which it pushes, and the tool is free to move."""
     force: FloatArray
     """Rows of part of the stage (0 to 1, increasing) and force on the whole tool [N] (n, 2), linear between them and
-    constant beyond; up to the first row it grows linearly from what the tool pushed with when the stage began."""
+    constant beyond. Before the first row: in the plane it goes over linearly from what the tool pushed with when the
+    stage began, in space it is that of the first row."""
     stop: str = ""
     """In space: name of a tool that no force places, on which it comes to stand; empty: none."""
     clearance: float = math.inf
