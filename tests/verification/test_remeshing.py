@@ -5,7 +5,11 @@ import numpy as np
 import pytest
 
 from presswork import Case, build_model
+from presswork.examples import copy_example
+from presswork.post import measure_die_fill
 from presswork.process.begin import begin
+from presswork.recorder import run_model
+from presswork.results import Result
 
 
 def run(case):
@@ -60,3 +64,57 @@ def test_upsetting_with_friction_and_a_new_mesh_every_2_percent_keeps_its_force(
     assert error[often["punch.stroke"] < 0.48 * 15].max() < 0.005
     assert error.max() < 0.01
     assert abs(recording.procedure.energy_balance()["error_percent"]) < 0.5
+
+
+def backward_extrusion(size):
+    """Half a punch of 2 mm with edges of radius 0.1 in a container of 4 mm, frictionless; 100 MPa, no hardening."""
+    tools = {
+        "punch": {"profile": [[-1, 3], {"to": [1, 3], "radius": 0.1}, [1, 11]], "contact": "frictionless"},
+        "container": {"profile": [[2, -1], [2, 11]], "contact": "frictionless"},
+        "bottom": {"profile": [[-1, 0], [4, 0]], "contact": "frictionless"},
+    }
+    hardening = {"law": "linear", "yield_stress": 100, "modulus": 0}
+    cells = [round(2 / size), round(3 / size)]
+    return Case(
+        title="backward extrusion",
+        analysis="plane_strain",
+        workpiece={"material": "soft", "mesh": {"size": [2, 3], "cells": cells}},
+        materials={"soft": {"young": 1e5, "poisson": 0.3, "hardening": hardening}},
+        tools=tools,
+        boundary={"axis": {"set": "left", "fix": ["x"]}},
+        stages=[{"name": "press", "tools": {"punch": {"stroke": 0.6, "direction": [0, -1]}}}],
+        output={"steps": 1},
+        solver={"max_increment": 0.02},
+        remesh={"size": size, "smallest_size": 0.25 * size},
+    )
+
+
+def test_backward_extrusion_takes_the_slip_line_pressure():
+    """Plane strain, half the area, frictionless, perfectly plastic: the punch pressure is 2.571 times 2k (slip lines).
+
+    The round edge of the punch carries less than a sharp one: the force lies below.
+    """
+    rows, recording = run(backward_extrusion(0.12))
+    pressure = rows["punch.force"] / 2.0 / (2.0 * 100 / np.sqrt(3))  # over the whole punch, 2 mm by 1 mm
+    steady = pressure[rows["punch.stroke"] > 0.1]
+    assert rows["remeshes"][-1] >= 5
+    assert steady.mean() == pytest.approx(2.571, rel=0.02)
+    assert np.ptp(steady) < 0.03 * 2.571
+    assert rows["cells"].max() < 1000
+    assert recording.procedure.volume() == pytest.approx(6.0, rel=2e-3)  # compressed elastically
+    assert abs(recording.procedure.energy_balance()["error_percent"]) < 1.0
+
+
+def test_hub_on_a_sharp_corner_is_forged_to_full_die(tmp_path):
+    """The packaged case: without new meshes it stops before 80 % of the stroke."""
+    case = Case.from_toml(str(copy_example("forging_hub", tmp_path)))
+    assert run_model(build_model(case), tmp_path / "run", threads=1).status == "completed"
+    result = Result(tmp_path / "run")
+    assert measure_die_fill(result, "die", x_range=(0, 20.4)).filled == pytest.approx(1.0)
+    summary = result.summary
+    assert summary["remeshes"] >= 4
+    volume = summary["volume"]
+    assert abs(volume["change_percent"] - volume["elastic_part_percent"]) < 0.01
+    assert abs(summary["energy"]["error_percent"]) < 1.0
+    contact = summary["contact"]
+    assert contact["largest_edge_penetration_mm"] < 0.25 * contact["shortest_edge_mm"]
