@@ -2,10 +2,8 @@
 // Drawbeads of the explicit loop.
 #pragma once
 
-#include <algorithm>
-
 #include "arrays.hpp"
-#include "explicit/loop.hpp"
+#include "explicit/space_loop.hpp"
 
 namespace presswork::bindings {
 
@@ -32,15 +30,6 @@ int add_bead(Loop& self, Doubles place, Doubles across, Doubles length, double f
   return static_cast<int>(self.beads->beads.size()) - 1;
 }
 
-template <class Loop>
-NewDoubles dump(const Loop& self) {
-  const auto dump = self.beads ? self.beads->dump() : std::vector<double>{};
-  double* to;
-  auto array = new_array({dump.size()}, &to);
-  std::copy(dump.begin(), dump.end(), to);
-  return array;
-}
-
 }  // namespace drawbeads
 
 template <class Loop>
@@ -58,15 +47,7 @@ void bind_beads(nb::class_<Loop>& loop) {
           nb::arg("bead"), nb::arg("share"), "Shares (n) of its force in the next n cycles.")
       .def(
           "bead_restraint", [](Loop& self, int i) { return bead_of(self, i), self.beads->restraint(i); },
-          nb::arg("bead"), "Restraining force, summed along the line [N].")
-      .def("dump_beads", &dump<Loop>, "All that beads remember.")
-      .def(
-          "restore_beads",
-          [](Loop& self, Doubles from) {
-            require(self.beads || from.size() == 0, "the dump's beads are not those of this run");
-            if (self.beads) self.beads->restore({from.data(), from.data() + from.size()});
-          },
-          nb::arg("dump"), "Take over what dump_beads gave.");
+          nb::arg("bead"), "Restraining force, summed along the line [N].");
 }
 
 }  // namespace presswork::bindings

@@ -16,9 +16,9 @@ void bind_contact(nb::module_& m);
 void bind_tool_surface(nb::module_& m);
 void bind_sheet_under(nb::module_& m);
 void bind_assembly(nb::module_& m);
-void bind_explicit(nb::module_& m);
+void bind_explicit_space(nb::module_& m);
 void bind_one_step(nb::module_& m);
-void bind_explicit_solids(nb::module_& m);
+void bind_explicit_plane(nb::module_& m);
 void bind_heat(nb::module_& m);
 }  // namespace presswork::bindings
 
@@ -39,8 +39,8 @@ NB_MODULE(_core, m) {
   bind_tool_surface(m);
   bind_sheet_under(m);
   bind_assembly(m);
-  bind_explicit(m);
+  bind_explicit_space(m);
   bind_one_step(m);
-  bind_explicit_solids(m);
+  bind_explicit_plane(m);
   bind_heat(m);
 }

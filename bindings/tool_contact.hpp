@@ -9,7 +9,7 @@
 #include <array>
 
 #include "arrays.hpp"
-#include "explicit/loop.hpp"
+#include "explicit/space_loop.hpp"
 
 namespace presswork::bindings {
 
@@ -121,8 +121,8 @@ void bind_tools(nb::class_<Loop>& loop) {
       .def(
           "start_contact",
           [](Loop& self) {
-            contact_of(self).start(self.view(0.0), self.internal_force.data());
-            self.give_hanging_forces();
+            contact_of(self).start(self.view(0.0), self.nodes.internal_force.data());
+            self.hanging.give_all_forces(self.nodes);
           },
           "Find the forces of tools that are new.")
       .def("deepest", &deepest<Loop>, nb::arg("tool"),
@@ -138,26 +138,7 @@ void bind_tools(nb::class_<Loop>& loop) {
           "lost_point", [](const Loop& self) { return self.contact ? self.contact->lost() : -1; },
           "A point that has gone through a tool; -1: none.")
       .def_prop_ro("contact_force", &contact_force<Loop>, nb::rv_policy::move,
-                   "Forces of the tools on the nodes (n_nodes, 3) [N].")
-      .def(
-          "dump_contact",
-          [](Loop& self) {
-            const auto dump = self.contact ? self.contact->dump() : std::vector<double>{};
-            double* to;
-            auto array = new_array({dump.size()}, &to);
-            std::copy(dump.begin(), dump.end(), to);
-            return array;
-          },
-          "All that contact remembers.")
-      .def(
-          "restore_contact",
-          [](Loop& self, Doubles from) {
-            const std::vector<double> dump(from.data(), from.data() + from.size());
-            const double step = contact_of(self).step_of(dump);
-            self.set_contact_stiffness(step);  // as long as no point is pressed: no energy is booked
-            self.contact->restore(dump);
-          },
-          nb::arg("dump"), "Take over what dump_contact gave.");
+                   "Forces of the tools on the nodes (n_nodes, 3) [N].");
 }
 
 }  // namespace presswork::bindings

@@ -5,12 +5,6 @@
 
 namespace presswork::explicit_dynamics {
 
-namespace {
-
-constexpr int row = 11;  // numbers of a point in a dump: force, stiffness, direction, cell, inside, weights
-
-}  // namespace
-
 void Drawbeads::add(int n, const double* place, const double* across, const double* length, double force, int tool) {
   const int first = static_cast<int>(points_.size());
   for (int i = 0; i < n; ++i) {
@@ -34,33 +28,37 @@ double Drawbeads::restraint(int bead) const {
   return sum;
 }
 
-std::vector<double> Drawbeads::dump() const {
-  std::vector<double> to;
-  for (const Point& p : points_) {
-    to.push_back(p.force), to.push_back(p.stiffness);
-    to.insert(to.end(), p.direction, p.direction + 3);
-    to.push_back(p.beneath.cell), to.push_back(p.beneath.inside);
-    to.insert(to.end(), p.beneath.weight, p.beneath.weight + 4);
-  }
-  to.push_back(work_), to.push_back(cycle_);
-  return to;
-}
-
-void Drawbeads::restore(const std::vector<double>& from) {
-  if (from.size() != points_.size() * row + 2)
-    throw std::invalid_argument("the dump's beads are not those of this run");
-  const double* at = from.data();
-  for (Point& p : points_) {
-    p.force = *at++, p.stiffness = *at++;
-    for (double& d : p.direction) d = *at++;
-    const double cell = *at++;
-    if (!(cell >= -1.0 && cell < sheet_.n_cells()))
-      throw std::invalid_argument("the dump's beads are not those of this run");
-    sheet_.stand_on(static_cast<int>(cell), p.beneath);
-    p.beneath.inside = *at++ != 0.0;
-    for (double& w : p.beneath.weight) w = *at++;
-  }
-  work_ = *at++, cycle_ = static_cast<int>(*at++);
+void Drawbeads::list_state(std::vector<StateField>& fields) {
+  const auto of_points = [&](std::string name, std::size_t width, auto get, auto set) {
+    fields.push_back({"beads",
+                      std::move(name),
+                      {points_.size(), width},
+                      [=, this](double* to) {
+                        for (Point& p : points_) get(p, to), to += width;
+                      },
+                      [=, this](const double* from) {
+                        for (Point& p : points_) set(p, from), from += width;
+                      }});
+  };
+  of_points(
+      "spring", 2, [](const Point& p, double* to) { to[0] = p.force, to[1] = p.stiffness; },
+      [](Point& p, const double* from) { p.force = from[0], p.stiffness = from[1]; });
+  of_points(
+      "direction", 3, [](const Point& p, double* to) { std::copy_n(p.direction, 3, to); },
+      [](Point& p, const double* from) { std::copy_n(from, 3, p.direction); });
+  of_points(
+      "cell", 2, [](const Point& p, double* to) { to[0] = p.beneath.cell, to[1] = p.beneath.inside; },
+      [this](Point& p, const double* from) {
+        if (!(from[0] >= -1.0 && from[0] < sheet_.n_cells()))
+          throw std::invalid_argument("the dump's beads are not those of this run");
+        sheet_.stand_on(static_cast<int>(from[0]), p.beneath);
+        p.beneath.inside = from[1] != 0.0;
+      });
+  of_points(
+      "weight", 4, [](const Point& p, double* to) { std::copy_n(p.beneath.weight, 4, to); },
+      [](Point& p, const double* from) { std::copy_n(from, 4, p.beneath.weight); });
+  fields.push_back(row_field("beads", "work", &work_, 1));
+  fields.push_back(row_field("beads", "cycle", &cycle_, 1));
 }
 
 }  // namespace presswork::explicit_dynamics

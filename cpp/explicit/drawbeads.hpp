@@ -24,7 +24,8 @@
 
 #include "contact/sheet_under.hpp"
 #include "contact/vectors.hpp"
-#include "explicit/nodes.hpp"
+#include "explicit/space_nodes.hpp"
+#include "explicit/state_field.hpp"
 #include "explicit/tools.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -47,20 +48,18 @@ class Drawbeads {
   void add(int n, const double* place, const double* across, const double* length, double force, int tool);
   // One cycle, by one thread: the forces are taken off net (n_nodes, 6), internal less external forces.
   template <class Real>
-  void visit(int cycle, double dt, const Nodes<Real>& nodes, const std::vector<Tool>* tools, Real* net);
+  void visit(int cycle, double dt, const SpaceNodes<Real>& nodes, const std::vector<Tool>* tools, Real* net);
 
   // Begin with the forces of like beads on a sheet some shells of which are split here; they are taken off net.
   template <class Real>
-  void inherit(const Drawbeads& from, double dt, const Nodes<Real>& nodes, Real* net);
+  void inherit(const Drawbeads& from, double dt, const SpaceNodes<Real>& nodes, Real* net);
 
   double stored() const;                            // in the springs [N mm]
   double lost() const { return work_ - stored(); }  // in slip [N mm]
   // Sum of the points' restraining forces of one bead [N].
   double restraint(int bead) const;
 
-  std::vector<double> dump() const;
-  // Throws std::invalid_argument for other beads.
-  void restore(const std::vector<double>& from);
+  void list_state(std::vector<StateField>& fields);
 
   // Take the masses of the shells [t]; needed before the first cycle, and after a change.
   void set_masses(std::vector<double> of_cells) { cell_mass_ = std::move(of_cells); }
@@ -75,7 +74,7 @@ class Drawbeads {
     contact::Beneath beneath;
   };
   template <class Real>
-  void look_beneath(Point& p, double dt, const Nodes<Real>& nodes) const;
+  void look_beneath(Point& p, double dt, const SpaceNodes<Real>& nodes) const;
   template <class Real>
   static void push(const Point& p, Real* net);
 
@@ -87,8 +86,8 @@ class Drawbeads {
 };
 
 template <class Real>
-void Drawbeads::look_beneath(Point& p, double dt, const Nodes<Real>& nodes) const {
-  sheet_.find(p.place, nodes.position.data(), Nodes<Real>::position_stride, p.beneath);
+void Drawbeads::look_beneath(Point& p, double dt, const SpaceNodes<Real>& nodes) const {
+  sheet_.find(p.place, nodes.position.data(), SpaceNodes<Real>::position_stride, p.beneath);
   if (!p.beneath.inside) return;
   const double* n = p.beneath.normal;
   const double size = std::sqrt(contact::dot(n, n)), out = (p.across[0] * n[0] + p.across[1] * n[1]) / (size * size);
@@ -101,7 +100,7 @@ void Drawbeads::look_beneath(Point& p, double dt, const Nodes<Real>& nodes) cons
 }
 
 template <class Real>
-void Drawbeads::inherit(const Drawbeads& from, double dt, const Nodes<Real>& nodes, Real* net) {
+void Drawbeads::inherit(const Drawbeads& from, double dt, const SpaceNodes<Real>& nodes, Real* net) {
   if (points_.size() != from.points_.size()) throw std::invalid_argument("the beads are not those of the other sheet");
   for (std::size_t i = 0; i < points_.size(); ++i) {
     Point& p = points_[i];
@@ -121,7 +120,7 @@ void Drawbeads::push(const Point& p, Real* net) {
 }
 
 template <class Real>
-void Drawbeads::visit(int cycle, double dt, const Nodes<Real>& nodes, const std::vector<Tool>* tools, Real* net) {
+void Drawbeads::visit(int cycle, double dt, const SpaceNodes<Real>& nodes, const std::vector<Tool>* tools, Real* net) {
   const bool look = cycle_ % refresh == 0;
   ++cycle_;
   for (const Drawbead& bead : beads) {
@@ -135,7 +134,7 @@ void Drawbeads::visit(int cycle, double dt, const Nodes<Real>& nodes, const std:
       }
       double slip = 0.0;
       for (int a = 0; a < p.beneath.corners; ++a) {
-        const Real* v = nodes.motion.data() + std::size_t(Nodes<Real>::motion_stride) * p.beneath.node[a];
+        const Real* v = nodes.motion.data() + std::size_t(SpaceNodes<Real>::motion_stride) * p.beneath.node[a];
         double along = 0.0;
         for (int j = 0; j < 3; ++j) along += p.direction[j] * v[j];
         slip += p.beneath.weight[a] * along;

@@ -31,6 +31,7 @@
 
 #include "contact/sharp_places.hpp"
 #include "explicit/lane_sums.hpp"
+#include "explicit/state_field.hpp"
 #include "explicit/tools.hpp"
 #include "tensor/pack.hpp"
 
@@ -83,12 +84,12 @@ class EdgeContact {
   template <class Locate>
   double deepest(int number, const Tool& tool, const double* half, double worst, Locate&& locate, int& edge) const;
 
-  std::size_t dump_size() const;
-  void dump(int tool, std::vector<double>& to) const;
-  void restore(int tool, const double*& from);
+  // What edges remember of a tool, added to the arrays of `owner`.
+  void list_state(int tool, const std::string& owner, std::vector<StateField>& fields);
 
  private:
   static constexpr int width = pack_width, group = LaneSums::group;
+  static constexpr double reach_awake = 0.9;  // of its gap an edge sleeps
   // Two records of eight numbers.
   struct alignas(64) Touching {
     // 1. since the surface was asked last
@@ -108,7 +109,7 @@ class EdgeContact {
   static double* records_of(Touching& p) { return reinterpret_cast<double*>(&p); }
   // Off the sharp places; near them, but off the tool; awake, s followed from ask to ask.
   static constexpr double off = 0.0, near = 1.0, followed = 2.0;
-  static constexpr int before_hints = 7, numbers = before_hints + 8 + 3;  // of an edge in a dump
+  static constexpr int before_hints = 7;
   static constexpr Touching untouched{0, {0, 0, 0}, 0, 0, off, -1, -1, {0, 0, 0}, 0, 0, 0, 0, 0};
   struct Pairs {
     std::unique_ptr<contact::SharpPlaces> sharp;  // none: these are empty

@@ -2,7 +2,7 @@
 // Nodes of a pack of elements, lane by lane: positions, velocities, angular velocities, room between tools.
 #pragma once
 
-#include "explicit/nodes.hpp"
+#include "explicit/space_nodes.hpp"
 #include "tensor/records.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -10,24 +10,27 @@ namespace presswork::explicit_dynamics {
 // x: positions; in single precision those less the first node's, subtracted in double precision (elements use
 // differences alone).
 template <int count>
-[[gnu::always_inline]] inline void gather_positions(const Nodes<double>& nodes, const int* node, Pack x[count][3]) {
+[[gnu::always_inline]] inline void gather_positions(const SpaceNodes<double>& nodes, const int* node,
+                                                    Pack x[count][3]) {
   for (int a = 0; a < count; ++a, node += Pack::width) {
     const double* from[Pack::width];
     for (int lane = 0; lane < Pack::width; ++lane)
-      from[lane] = nodes.position.data() + std::size_t(Nodes<double>::position_stride) * node[lane];
+      from[lane] = nodes.position.data() + std::size_t(SpaceNodes<double>::position_stride) * node[lane];
     Pack four[4];
     load_records<4>(from, four);
     for (int i = 0; i < 3; ++i) x[a][i] = four[i];
   }
 }
 template <int count>
-[[gnu::always_inline]] inline void gather_positions(const Nodes<float>& nodes, const int* node, FloatPack x[count][3]) {
+[[gnu::always_inline]] inline void gather_positions(const SpaceNodes<float>& nodes, const int* node,
+                                                    FloatPack x[count][3]) {
   constexpr int width = FloatPack::width;
   alignas(64) float relative[count][width][4];
   for (int lane = 0; lane < width; ++lane) {
-    const double* origin = nodes.position.data() + std::size_t(Nodes<float>::position_stride) * node[lane];
+    const double* origin = nodes.position.data() + std::size_t(SpaceNodes<float>::position_stride) * node[lane];
     for (int a = 1; a < count; ++a) {
-      const double* at = nodes.position.data() + std::size_t(Nodes<float>::position_stride) * node[a * width + lane];
+      const double* at =
+          nodes.position.data() + std::size_t(SpaceNodes<float>::position_stride) * node[a * width + lane];
       for (int i = 0; i < 4; ++i) relative[a][lane][i] = static_cast<float>(at[i] - origin[i]);
     }
   }
@@ -42,13 +45,13 @@ template <int count>
 }
 
 template <int count, class Real>
-[[gnu::always_inline]] inline void gather_motion(const Nodes<Real>& nodes, const int* node, PackOf<Real> v[count][3],
-                                                 PackOf<Real> w[count][3]) {
+[[gnu::always_inline]] inline void gather_motion(const SpaceNodes<Real>& nodes, const int* node,
+                                                 PackOf<Real> v[count][3], PackOf<Real> w[count][3]) {
   constexpr int width = PackOf<Real>::width;
   for (int a = 0; a < count; ++a, node += width) {
     const Real* from[width];
     for (int lane = 0; lane < width; ++lane)
-      from[lane] = nodes.motion.data() + std::size_t(Nodes<Real>::motion_stride) * node[lane];
+      from[lane] = nodes.motion.data() + std::size_t(SpaceNodes<Real>::motion_stride) * node[lane];
     PackOf<Real> eight[8];
     load_records<8>(from, eight);
     for (int i = 0; i < 3; ++i) v[a][i] = eight[i], w[a][i] = eight[3 + i];
@@ -56,7 +59,8 @@ template <int count, class Real>
 }
 
 template <int count, class Real>
-[[gnu::always_inline]] inline void gather_room(const Nodes<Real>& nodes, const int* node, PackOf<Real> room[count]) {
+[[gnu::always_inline]] inline void gather_room(const SpaceNodes<Real>& nodes, const int* node,
+                                               PackOf<Real> room[count]) {
   constexpr int width = PackOf<Real>::width;
   for (int a = 0; a < count; ++a, node += width)
     for (int lane = 0; lane < width; ++lane) room[a].set(lane, static_cast<Real>(nodes.room[node[lane]]));

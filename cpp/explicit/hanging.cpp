@@ -18,7 +18,8 @@ void cross(const double a[3], const double b[3], double c[3]) {
 }  // namespace
 
 template <class Real>
-void HangingNodes<Real>::set(int n_nodes, std::vector<HangingNode> hanging) {
+void HangingNodes<Real>::set(Nodes& nodes, std::vector<HangingNode> hanging) {
+  const int n_nodes = nodes.n;
   std::vector<char> hangs(hanging.empty() ? 0 : n_nodes, 0);
   auto check = [&](int node) {
     if (node < 0 || node >= n_nodes) throw std::invalid_argument("a hanging node names a node that is not there");
@@ -41,12 +42,12 @@ void HangingNodes<Real>::set(int n_nodes, std::vector<HangingNode> hanging) {
     end_entry_.insert(end_entry_.end(), entries[node].begin(), entries[node].end());
     end_start_.push_back(static_cast<int>(end_entry_.size()));
   }
-  hanging_ = std::move(hanging), hangs_ = std::move(hangs);
+  hanging_ = std::move(hanging), nodes.follows = std::move(hangs);
   side_.assign(hanging_.size(), {}), given_.assign(hanging_.size(), {});
 }
 
 template <class Real>
-void HangingNodes<Real>::give_masses(std::vector<double>& sum) const {
+void HangingNodes<Real>::share_masses(std::vector<double>& sum) {
   for (const HangingNode& h : hanging_) {
     double* own = &sum[2 * std::size_t(h.node)];
     for (int node : h.end) {
@@ -58,8 +59,8 @@ void HangingNodes<Real>::give_masses(std::vector<double>& sum) const {
 }
 
 template <class Real>
-void HangingNodes<Real>::measure(const Nodes<Real>& nodes, int first, int last) {
-  auto at = [&](int node) { return nodes.position.data() + std::size_t(Nodes<Real>::position_stride) * node; };
+void HangingNodes<Real>::measure(const Nodes& nodes, int first, int last) {
+  auto at = [&](int node) { return nodes.position.data() + std::size_t(Nodes::position_stride) * node; };
   for (int s = first; s < last; ++s) {
     const HangingNode& h = hanging_[s];
     Side& side = side_[s];
@@ -77,8 +78,8 @@ void HangingNodes<Real>::measure(const Nodes<Real>& nodes, int first, int last) 
 }
 
 template <class Real>
-double HangingNodes<Real>::move(Nodes<Real>& nodes, double dt, int first, int last) const {
-  auto motion = [&](int node) { return nodes.motion.data() + std::size_t(Nodes<Real>::motion_stride) * node; };
+double HangingNodes<Real>::carry(Nodes& nodes, double dt, int first, int last) const {
+  auto motion = [&](int node) { return nodes.motion.data() + std::size_t(Nodes::motion_stride) * node; };
   double fastest = 0.0;
   for (int s = first; s < last; ++s) {
     const HangingNode& h = hanging_[s];
@@ -92,7 +93,7 @@ double HangingNodes<Real>::move(Nodes<Real>& nodes, double dt, int first, int la
     cross(turn, side.height, lift), cross(bend, side.along, sag);
     const double deflection = 0.125 * dot(side.normal, sag);
     Real* to = motion(h.node);
-    double* x = nodes.position.data() + std::size_t(Nodes<Real>::position_stride) * h.node;
+    double* x = nodes.position.data() + std::size_t(Nodes::position_stride) * h.node;
     double squared = 0.0;
     for (int i = 0; i < 3; ++i) {
       to[i] = static_cast<Real>(0.5 * (double(one[i]) + double(two[i])) + lift[i] + deflection * side.normal[i]);
@@ -106,11 +107,11 @@ double HangingNodes<Real>::move(Nodes<Real>& nodes, double dt, int first, int la
 }
 
 template <class Real>
-void HangingNodes<Real>::take_forces(const Nodes<Real>& nodes, Real* force, int first, int last) {
+void HangingNodes<Real>::take_forces(Nodes& nodes, int first, int last) {
   measure(nodes, first, last);
   for (int s = first; s < last; ++s) {
     const Side& side = side_[s];
-    Real* own = force + row_at(hanging_[s].node);
+    Real* own = nodes.internal_force.data() + row_at(hanging_[s].node);
     const double f[3] = {own[0], own[1], own[2]};
     double lifted[3], lever[3];
     cross(side.height, f, lifted), cross(side.along, side.normal, lever);
@@ -126,14 +127,14 @@ void HangingNodes<Real>::take_forces(const Nodes<Real>& nodes, Real* force, int 
 }
 
 template <class Real>
-void HangingNodes<Real>::give_forces(Real* force, int first, int last) const {
+void HangingNodes<Real>::give_forces(Nodes& nodes, int first, int last) const {
   for (int e = first; e < last; ++e) {
     double sum[freedoms] = {};
     for (int s = end_start_[e]; s < end_start_[e + 1]; ++s) {
       const Given& given = given_[end_entry_[s] / 2];
       for (int i = 0; i < 3; ++i) sum[i] += given.force[i], sum[3 + i] += given.moment[end_entry_[s] % 2][i];
     }
-    Real* to = force + row_at(end_[e]);
+    Real* to = nodes.internal_force.data() + row_at(end_[e]);
     for (int i = 0; i < freedoms; ++i) to[i] += static_cast<Real>(sum[i]);
   }
 }

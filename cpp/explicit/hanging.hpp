@@ -20,7 +20,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "explicit/nodes.hpp"
+#include "explicit/interaction.hpp"
+#include "explicit/space_nodes.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -30,29 +31,45 @@ struct HangingNode {
 };
 
 template <class Real>
-class HangingNodes {
+class HangingNodes final : public Interaction<SpaceNodes<Real>> {
  public:
+  using Nodes = SpaceNodes<Real>;
   // Throws std::invalid_argument where the end of a side hangs itself, or a number names no node.
-  void set(int n_nodes, std::vector<HangingNode> hanging);
+  void set(Nodes& nodes, std::vector<HangingNode> hanging);
 
   int n() const { return static_cast<int>(hanging_.size()); }
   int n_ends() const { return static_cast<int>(end_.size()); }
   const std::vector<HangingNode>& all() const { return hanging_; }
-  bool has(int node) const { return !hangs_.empty() && hangs_[node]; }
 
-  // Give masses and rotary inertias (n_nodes, 2) of hanging nodes to their ends.
-  void give_masses(std::vector<double>& sum) const;
+  Phase phase() const override { return Phase::nodes; }
+  void begin(Nodes& nodes, int) override { measure(nodes, 0, n()); }
+  int n_following() const override { return count_chunks(n()); }
+  double follow(Nodes& nodes, const Step& step, int piece) override {
+    return carry(nodes, step.dt, piece * chunk, std::min(n(), (piece + 1) * chunk));
+  }
+  // Hanging nodes give their forces away; then the ends take them.
+  int n_rounds() const override { return n() > 0 ? 2 : 0; }
+  int n_pieces(int round) const override { return count_chunks(round == 0 ? n() : n_ends()); }
+  void act(Nodes& nodes, const Step&, int, int round, int piece) override {
+    if (round == 0)
+      take_forces(nodes, piece * chunk, std::min(n(), (piece + 1) * chunk));
+    else
+      give_forces(nodes, piece * chunk, std::min(n_ends(), (piece + 1) * chunk));
+  }
+  void share_masses(std::vector<double>& sum) override;
 
-  // Where sides and heights are now, for the next move.
-  void measure(const Nodes<Real>& nodes, int first, int last);
-  // Move hanging nodes [first, last) with their ends by dt; returns their largest speed squared.
-  double move(Nodes<Real>& nodes, double dt, int first, int last) const;
-  // Measure, and take the forces (n_nodes, 6) off hanging nodes [first, last); then let the ends [first, last) have
-  // them.
-  void take_forces(const Nodes<Real>& nodes, Real* force, int first, int last);
-  void give_forces(Real* force, int first, int last) const;
+  // Let the ends have the forces of hanging nodes; outside of a cycle.
+  void give_all_forces(Nodes& nodes) { take_forces(nodes, 0, n()), give_forces(nodes, 0, n_ends()); }
 
  private:
+  // Where sides and heights are now, for the next move.
+  void measure(const Nodes& nodes, int first, int last);
+  // Move hanging nodes [first, last) with their ends by dt; returns their largest speed squared.
+  double carry(Nodes& nodes, double dt, int first, int last) const;
+  // Measure, and take the forces off hanging nodes [first, last); then let the ends [first, last) have them.
+  void take_forces(Nodes& nodes, int first, int last);
+  void give_forces(Nodes& nodes, int first, int last) const;
+
   struct Side {
     double along[3], normal[3], height[3];  // d, n, h
   };
@@ -62,7 +79,6 @@ class HangingNodes {
   std::vector<HangingNode> hanging_;
   std::vector<Side> side_;
   std::vector<Given> given_;
-  std::vector<char> hangs_;                       // of nodes
   std::vector<int> end_, end_start_, end_entry_;  // ends, and what they get: twice the hanging node, plus 1 of a second
 };
 

@@ -63,15 +63,15 @@ struct Mitc {
 }  // namespace
 
 template <class Real>
-std::unique_ptr<ElementBlock<Real>> make_mitc_shells(const Nodes<Real>& nodes, ShellSection section,
-                                                     std::vector<int> connectivity, const double* thickness,
-                                                     const double* axis) {
+std::unique_ptr<SheetBlock<Real>> make_mitc_shells(const SpaceNodes<Real>& nodes, ShellSection section,
+                                                   std::vector<int> connectivity, const double* thickness,
+                                                   const double* axis) {
   return std::make_unique<ShellBlock<Real, Mitc>>(nodes, std::move(section), std::move(connectivity), thickness, axis);
 }
 
-template std::unique_ptr<ElementBlock<double>> make_mitc_shells(const Nodes<double>&, ShellSection, std::vector<int>,
-                                                                const double*, const double*);
-template std::unique_ptr<ElementBlock<float>> make_mitc_shells(const Nodes<float>&, ShellSection, std::vector<int>,
-                                                               const double*, const double*);
+template std::unique_ptr<SheetBlock<double>> make_mitc_shells(const SpaceNodes<double>&, ShellSection, std::vector<int>,
+                                                              const double*, const double*);
+template std::unique_ptr<SheetBlock<float>> make_mitc_shells(const SpaceNodes<float>&, ShellSection, std::vector<int>,
+                                                             const double*, const double*);
 
 }  // namespace presswork::explicit_dynamics

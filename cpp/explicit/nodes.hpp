@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes of the explicit loop: six freedoms each, lumped mass, as records that an element loads whole.
+// What nodes of the explicit loop are kept in: arrays on cache lines, and records that are loaded whole.
 #pragma once
 
 #include <algorithm>
@@ -48,6 +48,10 @@ class AlignedArray {
 typedef double Record __attribute__((vector_size(64)));
 typedef std::int64_t Freedoms __attribute__((vector_size(64)));  // which of them: -1, or 0
 
+// Nodes whose work is summed up in one go: the sums do not depend on the threads.
+inline constexpr int chunk = 256;
+inline int count_chunks(int n) { return (n + chunk - 1) / chunk; }
+
 // Forces and such are rows of six, with room for a record at the last.
 inline constexpr int freedoms = 6, spare = 2;
 inline std::size_t row_at(int i) { return std::size_t(freedoms) * i; }
@@ -82,19 +86,5 @@ inline Place load_place(const double* from) {
   return p;
 }
 inline void store_place(const Place& p, double* to) { std::memcpy(to, &p, sizeof p); }
-
-// Positions are double in single precision too: a step moves a node by less than a float of its coordinate resolves.
-template <class Real>
-struct Nodes {
-  static constexpr int position_stride = 4, motion_stride = 8;
-  explicit Nodes(int n) : n(n), position(std::size_t(n) * position_stride), motion(std::size_t(n) * motion_stride) {}
-
-  int n;
-  AlignedArray<double> position;  // (n, 4): x, y, z [mm], unused
-  AlignedArray<Real> motion;  // (n, 8): velocity [mm/s], angular velocity [1/s] (half a step back), 1/mass, 1/inertia
-  // (n): room between two tools that hold the sheet there [mm], else infinite; null: shells are not squeezed
-  const double* room = nullptr;
-  double time = 0.0;  // at the start of the cycle [s]
-};
 
 }  // namespace presswork::explicit_dynamics

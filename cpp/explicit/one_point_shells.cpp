@@ -66,7 +66,7 @@ struct Triangle : OnePoint<3> {
   }
 };
 
-template <Treatment treatment>
+template <ShellTreatment treatment>
 struct Quadrilateral : OnePoint<4> {
   static constexpr const char* name = "shell ";
 
@@ -84,11 +84,11 @@ struct Quadrilateral : OnePoint<4> {
   [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, const LayerConditions<T>& now,
                                              const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
                                              T* force) {
-    if constexpr (treatment == Treatment::stabilized) {
+    if constexpr (treatment == ShellTreatment::stabilized) {
       shell4::advance_stabilized(law, section.rule, now, x, v, w, room, state, force);
     } else {
-      shell4::advance<treatment == Treatment::warped>(law, section.rule, section.control, now, x, v, w, room, state,
-                                                      force);
+      shell4::advance<treatment == ShellTreatment::warped>(law, section.rule, section.control, now, x, v, w, room,
+                                                           state, force);
     }
   }
 
@@ -97,7 +97,7 @@ struct Quadrilateral : OnePoint<4> {
     shell4::Geometry<T> g;
     shell4::measure(x, state + shell4::reference, g);
     T bound = shell4::bound_frequency(young, poisson, g, state[shell4::thickness], mass, ratio);
-    if constexpr (treatment == Treatment::stabilized) bound *= shell4::stabilized_excess(g);
+    if constexpr (treatment == ShellTreatment::stabilized) bound *= shell4::stabilized_excess(g);
     return bound;
   }
 };
@@ -105,27 +105,27 @@ struct Quadrilateral : OnePoint<4> {
 }  // namespace
 
 template <class Real>
-std::unique_ptr<ElementBlock<Real>> make_one_point_shells(int nodes_each, const Nodes<Real>& nodes,
-                                                          ShellSection section, std::vector<int> connectivity,
-                                                          const double* thickness, const double* axis) {
-  const auto make = [&]<class Kind>() -> std::unique_ptr<ElementBlock<Real>> {
+std::unique_ptr<SheetBlock<Real>> make_one_point_shells(int nodes_each, const SpaceNodes<Real>& nodes,
+                                                        ShellSection section, std::vector<int> connectivity,
+                                                        const double* thickness, const double* axis) {
+  const auto make = [&]<class Kind>() -> std::unique_ptr<SheetBlock<Real>> {
     return std::make_unique<ShellBlock<Real, Kind>>(nodes, std::move(section), std::move(connectivity), thickness,
                                                     axis);
   };
   if (nodes_each == 3) return make.template operator()<Triangle>();
   switch (section.treatment) {
-    case Treatment::plain:
-      return make.template operator()<Quadrilateral<Treatment::plain>>();
-    case Treatment::warped:
-      return make.template operator()<Quadrilateral<Treatment::warped>>();
+    case ShellTreatment::plain:
+      return make.template operator()<Quadrilateral<ShellTreatment::plain>>();
+    case ShellTreatment::warped:
+      return make.template operator()<Quadrilateral<ShellTreatment::warped>>();
     default:
-      return make.template operator()<Quadrilateral<Treatment::stabilized>>();
+      return make.template operator()<Quadrilateral<ShellTreatment::stabilized>>();
   }
 }
 
-template std::unique_ptr<ElementBlock<double>> make_one_point_shells(int, const Nodes<double>&, ShellSection,
-                                                                     std::vector<int>, const double*, const double*);
-template std::unique_ptr<ElementBlock<float>> make_one_point_shells(int, const Nodes<float>&, ShellSection,
-                                                                    std::vector<int>, const double*, const double*);
+template std::unique_ptr<SheetBlock<double>> make_one_point_shells(int, const SpaceNodes<double>&, ShellSection,
+                                                                   std::vector<int>, const double*, const double*);
+template std::unique_ptr<SheetBlock<float>> make_one_point_shells(int, const SpaceNodes<float>&, ShellSection,
+                                                                  std::vector<int>, const double*, const double*);
 
 }  // namespace presswork::explicit_dynamics

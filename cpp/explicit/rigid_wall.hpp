@@ -7,19 +7,26 @@
 // is lost when it strikes, as in a plastic impact.
 #pragma once
 
-#include <memory>
+#include <cmath>
+#include <string>
 #include <vector>
 
 #include "contact/profile.hpp"
+#include "explicit/interaction.hpp"
+#include "explicit/nodes.hpp"
 
 namespace presswork::explicit_dynamics {
 
-class RigidWall {
+class PlaneNodes;
+
+class RigidWall final : public Interaction<PlaneNodes> {
  public:
-  // segments (n, 7) as in contact/profile.hpp [mm]
-  RigidWall(int n_nodes, std::vector<double> segments, double mu)
-      : mu(mu),
+  // segments (n, 7) as in contact/profile.hpp [mm]; name: of its state
+  RigidWall(std::string name, int n_nodes, std::vector<double> segments, double mu)
+      : name(std::move(name)),
+        mu(mu),
         force(2 * std::size_t(n_nodes)),
+        chunk_force_(2 * std::size_t(count_chunks(n_nodes))),
         segments_(std::move(segments)),
         prepared_(segments_.size() / 7),
         boxes_(2 * ProfileSearch::count_leaves(static_cast<int>(prepared_.size()))),
@@ -27,6 +34,24 @@ class RigidWall {
   RigidWall(const RigidWall&) = delete;
   RigidWall& operator=(const RigidWall&) = delete;
 
+  // Nodes are moved in chunks; the force on those of each is summed up by itself.
+  void open_chunk(int first_node) { std::fill_n(&chunk_force_[2 * std::size_t(first_node / chunk)], 2, 0.0); }
+  void add_to_chunk(int node) {
+    for (int i = 0; i < 2; ++i) chunk_force_[2 * std::size_t(node / chunk) + i] += force[2 * std::size_t(node) + i];
+  }
+  void move(const Step& step, int, double) override {
+    for (int i = 0; i < 2; ++i) {
+      offset[i] += step.dt * step.velocity_scale * velocity[i];
+      for (std::size_t at = i; at < chunk_force_.size(); at += 2) impulse[i] += step.mean_dt * chunk_force_[at];
+    }
+  }
+  void list_state(std::vector<StateField>& fields) override {
+    fields.push_back(row_field(name, "offset", offset, 2));
+    fields.push_back(row_field(name, "impulse", impulse, 2));
+    fields.push_back(column_field(name, "force", force.data(), force.size() / 2, 2, 2));
+  }
+
+  std::string name;
   double mu;                        // Coulomb
   double offset[2] = {0.0, 0.0};    // displacement since the start [mm]
   double velocity[2] = {0.0, 0.0};  // [mm/s]
@@ -63,6 +88,7 @@ class RigidWall {
     return change;
   }
 
+  std::vector<double> chunk_force_;  // (chunks, 2)
   std::vector<double> segments_;
   std::vector<profile::Prepared> prepared_;
   std::vector<profile::Box> boxes_;

@@ -19,24 +19,25 @@
 
 #include "explicit/gather.hpp"
 #include "explicit/shell_section.hpp"
+#include "material/umat.hpp"
 
 namespace presswork::explicit_dynamics {
 
 template <class Real, class Kind>
-class ShellBlock final : public ElementBlock<Real> {
+class ShellBlock final : public SheetBlock<Real> {
   using P = PackOf<Real>;
-  static constexpr int lanes = ElementBlock<Real>::lanes, each = Kind::nodes, forces = 6 * each;
+  static constexpr int lanes = SheetBlock<Real>::lanes, each = Kind::nodes, forces = 6 * each;
 
  public:
-  ShellBlock(const Nodes<Real>& nodes, ShellSection section, std::vector<int> connectivity, const double* thickness,
-             const double* axis)
-      : ElementBlock<Real>(each, std::move(connectivity), Kind::rows(section)), section_(std::move(section)) {
+  ShellBlock(const SpaceNodes<Real>& nodes, ShellSection section, std::vector<int> connectivity,
+             const double* thickness, const double* axis)
+      : SheetBlock<Real>(each, std::move(connectivity), Kind::rows(section)), section_(std::move(section)) {
     section_.control.density = section_.density;
     for (int e = 0; e < this->n_; ++e) {
       double x[each][3], area;
       for (int a = 0; a < each; ++a)
         std::copy_n(nodes.position.data() +
-                        std::size_t(Nodes<Real>::position_stride) * this->connectivity_[std::size_t(each) * e + a],
+                        std::size_t(SpaceNodes<Real>::position_stride) * this->connectivity_[std::size_t(each) * e + a],
                     3, x[a]);
       if (!Kind::begin(x, axis + 3 * std::size_t(e), thickness[e], area,
                        [&](int row, double value) { this->set_value(e, row, value); }))
@@ -44,19 +45,20 @@ class ShellBlock final : public ElementBlock<Real> {
                                     " has no area, or the axis of its material is normal to it");
       const double young = std::visit([](const auto& law) { return law.young; }, section_.law);
       this->stiffest_spring_[e] = stiffest_spring(young, area, thickness[e], each);
-      this->mass_[e] = section_.density * area * thickness[e];
+      this->mass_[e] = this->true_mass_[e] = section_.density * area * thickness[e];
       this->inertia_ratio_[e] = Kind::inertia_ratio(area, thickness[e]);
     }
   }
 
-  int advance(const Nodes<Real>& nodes, double dt, int first, int last, Real* force) override {
-    return std::visit([&](const auto& law) { return advance_packs(law, nodes, dt, first, last, force); }, section_.law);
+  int advance(const SpaceNodes<Real>& nodes, double dt, double time, int first, int last, Real* force) override {
+    return std::visit([&](const auto& law) { return advance_packs(law, nodes, dt, time, first, last, force); },
+                      section_.law);
   }
 
-  void bound_frequencies(const Nodes<Real>& nodes, double* squared) const override {
+  void bound_frequencies(const SpaceNodes<Real>& nodes, double* squared) const override {
     const auto [young, poisson] =
         std::visit([](const auto& law) { return std::pair(law.young, law.poisson); }, section_.law);
-#pragma omp parallel for schedule(static) if (this->n_ >= serial_elements)
+#pragma omp parallel for schedule(static) if (this->n_ >= SpaceNodes<Real>::serial_elements)
     for (int pack = 0; pack < this->n_packs(); ++pack) {
       P x[each][3], mass, ratio;
       gather_positions<each>(nodes, this->pack_nodes(pack), x);
@@ -73,16 +75,18 @@ class ShellBlock final : public ElementBlock<Real> {
 
  private:
   template <class Law>
-  int advance_packs(const Law& law, const Nodes<Real>& nodes, double dt, int first, int last, Real* force) {
+  int advance_packs(const Law& law, const SpaceNodes<Real>& nodes, double dt, double time, int first, int last,
+                    Real* force) {
     if constexpr (std::is_same_v<Law, UserSheet> && !std::is_same_v<Real, double>) {
       return -1;  // refused when it is made
     } else {
-      return advance_with(law, nodes, dt, first, last, force);
+      return advance_with(law, nodes, dt, time, first, last, force);
     }
   }
 
   template <class Law>
-  int advance_with(const Law& law, const Nodes<Real>& nodes, double dt, int first, int last, Real* force) {
+  int advance_with(const Law& law, const SpaceNodes<Real>& nodes, double dt, double time, int first, int last,
+                   Real* force) {
     int failed = -1;
     [[maybe_unused]] std::optional<ShellPlaces> places;
     for (int pack = first; pack < last; ++pack) {
@@ -92,7 +96,7 @@ class ShellBlock final : public ElementBlock<Real> {
       P room[each];
       if (nodes.room) gather_room<each>(nodes, this->pack_nodes(pack), room);
       LayerConditions<P> now{dt, this->pack_temperature(pack)};
-      if constexpr (std::is_same_v<Law, UserSheet>) now.places = place_shells(nodes.time, pack, x, places);
+      if constexpr (std::is_same_v<Law, UserSheet>) now.places = place_shells(time, pack, x, places);
       Kind::advance(law, section_, now, x, v, w, nodes.room ? room : nullptr, this->pack_state(pack), nodal);
       Real* to[lanes];
       for (int lane = 0; lane < lanes; ++lane) to[lane] = force + forces * (std::size_t(pack - first) * lanes + lane);
@@ -101,10 +105,13 @@ class ShellBlock final : public ElementBlock<Real> {
       else
         for (int lane = 0; lane < lanes; ++lane)
           for (int i = 0; i < forces; ++i) to[lane][i] = nodal[i][lane];
-      if constexpr (std::is_same_v<Law, UserSheet>)
-        if (places->fault.status != LawStatus::done) this->note(places->fault);
       if constexpr (Law::can_fail)
-        if (failed < 0 && any(!(nodal[0] * nodal[0] > P(-1)))) failed = find_failed(pack, x, v, w, nodal[0]);
+        if (failed < 0 && any(!(nodal[0] * nodal[0] > P(-1)))) {
+          const int shell = find_failed(pack, x, v, w, nodal[0]);
+          auto told = LawStatus::no_stress;
+          if (places && places->fault.status != LawStatus::done) told = places->fault.status;
+          if (shell >= 0) failed = reasons * shell + static_cast<int>(told);
+        }
     }
     return failed;
   }

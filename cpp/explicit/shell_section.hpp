@@ -6,20 +6,20 @@
 #include <memory>
 
 #include "element/shell4_one_point.hpp"
-#include "explicit/element_block.hpp"
+#include "explicit/sheet_block.hpp"
 
 namespace presswork::explicit_dynamics {
 
 // How one point is made enough: Belytschko & Tsay's shell, with warping terms, or with physical stabilisation; or 2 x 2
 // points, which are.
-enum class Treatment { plain, warped, stabilized, mitc };
+enum class ShellTreatment { plain, warped, stabilized, mitc };
 
 struct ShellSection {
   std::variant<FastMises, GeneralSheet, UserSheet> law;
   std::vector<std::shared_ptr<const void>> law_data;  // what the law points at
   LayerRule rule;
-  double density;       // [t/mm3]
-  Treatment treatment;  // of 4-node shells
+  double density;            // [t/mm3]
+  ShellTreatment treatment;  // of 4-node shells
   ShellControl control;
   std::vector<int> number = {};  // (n) of the shells, from 0, as a law from a shared library is told
 };
@@ -28,9 +28,9 @@ struct ShellSection {
 // four nodes. connectivity (n, nodes), thickness (n) [mm], axis (n, 3): direction of the law's x, of any length,
 // projected on the element. Throws std::invalid_argument for an element that has no area or that its axis is normal to.
 template <class Real>
-std::unique_ptr<ElementBlock<Real>> make_one_point_shells(int nodes_each, const Nodes<Real>& nodes,
-                                                          ShellSection section, std::vector<int> connectivity,
-                                                          const double* thickness, const double* axis);
+std::unique_ptr<SheetBlock<Real>> make_one_point_shells(int nodes_each, const SpaceNodes<Real>& nodes,
+                                                        ShellSection section, std::vector<int> connectivity,
+                                                        const double* thickness, const double* axis);
 
 // Inverse of the components of p - q and p + q along the law's x and y; false where that does not exist. area: |p x q|.
 inline bool invert_reference(const double p[3], const double q[3], const double axis[3], double inverse[4],
@@ -54,8 +54,8 @@ inline bool invert_reference(const double p[3], const double q[3], const double 
   return true;
 }
 template <class Real>
-std::unique_ptr<ElementBlock<Real>> make_mitc_shells(const Nodes<Real>& nodes, ShellSection section,
-                                                     std::vector<int> connectivity, const double* thickness,
-                                                     const double* axis);
+std::unique_ptr<SheetBlock<Real>> make_mitc_shells(const SpaceNodes<Real>& nodes, ShellSection section,
+                                                   std::vector<int> connectivity, const double* thickness,
+                                                   const double* axis);
 
 }  // namespace presswork::explicit_dynamics

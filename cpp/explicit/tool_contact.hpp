@@ -36,6 +36,7 @@
 
 #include "explicit/edge_contact.hpp"
 #include "explicit/lane_sums.hpp"
+#include "explicit/state_field.hpp"
 #include "explicit/tools.hpp"
 #include "tensor/records.hpp"
 
@@ -100,10 +101,8 @@ class ToolContact {
   void inherit(const ToolContact& from, const int* parents);
   double step() const { return step_; }
 
-  std::vector<double> dump() const;
-  // Takes over what dump gave, once the stiffness is that of its step. Throws std::invalid_argument for other tools.
-  void restore(const std::vector<double>& from);
-  double step_of(const std::vector<double>& dump) const;
+  // All that contact remembers. It is to be written once the stiffness is that of its step.
+  void list_state(std::vector<StateField>& fields);
 
   // Room between the tools at the nodes in the next cycle (n_nodes) [mm], infinite where two do not hold the sheet;
   // null without ironing.
@@ -157,6 +156,7 @@ class ToolContact {
     for (std::size_t t = first_tool; t < tools.size(); ++t) sums_[c * tools.size() + t] = {};
   }
 
+  void list_tool(int tool, std::vector<StateField>& fields);
   void add_stored(double& normal, double& shear) const;
   template <class View>
   double half_thickness(int node, const View& sheet) const;

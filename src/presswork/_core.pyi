@@ -1,6 +1,6 @@
 """Compiled kernels: elements, materials, contact and assembly."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import enum
 from typing import Annotated
 
@@ -8,7 +8,7 @@ import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 4
+pack_width: int = 8
 
 architecture: str = 'native'
 
@@ -737,43 +737,94 @@ class ShellTreatment(enum.Enum):
     mitc = 3
     """2 x 2 points, MITC4+"""
 
-class ShellLoop:
-    """Central differences for shells; mm, s, t, N, MPa."""
+class SpaceLoop:
+    """Central differences for shells and solids in space; mm, s, t, N, MPa."""
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
 
+    def advance(self, time: float, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
+        """
+        Advance as many cycles of dt [s] from `time` on as the scales have values, the step before dt_before, or up to that in which an element fails; returns the element, what its law told (done, if it is turned inside out) and the cycle, or -1, done, -1.
+        """
+
+    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+        """Energies at the present time; dt: the next step [s]."""
+
+    @property
+    def seconds(self) -> tuple[float, float, float, float]:
+        """
+        Wall time [s] that advance has taken for nodes, elements, contact, and waiting between threads.
+        """
+
+    def bound_frequencies(self) -> NDArray[numpy.float64]:
+        """Bound of the squared highest frequency of each element (n) [1/s2]."""
+
+    @property
+    def element_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element (n) [t]."""
+
+    @property
+    def true_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element without what scaling has added (n) [t]."""
+
+    @property
+    def added_mass(self) -> NDArray[numpy.float64]:
+        """What scaling has added to the mass of each element (n) [t]."""
+
+    def scale_mass(self, factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Multiply the masses of the elements by factors (n)."""
+
+    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
+        """
+
+    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
+        """
+
+    def state(self) -> dict[str, dict[str, NDArray[numpy.float64]]]:
+        """All that the next cycle depends on: arrays by owner and name."""
+
     @property
     def position(self) -> NDArray[numpy.float64]:
-        """Positions (n_nodes, 3) [mm]."""
+        """Positions (n_nodes, dimension) [mm]."""
 
     @position.setter
     def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def velocity(self) -> NDArray[numpy.float64]:
-        """
-        Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].
-        """
+        """Velocities (n_nodes, freedoms), half a step back [mm/s, 1/s]."""
 
     @velocity.setter
     def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
-    def inverse_mass(self) -> NDArray[numpy.float64]:
-        """
-        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
-        """
+    def force(self) -> NDArray[numpy.float64]:
+        """Nodal forces and moments from outside (n_nodes, freedoms) [N, N mm]."""
+
+    @force.setter
+    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def internal_force(self) -> NDArray[numpy.float64]:
-        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
+        """
+        Internal forces and moments (n_nodes, freedoms) [N, N mm], less those of tools.
+        """
+
+    @internal_force.setter
+    def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
-    def element_mass(self) -> NDArray[numpy.float64]:
-        """Mass of each element (n) [t]; setting it sets the nodes' masses."""
+    def reaction_impulse(self) -> NDArray[numpy.float64]:
+        """
+        Impulse of what holds prescribed freedoms (n_nodes, freedoms), until set to zero [N s, N mm s].
+        """
 
-    @element_mass.setter
-    def element_mass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+    @reaction_impulse.setter
+    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     def stress(self, block: int) -> NDArray[numpy.float64]:
         """
@@ -783,6 +834,11 @@ class ShellLoop:
     def history(self, block: int) -> NDArray[numpy.float64]:
         """
         What the law of a block keeps (n, points in the plane, layers, size); first eqps.
+        """
+
+    def set_layers(self, block: int, layers: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Set the layers (n, points in the plane, layers, 3 + size) of a block: sum and difference of the normal stresses, shear, what the law keeps.
         """
 
     def pressure(self, block: int) -> NDArray[numpy.float64]:
@@ -797,14 +853,6 @@ class ShellLoop:
         """
         Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
         """
-
-    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], list[NDArray[numpy.float64]], NDArray[numpy.float64], float, float]:
-        """
-        Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.
-        """
-
-    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], states: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
-        """Take over what dump gave."""
 
     def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool) -> int:
         """Add a rigid tool; returns its number."""
@@ -860,12 +908,6 @@ class ShellLoop:
     def contact_force(self) -> NDArray[numpy.float64]:
         """Forces of the tools on the nodes (n_nodes, 3) [N]."""
 
-    def dump_contact(self) -> NDArray[numpy.float64]:
-        """All that contact remembers."""
-
-    def restore_contact(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Take over what dump_contact gave."""
-
     def add_bead(self, place: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], length: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, force: float, tool: int = -1) -> int:
         """
         Add a drawbead of points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length
@@ -878,29 +920,9 @@ class ShellLoop:
     def bead_restraint(self, bead: int) -> float:
         """Restraining force, summed along the line [N]."""
 
-    def dump_beads(self) -> NDArray[numpy.float64]:
-        """All that beads remember."""
-
-    def restore_beads(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Take over what dump_beads gave."""
-
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
         """
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0.
-        """
-
-    @property
-    def time(self) -> float:
-        """
-        At the start of the next call of advance [s], for laws from shared libraries.
-        """
-
-    @time.setter
-    def time(self, arg: float, /) -> None: ...
-
-    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """
-        Give the layers of a block temperatures (n, points in the plane, layers) [degrees C] from now on.
         """
 
     def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
@@ -908,27 +930,19 @@ class ShellLoop:
         Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the whole side and two of those that have half of it.
         """
 
-    def inherit(self, other: ShellLoop, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
+    def inherit(self, other: SpaceLoop, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
         """
         Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share (n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.
         """
 
-    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int, LawStatus]:
-        """
-        Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell, the cycle of it and what its law told, or -1, -1, done.
-        """
+    def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:
+        """Take over what state gave."""
 
     @property
-    def seconds(self) -> tuple[float, float, float, float]:
+    def inverse_mass(self) -> NDArray[numpy.float64]:
         """
-        Wall time [s] that advance has taken for nodes, elements, contact, and waiting between threads.
+        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
         """
-
-    def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
-        """Energies at the present time."""
-
-    def bound_frequencies(self) -> NDArray[numpy.float64]:
-        """Bound of the squared highest frequency of each element [1/s2]."""
 
     @property
     def ironing(self) -> bool:
@@ -939,62 +953,101 @@ class ShellLoop:
     @ironing.setter
     def ironing(self, arg: bool, /) -> None: ...
 
-    @property
-    def force(self) -> NDArray[numpy.float64]:
-        """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
-
-    @force.setter
-    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def reaction_impulse(self) -> NDArray[numpy.float64]:
+    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float) -> None:
         """
-        Impulse of what holds prescribed freedoms (n_nodes, 6), added up until it is set to zero [N s, N mm s].
+        Add cells (n, nodes) of hex8 or hex8_fbar; they are numbered as they come.
         """
 
-    @reaction_impulse.setter
-    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
-
-class ShellLoopSingle:
-    """ShellLoop in single precision, positions and work excepted."""
+class SpaceLoopSingle:
+    """
+    SpaceLoop in single precision, positions and work excepted; it has shells alone.
+    """
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
 
+    def advance(self, time: float, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
+        """
+        Advance as many cycles of dt [s] from `time` on as the scales have values, the step before dt_before, or up to that in which an element fails; returns the element, what its law told (done, if it is turned inside out) and the cycle, or -1, done, -1.
+        """
+
+    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+        """Energies at the present time; dt: the next step [s]."""
+
+    @property
+    def seconds(self) -> tuple[float, float, float, float]:
+        """
+        Wall time [s] that advance has taken for nodes, elements, contact, and waiting between threads.
+        """
+
+    def bound_frequencies(self) -> NDArray[numpy.float64]:
+        """Bound of the squared highest frequency of each element (n) [1/s2]."""
+
+    @property
+    def element_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element (n) [t]."""
+
+    @property
+    def true_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element without what scaling has added (n) [t]."""
+
+    @property
+    def added_mass(self) -> NDArray[numpy.float64]:
+        """What scaling has added to the mass of each element (n) [t]."""
+
+    def scale_mass(self, factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Multiply the masses of the elements by factors (n)."""
+
+    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
+        """
+
+    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
+        """
+
+    def state(self) -> dict[str, dict[str, NDArray[numpy.float64]]]:
+        """All that the next cycle depends on: arrays by owner and name."""
+
     @property
     def position(self) -> NDArray[numpy.float64]:
-        """Positions (n_nodes, 3) [mm]."""
+        """Positions (n_nodes, dimension) [mm]."""
 
     @position.setter
     def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def velocity(self) -> NDArray[numpy.float64]:
-        """
-        Velocities and angular velocities (n_nodes, 6), half a step back [mm/s, 1/s].
-        """
+        """Velocities (n_nodes, freedoms), half a step back [mm/s, 1/s]."""
 
     @velocity.setter
     def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
-    def inverse_mass(self) -> NDArray[numpy.float64]:
-        """
-        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
-        """
+    def force(self) -> NDArray[numpy.float64]:
+        """Nodal forces and moments from outside (n_nodes, freedoms) [N, N mm]."""
+
+    @force.setter
+    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def internal_force(self) -> NDArray[numpy.float64]:
-        """Internal force [N] and moment [N mm] (n_nodes, 6)."""
+        """
+        Internal forces and moments (n_nodes, freedoms) [N, N mm], less those of tools.
+        """
+
+    @internal_force.setter
+    def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
-    def element_mass(self) -> NDArray[numpy.float64]:
-        """Mass of each element (n) [t]; setting it sets the nodes' masses."""
+    def reaction_impulse(self) -> NDArray[numpy.float64]:
+        """
+        Impulse of what holds prescribed freedoms (n_nodes, freedoms), until set to zero [N s, N mm s].
+        """
 
-    @element_mass.setter
-    def element_mass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+    @reaction_impulse.setter
+    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     def stress(self, block: int) -> NDArray[numpy.float64]:
         """
@@ -1004,6 +1057,11 @@ class ShellLoopSingle:
     def history(self, block: int) -> NDArray[numpy.float64]:
         """
         What the law of a block keeps (n, points in the plane, layers, size); first eqps.
+        """
+
+    def set_layers(self, block: int, layers: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Set the layers (n, points in the plane, layers, 3 + size) of a block: sum and difference of the normal stresses, shear, what the law keeps.
         """
 
     def pressure(self, block: int) -> NDArray[numpy.float64]:
@@ -1018,14 +1076,6 @@ class ShellLoopSingle:
         """
         Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
         """
-
-    def dump(self) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], list[NDArray[numpy.float64]], NDArray[numpy.float64], float, float]:
-        """
-        Position, velocity, state of each block's elements (n, rows), internal force, external work, damping.
-        """
-
-    def restore(self, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], states: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], forces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], external: float, damping: float) -> None:
-        """Take over what dump gave."""
 
     def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool) -> int:
         """Add a rigid tool; returns its number."""
@@ -1081,12 +1131,6 @@ class ShellLoopSingle:
     def contact_force(self) -> NDArray[numpy.float64]:
         """Forces of the tools on the nodes (n_nodes, 3) [N]."""
 
-    def dump_contact(self) -> NDArray[numpy.float64]:
-        """All that contact remembers."""
-
-    def restore_contact(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Take over what dump_contact gave."""
-
     def add_bead(self, place: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], length: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, force: float, tool: int = -1) -> int:
         """
         Add a drawbead of points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length
@@ -1099,29 +1143,9 @@ class ShellLoopSingle:
     def bead_restraint(self, bead: int) -> float:
         """Restraining force, summed along the line [N]."""
 
-    def dump_beads(self) -> NDArray[numpy.float64]:
-        """All that beads remember."""
-
-    def restore_beads(self, dump: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Take over what dump_beads gave."""
-
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
         """
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0.
-        """
-
-    @property
-    def time(self) -> float:
-        """
-        At the start of the next call of advance [s], for laws from shared libraries.
-        """
-
-    @time.setter
-    def time(self, arg: float, /) -> None: ...
-
-    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """
-        Give the layers of a block temperatures (n, points in the plane, layers) [degrees C] from now on.
         """
 
     def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
@@ -1129,27 +1153,19 @@ class ShellLoopSingle:
         Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the whole side and two of those that have half of it.
         """
 
-    def inherit(self, other: ShellLoopSingle, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
+    def inherit(self, other: SpaceLoopSingle, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
         """
         Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share (n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.
         """
 
-    def advance(self, dt: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, int, LawStatus]:
-        """
-        Advance as many cycles of dt [s] as the scales have values, or up to that in which a material law fails; returns the shell, the cycle of it and what its law told, or -1, -1, done.
-        """
+    def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:
+        """Take over what state gave."""
 
     @property
-    def seconds(self) -> tuple[float, float, float, float]:
+    def inverse_mass(self) -> NDArray[numpy.float64]:
         """
-        Wall time [s] that advance has taken for nodes, elements, contact, and waiting between threads.
+        Inverse of mass [t] and of rotary inertia [t mm2] (n_nodes, 2); 0 where there is none.
         """
-
-    def energies(self, dt: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
-        """Energies at the present time."""
-
-    def bound_frequencies(self) -> NDArray[numpy.float64]:
-        """Bound of the squared highest frequency of each element [1/s2]."""
 
     @property
     def ironing(self) -> bool:
@@ -1159,25 +1175,6 @@ class ShellLoopSingle:
 
     @ironing.setter
     def ironing(self, arg: bool, /) -> None: ...
-
-    @property
-    def force(self) -> NDArray[numpy.float64]:
-        """Nodal forces and moments from outside (n_nodes, 6) [N, N mm]."""
-
-    @force.setter
-    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def reaction_impulse(self) -> NDArray[numpy.float64]:
-        """
-        Impulse of what holds prescribed freedoms (n_nodes, 6), added up until it is set to zero [N s, N mm s].
-        """
-
-    @reaction_impulse.setter
-    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 6)."""
 
 class DeformationLaw:
     """Deformation theory of a sheet in plane stress."""
@@ -1205,39 +1202,106 @@ class AdiabaticMises:
         Advance points by strain increments (n, 4) in dt; returns stress (n, 4), equivalent plastic strain (n) and rise of temperature (n).
         """
 
-class SolidEnergies:
-    """Energies of an explicit run of solids [N mm]."""
-
-    @property
-    def kinetic(self) -> float: ...
-
-    @property
-    def internal(self) -> float: ...
-
-    @property
-    def hourglass(self) -> float: ...
-
-    @property
-    def external(self) -> float: ...
-
-    @property
-    def damping(self) -> float: ...
-
-    @property
-    def contact(self) -> float: ...
-
-    @property
-    def friction(self) -> float: ...
-
-class SolidLoop:
+class PlaneLoop:
     """Central differences for solids in the plane; mm, s, t, N, MPa."""
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], contact: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float = 1.0, hourglass_fraction: float = 0.05) -> None: ...
 
-    def add(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises | PlaneLaw | Umat, density: float, *, young: float = 0.0, poisson: float = 0.0) -> None:
+    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises | PlaneLaw | Umat, density: float, *, young: float = 0.0, poisson: float = 0.0) -> None:
         """
         Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a shared library.
         """
+
+    def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:
+        """Take over what state gave."""
+
+    @property
+    def mass(self) -> NDArray[numpy.float64]:
+        """Mass of each node (n_nodes) [t]."""
+
+    def advance(self, time: float, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
+        """
+        Advance as many cycles of dt [s] from `time` on as the scales have values, the step before dt_before, or up to that in which an element fails; returns the element, what its law told (done, if it is turned inside out) and the cycle, or -1, done, -1.
+        """
+
+    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+        """Energies at the present time; dt: the next step [s]."""
+
+    @property
+    def seconds(self) -> tuple[float, float, float, float]:
+        """
+        Wall time [s] that advance has taken for nodes, elements, contact, and waiting between threads.
+        """
+
+    def bound_frequencies(self) -> NDArray[numpy.float64]:
+        """Bound of the squared highest frequency of each element (n) [1/s2]."""
+
+    @property
+    def element_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element (n) [t]."""
+
+    @property
+    def true_mass(self) -> NDArray[numpy.float64]:
+        """Mass of each element without what scaling has added (n) [t]."""
+
+    @property
+    def added_mass(self) -> NDArray[numpy.float64]:
+        """What scaling has added to the mass of each element (n) [t]."""
+
+    def scale_mass(self, factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Multiply the masses of the elements by factors (n)."""
+
+    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
+        """
+
+    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
+        """
+
+    def state(self) -> dict[str, dict[str, NDArray[numpy.float64]]]:
+        """All that the next cycle depends on: arrays by owner and name."""
+
+    @property
+    def position(self) -> NDArray[numpy.float64]:
+        """Positions (n_nodes, dimension) [mm]."""
+
+    @position.setter
+    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def velocity(self) -> NDArray[numpy.float64]:
+        """Velocities (n_nodes, freedoms), half a step back [mm/s, 1/s]."""
+
+    @velocity.setter
+    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def force(self) -> NDArray[numpy.float64]:
+        """Nodal forces and moments from outside (n_nodes, freedoms) [N, N mm]."""
+
+    @force.setter
+    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def internal_force(self) -> NDArray[numpy.float64]:
+        """
+        Internal forces and moments (n_nodes, freedoms) [N, N mm], less those of tools.
+        """
+
+    @internal_force.setter
+    def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    @property
+    def reaction_impulse(self) -> NDArray[numpy.float64]:
+        """
+        Impulse of what holds prescribed freedoms (n_nodes, freedoms), until set to zero [N s, N mm s].
+        """
+
+    @reaction_impulse.setter
+    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     def add_wall(self, segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, mu: float = 0.0) -> None:
         """Add a rigid profile; they are numbered as they come."""
@@ -1254,131 +1318,17 @@ class SolidLoop:
     def move_wall(self, wall: int, velocity: Sequence[float]) -> None:
         """Set a wall's velocity [mm/s]."""
 
-    def restore_wall(self, wall: int, offset: Sequence[float], impulse: Sequence[float], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Take over where a wall was and what it pushed."""
-
-    def advance(self, time: float, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus]:
-        """
-        Advance as many cycles of dt [s] from `time` as the scales have values; returns the cell that failed, or -1, and what its law told: done, if it is turned inside out.
-        """
-
-    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> SolidEnergies:
-        """Energies at the present time."""
-
-    def bound_frequencies(self) -> NDArray[numpy.float64]:
-        """Bound of the squared highest frequency of each cell (n) [1/s2]."""
-
-    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Prescribe velocities of the freedoms marked in fixed (n_nodes, 2)."""
-
-    def set_temperature(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Give the cells temperatures (n) [degrees C] from now on."""
-
-    def weigh(self) -> None:
-        """Sum up the nodes' masses after a change of mass_factor."""
-
-    @property
-    def mass(self) -> NDArray[numpy.float64]:
-        """Mass of each node (n_nodes) [t]."""
-
-    @property
-    def cell_mass(self) -> NDArray[numpy.float64]:
-        """True mass of each cell (n) [t], without what scaling adds."""
-
-    @property
-    def work(self) -> list[float]:
-        """
-        Work up to half a step back: external, damping, contact, friction [N mm].
-        """
-
-    @work.setter
-    def work(self, arg: Sequence[float], /) -> None: ...
-
-    @property
-    def position(self) -> NDArray[numpy.float64]:
-        """Positions (n_nodes, 2) [mm]."""
-
-    @position.setter
-    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def velocity(self) -> NDArray[numpy.float64]:
-        """Velocities (n_nodes, 2), half a step back [mm/s]."""
-
-    @velocity.setter
-    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def force(self) -> NDArray[numpy.float64]:
-        """Nodal forces from outside (n_nodes, 2) [N]."""
-
-    @force.setter
-    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def internal_force(self) -> NDArray[numpy.float64]:
-        """Internal forces (n_nodes, 2) [N]."""
-
-    @internal_force.setter
-    def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def reaction_impulse(self) -> NDArray[numpy.float64]:
-        """
-        Impulse of what holds prescribed freedoms (n_nodes, 2), added up until it is set to zero [N s].
-        """
-
-    @reaction_impulse.setter
-    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def mass_factor(self) -> NDArray[numpy.float64]:
-        """Mass of each cell over its true one (n); then call weigh."""
-
-    @mass_factor.setter
-    def mass_factor(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def kept(self) -> NDArray[numpy.float64]:
-        """What the laws keep besides, cell after cell of all blocks (n)."""
-
-    @kept.setter
-    def kept(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
     @property
     def stress(self) -> NDArray[numpy.float64]:
         """Stress xx, yy, zz, xy (n, 4) [MPa]."""
-
-    @stress.setter
-    def stress(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
     @property
     def eqps(self) -> NDArray[numpy.float64]:
         """Equivalent plastic strain (n)."""
 
-    @eqps.setter
-    def eqps(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
     @property
     def rise(self) -> NDArray[numpy.float64]:
         """Rise of temperature since the start (n)."""
-
-    @rise.setter
-    def rise(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def hourglass(self) -> NDArray[numpy.float64]:
-        """Hourglass forces (n, 2) [N]."""
-
-    @hourglass.setter
-    def hourglass(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    @property
-    def cell_work(self) -> NDArray[numpy.float64]:
-        """Work of stress and of hourglass control (n, 2) [N mm]."""
-
-    @cell_work.setter
-    def cell_work(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
 
 def conduct_heat(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductivity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float, flow: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], conduction: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None) -> int:
     """

@@ -81,8 +81,8 @@ def test_the_clock_of_phases_adds_up() -> None:
     shells.advance(300)
     wall = perf_counter() - started
     spent = shells.seconds
-    assert list(spent) == ["nodes", "shells", "contact", "waiting"]
-    assert 0 < spent["nodes"] < spent["shells"]
+    assert list(spent) == ["nodes", "elements", "contact", "waiting"]
+    assert 0 < spent["nodes"] < spent["elements"]
     assert 0.5 * wall < sum(spent.values()) <= wall
 
 
@@ -146,13 +146,13 @@ def test_a_mesh_in_two_blocks_moves_as_in_one(treatment: _core.ShellTreatment) -
     height, weight = layer_rule(5, "gauss")
     runs = []
     for parts in ((slice(0, None),), (slice(0, 200), slice(200, None))):
-        loop = _core.ShellLoop(points)
+        loop = _core.SpaceLoop(points)
         for part in parts:
             n = len(cells[part])
             axis = np.tile([1.0, 0.0, 0.0], (n, 1))
             loop.add_shells(cells[part], np.full(n, 0.8), axis, SWIFT, 7.85e-9, height, weight, treatment=treatment)
         loop.velocity = np.concatenate([1e4 * points * [1, -0.5, 0], 0 * points], axis=1)
-        loop.advance(1e-7, np.ones(200), np.ones(200))
+        loop.advance(0.0, 1e-7, 1e-7, np.ones(200), np.ones(200))
         runs.append((loop, np.concatenate([loop.history(i) for i in range(len(parts))])))
     (one, history), (two, histories) = runs
     assert (history > 0).any()

@@ -18,7 +18,7 @@ Array = npt.NDArray[np.float64]
 class BeadsOfRun:
     """What an explicit run does with its drawbeads."""
 
-    _loop: _core.ShellLoop | _core.ShellLoopSingle
+    _loop: _core.SpaceLoop | _core.SpaceLoopSingle
     _reference: tuple[float, float] | None
     tools: dict[str, RigidTool]
     time: float
@@ -52,9 +52,3 @@ class BeadsOfRun:
     def _prepare_beads(self, n: int) -> None:
         for number, table in enumerate(self._bead_shares):
             self._loop.drive_bead(number, np.interp(self.time + self.dt * np.arange(n), *table))
-
-    def _restore_beads(self, dump: Array) -> None:
-        try:
-            self._loop.restore_beads(dump)
-        except ValueError as error:
-            raise ExplicitError(f"{error}: add them in the same order before restore") from None

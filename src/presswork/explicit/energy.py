@@ -67,13 +67,13 @@ class EnergyBalance:
         return found
 
 
-def sum_energies(e: _core.Energies | _core.SolidEnergies) -> float:
+def sum_energies(e: _core.Energies) -> float:
     """Return what stays as it is in an undisturbed run: all energies, less the work from outside [N mm]."""
     return e.kinetic + e.internal + e.hourglass + e.damping + e.contact + e.friction - e.external
 
 
 def compute_balance(
-    e: _core.Energies | _core.SolidEnergies, reference: tuple[float, float] | None
+    e: _core.Energies, reference: tuple[float, float] | None
 ) -> tuple[EnergyBalance, tuple[float, float]]:
     """Return the balance, and the reference brought up to date.
 

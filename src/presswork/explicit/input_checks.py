@@ -34,30 +34,52 @@ def check_nodal(value: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> Arra
     return given
 
 
+def check_points(points: Array, dimension: int) -> None:
+    """Raise ExplicitError unless points have shape (n_nodes, dimension) and are finite."""
+    if points.ndim != 2 or points.shape[1] != dimension:
+        where = "" if dimension == 3 else "solids in the plane have "
+        raise ExplicitError(f"points has shape {points.shape}: {where or 'it must be '}(n_nodes, {dimension})")
+    if not np.isfinite(points).all():
+        raise ExplicitError(f"node {np.argwhere(~np.isfinite(points))[0, 0]} has a coordinate that is not a number")
+
+
+def check_density(density: float) -> None:
+    """Raise ExplicitError for a density [t/mm3] that nothing has."""
+    if not density > 0:
+        raise ExplicitError(f"density = {density:g}: it must be above zero; steel has 7.85e-9 t/mm3")
+    if density > HEAVIEST:
+        raise ExplicitError(f"density = {density:g} t/mm3 is beyond any metal: steel has 7.85e-9 t/mm3, not 7850")
+
+
+def check_numbers(cells: npt.NDArray[np.int32], n_nodes: int, corners: int, name: str) -> None:
+    """Raise ExplicitError unless cells have shape (n > 0, corners) and name nodes that are there."""
+    if cells.ndim != 2 or cells.shape[1] != corners or len(cells) == 0:
+        either = "(n, 4) or (n, 3)" if corners == 4 else f"(n, {corners})"
+        raise ExplicitError(f"connectivity has shape {cells.shape}: it must be {either}, n > 0")
+    outside = (cells < 0) | (cells >= n_nodes)
+    if outside.any():
+        cell, corner = np.argwhere(outside)[0]
+        raise ExplicitError(
+            f"{name} {cell} names node {cells[cell, corner]}: nodes are numbered from 0 to {n_nodes - 1}"
+        )
+
+
+def check_hexahedra(points: Array, cells: npt.NDArray[np.int32]) -> None:
+    """Raise ExplicitError for hexahedra that no run can start from; those inside out the kernel refuses."""
+    check_numbers(cells, len(points), 8, "cell")
+
+
 def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float, axes: Array) -> None:
     """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from.
 
     axes: direction of the law's x in each shell (n, 3).
     """
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ExplicitError(f"points has shape {points.shape}: it must be (n_nodes, 3)")
-    if not np.isfinite(points).all():
-        raise ExplicitError(f"node {np.argwhere(~np.isfinite(points))[0, 0]} has a coordinate that is not a number")
-    if cells.ndim != 2 or cells.shape[1] != 4 or len(cells) == 0:
-        raise ExplicitError(f"connectivity has shape {cells.shape}: it must be (n, 4) or (n, 3), n > 0")
-    outside = (cells < 0) | (cells >= len(points))
-    if outside.any():
-        shell, corner = np.argwhere(outside)[0]
-        raise ExplicitError(
-            f"shell {shell} names node {cells[shell, corner]}: nodes are numbered from 0 to {len(points) - 1}"
-        )
+    check_points(points, 3)
+    check_numbers(cells, len(points), 4, "shell")
     if not (thickness > 0).all():
         worst = int(np.argmin(thickness > 0))
         raise ExplicitError(f"thickness of shell {worst} is {thickness[worst]:g} mm: it must be above zero")
-    if not density > 0:
-        raise ExplicitError(f"density = {density:g}: it must be above zero; steel has 7.85e-9 t/mm3")
-    if density > HEAVIEST:
-        raise ExplicitError(f"density = {density:g} t/mm3 is beyond any metal: steel has 7.85e-9 t/mm3, not 7850")
+    check_density(density)
     corners = points[cells]
     before, after = np.roll(corners, 1, axis=1) - corners, np.roll(corners, -1, axis=1) - corners
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
@@ -82,12 +104,7 @@ def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, 
 
 def check_solids(mesh: Mesh, n_materials: int, axisymmetric: bool, depth: float, hourglass_fraction: float) -> None:
     """Raise ExplicitError, with the first culprit and the remedy, for input that no run can start from."""
-    if mesh.points.ndim != 2 or mesh.points.shape[1] != 2:
-        raise ExplicitError(f"points has shape {mesh.points.shape}: solids in the plane have (n_nodes, 2)")
-    if not np.isfinite(mesh.points).all():
-        raise ExplicitError(
-            f"node {np.argwhere(~np.isfinite(mesh.points))[0, 0]} has a coordinate that is not a number"
-        )
+    check_points(mesh.points, 2)
     if not depth > 0:
         raise ExplicitError(f"depth = {depth}: it must be above zero")
     if not 0 <= hourglass_fraction <= 1:

@@ -17,9 +17,9 @@ Array = npt.NDArray[np.float64]
 class LayersOfRun:
     """What an explicit run knows of its shells through the thickness."""
 
-    _loop: _core.ShellLoop | _core.ShellLoopSingle
-    _elements: npt.NDArray[np.intp]
-    """Number, as given, of each shell in the order of the loop (n,)."""
+    _loop: _core.SpaceLoop | _core.SpaceLoopSingle
+    _shells: npt.NDArray[np.intp]
+    """Number, as given, of each shell in the order of the loop (n,), which has them first."""
     _counts: list[int]
     """Shells of each block."""
     _fixed: npt.NDArray[np.uint8]
@@ -27,9 +27,9 @@ class LayersOfRun:
     _young: float
     _poisson: float
 
-    def _by_element(self, inside: Array) -> Array:
+    def _by_shell(self, inside: Array) -> Array:
         out = np.empty_like(inside)
-        out[self._elements] = inside
+        out[self._shells] = inside
         return out
 
     def _of_blocks(self, values: Callable[[int], Array]) -> Array:
@@ -56,14 +56,14 @@ class LayersOfRun:
     @property
     def flow_stress_at_points(self) -> Array:
         """Plane stress (n, q, n_points, 3) that flows as the stress does: it with the pressure added to xx and yy."""
-        return self._by_element(self._of_blocks(self._loop.stress))
+        return self._by_shell(self._of_blocks(self._loop.stress))
 
     @property
     def pressure_at_points(self) -> Array:
         """Pressure through the thickness (n, q) [MPa] where tools squeeze the sheet, else 0."""
         points = self.history_at_points.shape[1]
         parts = [self._loop.pressure(block) for block in range(len(self._counts))]
-        return self._by_element(np.concatenate([np.broadcast_to(p, (len(p), points)) for p in parts]))
+        return self._by_shell(np.concatenate([np.broadcast_to(p, (len(p), points)) for p in parts]))
 
     @property
     def pressure(self) -> Array:
@@ -83,7 +83,7 @@ class LayersOfRun:
     @property
     def history_at_points(self) -> Array:
         """What the law keeps at the q points in the plane (n, q, n_points, n_history)."""
-        return self._by_element(self._of_blocks(self._loop.history))
+        return self._by_shell(self._of_blocks(self._loop.history))
 
     @property
     def given_temperature(self) -> Array | None:
@@ -106,7 +106,7 @@ class LayersOfRun:
             raise ExplicitError(
                 f"given_temperature has shape {degrees.shape}: these shells have layers {shape}"
             ) from None
-        for block, part in enumerate(np.split(at_points[self._elements], np.cumsum(self._counts)[:-1])):
+        for block, part in enumerate(np.split(at_points[self._shells], np.cumsum(self._counts)[:-1])):
             own = self._loop.history(block).shape[1]
             of_block = part.mean(axis=1, keepdims=True) if own == 1 else part
             self._loop.set_temperature(block, np.ascontiguousarray(of_block))
@@ -122,18 +122,15 @@ class LayersOfRun:
             if given.shape not in (own.shape, own.shape[:1] + own.shape[2:]):
                 raise ExplicitError(f"{name} has shape {given.shape}: these shells have {own.shape}")
         sums = np.stack([s[..., 0] + s[..., 1], s[..., 0] - s[..., 1], s[..., 2]], axis=-1)
-        rows = np.concatenate([sums, kept], axis=-1)[self._elements]
+        rows = np.concatenate([sums, kept], axis=-1)[self._shells]
         if rows.ndim == 3:
             rows = rows[:, None]
-        position, velocity, states, forces, *work = self._loop.dump()
         for block, part in enumerate(np.split(rows, np.cumsum(self._counts)[:-1])):
             shape = self._loop.history(block).shape[:3]
             of_block = part.mean(axis=1, keepdims=True) if shape[1] == 1 else part
-            layers = np.broadcast_to(of_block, (*shape, part.shape[-1])).reshape(shape[0], -1)
-            states[block][:, -layers.shape[1] :] = layers  # an element's layers come last
-        self._loop.restore(position, velocity, states, forces, *work)
-        forces = self._loop.trial_force(np.zeros(self._fixed.shape))
-        self._loop.restore(position, velocity, states, forces, *work)
+            layers = np.broadcast_to(of_block, (*shape, part.shape[-1]))
+            self._loop.set_layers(block, np.ascontiguousarray(layers))
+        self._loop.internal_force = self._loop.trial_force(np.zeros(self._fixed.shape))
 
     def released(self) -> tuple[Array, Array]:
         """Return stress_at_points and thickness once tools no longer squeeze the sheet, held in its plane, elastically.
@@ -150,4 +147,4 @@ class LayersOfRun:
     @property
     def thickness(self) -> Array:
         """Thickness (n) [mm]."""
-        return self._by_element(self._of_blocks(self._loop.thickness))
+        return self._by_shell(self._of_blocks(self._loop.thickness))

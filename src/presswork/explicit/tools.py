@@ -11,7 +11,7 @@ from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import Motion, check_table
 
 Array = npt.NDArray[np.float64]
-Loop = _core.ShellLoop | _core.ShellLoopSingle
+Loop = _core.SpaceLoop | _core.SpaceLoopSingle
 MOST_PENALTY, MOST_DAMPING = 0.2, 0.5
 LEAST_MASS = 0.5
 """Of a pushed tool that squeezes the sheet, over the sheet's: its springs are up to mass/dt^2 in all."""
@@ -20,7 +20,7 @@ DEEPEST_START = 0.05
 
 
 class RigidTool:
-    """A rigid tool of a run; `ExplicitShells.add_tool` makes it.
+    """A rigid tool of a run; `add_tool` of a run makes it.
 
     It stands still until `velocity` is set or `follow` or `push` is called.
     """
@@ -224,14 +224,6 @@ class ToolsOfRun:
                 f"{self._name_point(lost)} has gone through a tool by cycle {self.cycle} (t = {self.time:g} s): drive "
                 "the tools slower, push them less hard, or refine the mesh"
             )
-
-    def _restore_tools(self, dump: Array, step: float) -> None:
-        if len(dump) or self.tools:
-            try:
-                self._loop.restore_contact(dump)
-            except ValueError as error:
-                raise ExplicitError(f"{error}: add them in the same order before restore") from None
-            self._contact_step, self._new_tools = step, []
 
     def _name_point(self, point: int) -> str:
         n = len(self._nodes)

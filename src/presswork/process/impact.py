@@ -237,7 +237,7 @@ class ExplicitImpact(RowRecording):
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
         self._take_up(arrays)
-        self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name != "progress"})
+        self.solids.restore({name: np.asarray(values) for name, values in arrays.items()})
         self._begin_stage()
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:

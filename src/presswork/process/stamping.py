@@ -69,7 +69,7 @@ class ExplicitStamping(RowRecording):
         check_damping(self.settings.damping, self._longest_step())
         self.tools = StampingTools(model, self.shells)
         self._begin_stage()
-        self.shells.advance(0)  # contact is found, and refused where the sheet starts in a tool
+        self.shells.find_contact()
 
     def _make_shells(self) -> ExplicitShells:
         """Make shells of the undeformed mesh as it is split now, and what makes fields of them."""

@@ -155,18 +155,18 @@ def test_a_loop_refuses_what_would_lead_it_beyond_its_arrays() -> None:
     sheet.advance(5)
     loop, six = sheet._loop, np.ones(6)
     with pytest.raises(ValueError, match="a tool is not driven for as many cycles"):
-        loop.advance(sheet.dt, six, six)
+        loop.advance(0.0, sheet.dt, sheet.dt, six, six)
     loop.drive_tool(0, np.zeros((6, 3)))
     loop.add_bead(np.array([[0.5, 0.5]]), np.array([[1.0, 0.0]]), np.ones(1), force=1.0)
     with pytest.raises(ValueError, match="a bead is not driven for as many cycles"):
-        loop.advance(sheet.dt, six, six)
+        loop.advance(0.0, sheet.dt, sheet.dt, six, six)
     loop.drive_bead(0, six)
-    loop.advance(sheet.dt, six, six)
-    dump = np.array(loop.dump_beads())
-    loop.restore_beads(dump)
-    dump[5] = len(CELLS)  # the cell beneath
+    loop.advance(0.0, sheet.dt, sheet.dt, six, six)
+    state = loop.state()
+    loop.restore(state)
+    state["beads"]["cell"] = np.full((1, 2), float(len(CELLS)))
     with pytest.raises(ValueError, match="beads are not those of this run"):
-        loop.restore_beads(dump)
+        loop.restore(state)
     other = build(height=3.0)
     parents, whole = np.zeros((6, 4), dtype=np.int32), np.arange(2, dtype=np.int32)
     for nodes, cells in ((parents + 6, whole), (parents, whole + 1), (parents - 1, whole)):

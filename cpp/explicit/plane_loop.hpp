@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The explicit loop in the plane or in axisymmetry: blocks of solids between rigid walls.
+#pragma once
+
+#include "explicit/loop.hpp"
+#include "explicit/plane_solids.hpp"
+
+namespace presswork::explicit_dynamics {
+
+class PlaneLoop final : public Loop<PlaneNodes> {
+ public:
+  // points (n, 2) [mm]: x is the radius in axisymmetry. contact (n): nodes that walls hold.
+  PlaneLoop(int n_nodes, const double* points, const std::uint8_t* contact, const SolidSection& section)
+      : Loop(PlaneNodes(n_nodes, points, contact)), section(section) {}
+
+  void add_solids(std::string_view element, std::vector<int> cells, const double* points, PlaneSolidLaw law,
+                  double density) {
+    add(make_plane_solids(element, std::move(cells), points, std::move(law), density, section));
+  }
+  void add_wall(std::vector<double> segments, double mu) {
+    walls.push_back(
+        std::make_unique<RigidWall>("wall_" + std::to_string(walls.size()), nodes.n, std::move(segments), mu));
+    nodes.add_wall(walls.back().get());
+    interactions.push_back(walls.back().get());
+  }
+
+  const SolidSection section;
+  std::vector<std::unique_ptr<RigidWall>> walls;
+};
+
+}  // namespace presswork::explicit_dynamics

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Blocks of shells, as contact, refinement and reports know them: layers, thickness, springs of a squeezed sheet.
+#pragma once
+
+#include <stdexcept>
+
+#include "explicit/element_block.hpp"
+#include "explicit/space_nodes.hpp"
+
+namespace presswork::explicit_dynamics {
+
+// Where what is reported of a shell stands in its state; layers start at `layers`, `law` rows each.
+struct StateRows {
+  int thickness, work, hourglass_work;  // work [N mm]: of the stresses, of the hourglass forces (-1: there are none)
+  // points in the plane, points across the thickness, which come first, and rows of each: sum, difference, shear of
+  // stress, then the law's history
+  int layers, in_plane, across, law;
+  int count() const { return layers + in_plane * across * law; }
+  // Of a squeezed shell: pressure through the thickness of the first point in the plane, and from it to that of the
+  // next; spring of a node [N/mm] (squeezed_section.hpp).
+  int pressure, pressure_step = 0, spring;
+  // First rows of what the undeformed shape gives (4), of hourglass forces (6); -1 of shells that cannot be split.
+  int reference = -1, hourglass = -1;
+};
+
+template <class Real>
+class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
+ public:
+  const StateRows& rows() const { return rows_; }
+
+  // Mass [t] and rotary inertia over mass [mm2], shared out to an element's nodes, to each the same.
+  void add_masses(std::vector<double>& sum) const override {
+    for (std::size_t i = 0; i < this->connectivity_.size(); ++i) {
+      const double share = mass_[i / this->nodes_each_] / this->nodes_each_;
+      const auto node = static_cast<std::size_t>(this->connectivity_[i]);
+      sum[2 * node] += share;
+      sum[2 * node + 1] += share * inertia_ratio_[i / this->nodes_each_];
+    }
+  }
+  double mass(int element) const override { return mass_[element]; }
+  double true_mass(int element) const override { return true_mass_[element]; }
+  double added_mass(int element) const override { return mass_[element] - true_mass_[element]; }
+  void scale_mass(int element, double factor) override { mass_[element] *= factor; }
+
+  // Take the springs of squeezed shells from their masses and a step.
+  void set_springs(double dt) {
+    for (int e = 0; e < this->n_; ++e)
+      this->set_value(e, rows_.spring, std::min(stiffest_spring_[e], mass_[e] / (this->nodes_each_ * dt * dt)));
+  }
+
+  // Take over the state of an element of a like block, or, of a share of it below one, that of the child that it has
+  // been split into: mass and work by the share, no hourglass forces, the undeformed shape its own.
+  void inherit(int element, const SheetBlock& from, int parent, double share) {
+    if (share < 1.0 && rows_.reference < 0) throw std::invalid_argument("shells of this kind cannot be split");
+    for (int r = 0; r < rows_.count(); ++r) {
+      double x = from.value(parent, r);
+      if (share < 1.0) {
+        if (r >= rows_.reference && r < rows_.reference + 4) continue;
+        if (r >= rows_.hourglass && r < rows_.hourglass + 6) x = 0.0;
+        if (r == rows_.work || r == rows_.hourglass_work) x *= share;
+      }
+      this->set_value(element, r, x);
+    }
+    mass_[element] = share * from.mass_[parent];
+  }
+
+  void list_state(const std::string& owner, std::vector<StateField>& fields) override {
+    fields.push_back(row_field(owner, "mass", mass_.data(), mass_.size()));
+    fields.push_back(this->rows_field(owner, "shell", 0, rows_.layers));
+    StateField layers = this->rows_field(owner, "layers", rows_.layers, rows_.count() - rows_.layers);
+    layers.shape = {std::size_t(this->n_), std::size_t(rows_.in_plane), std::size_t(rows_.across),
+                    std::size_t(rows_.law)};
+    fields.push_back(std::move(layers));
+  }
+
+ protected:
+  SheetBlock(int nodes_each, std::vector<int> connectivity, StateRows rows)
+      : ElementBlock<SpaceNodes<Real>>(nodes_each, std::move(connectivity), rows.count(), rows.work,
+                                       rows.hourglass_work, rows.in_plane * rows.across),
+        rows_(rows),
+        mass_(this->n_),
+        true_mass_(this->n_),
+        inertia_ratio_(this->n_),
+        stiffest_spring_(this->n_) {}
+
+  StateRows rows_;
+  std::vector<double> mass_, true_mass_, inertia_ratio_, stiffest_spring_;
+};
+
+}  // namespace presswork::explicit_dynamics

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explicit/space_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace presswork::explicit_dynamics {
+
+// Drawbeads as an interaction: one thread visits their points.
+template <class Real>
+class SpaceLoop<Real>::SheetBeads final : public Interaction<SpaceNodes<Real>> {
+ public:
+  explicit SheetBeads(SpaceLoop& loop) : loop_(loop) {}
+  void begin(SpaceNodes<Real>&, int n_cycles) override {
+    if (!loop_.beads) return;
+    for (const Drawbead& bead : loop_.beads->beads)
+      if (bead.share.size() < std::size_t(n_cycles))
+        throw std::invalid_argument("a bead is not driven for as many cycles");
+  }
+  int n_rounds() const override { return loop_.beads ? 1 : 0; }
+  int n_pieces(int) const override { return 1; }
+  void act(SpaceNodes<Real>& nodes, const Step& step, int cycle, int, int) override {
+    loop_.beads->visit(cycle, step.dt, nodes, loop_.contact ? &loop_.contact->tools : nullptr,
+                       nodes.internal_force.data());
+  }
+  void share_masses(std::vector<double>&) override {
+    if (loop_.beads) loop_.beads->set_masses(loop_.element_masses());
+  }
+  void add_energies(double, Energies& e) const override {
+    if (loop_.beads) e.contact += loop_.beads->stored(), e.friction += loop_.beads->lost();
+  }
+  void list_state(std::vector<StateField>& fields) override {
+    if (loop_.beads) loop_.beads->list_state(fields);
+  }
+
+ private:
+  SpaceLoop& loop_;
+};
+
+// Contact with tools as an interaction: edges, then nodes.
+template <class Real>
+class SpaceLoop<Real>::SheetTools final : public Interaction<SpaceNodes<Real>> {
+ public:
+  explicit SheetTools(SpaceLoop& loop) : loop_(loop) {}
+  void begin(SpaceNodes<Real>& nodes, int n_cycles) override {
+    nodes.room = loop_.contact ? loop_.contact->room() : nullptr;
+    if (!loop_.contact) return;
+    for (const Tool& tool : loop_.contact->tools)
+      if (!tool.removed && tool.drive.size() < std::size_t(tool.pushed ? 1 : 3) * n_cycles)
+        throw std::invalid_argument("a tool is not driven for as many cycles");
+  }
+  void move(const Step& step, int cycle, double fastest) override {
+    if (loop_.contact) loop_.contact->move_tools(cycle, step.dt, fastest);
+  }
+  int n_rounds() const override { return loop_.contact ? 2 : 0; }
+  int n_pieces(int round) const override {
+    return round == 0 ? loop_.contact->edge_chunks() : loop_.contact->node_chunks();
+  }
+  void act(SpaceNodes<Real>& nodes, const Step& step, int, int round, int piece) override {
+    const auto sheet = loop_.view(step.dt);
+    if (round == 0)
+      loop_.contact->visit_edges(piece, sheet);
+    else
+      loop_.contact->visit_nodes(piece, sheet, nodes.internal_force.data());
+  }
+  void close() override { loop_.contact->close_cycle(); }
+  void add_energies(double dt, Energies& e) const override {
+    if (!loop_.contact) return;
+    const ContactEnergies c = loop_.contact->energies(dt);
+    e.kinetic += c.kinetic, e.external += c.external, e.damping += c.damping;
+    e.contact += c.penalty, e.friction += c.friction;
+  }
+  void list_state(std::vector<StateField>& fields) override {
+    if (loop_.contact) loop_.contact->list_state(fields);
+  }
+
+ private:
+  SpaceLoop& loop_;
+};
+
+template <class Real>
+SpaceLoop<Real>::SpaceLoop(int n_nodes, const double* points)
+    : Base(SpaceNodes<Real>(n_nodes, points)),
+      sheet_beads_(std::make_unique<SheetBeads>(*this)),
+      sheet_tools_(std::make_unique<SheetTools>(*this)) {
+  this->interactions = {sheet_beads_.get(), sheet_tools_.get(), &hanging};
+}
+
+template <class Real>
+SpaceLoop<Real>::~SpaceLoop() = default;
+
+template <class Real>
+void SpaceLoop<Real>::add_sheet(std::unique_ptr<SheetBlock<Real>> block) {
+  sheets_.push_back(block.get());
+  this->add(std::move(block));
+}
+
+template <class Real>
+void SpaceLoop<Real>::add_solids(std::unique_ptr<ElementBlock<SpaceNodes<Real>>> block) {
+  sheets_.push_back(nullptr);
+  this->add(std::move(block));
+}
+
+template <class Real>
+void SpaceLoop<Real>::set_hanging(std::vector<HangingNode> of) {
+  hanging.set(this->nodes, std::move(of));
+  this->set_masses();
+}
+
+template <class Real>
+void SpaceLoop<Real>::inherit(const SpaceLoop& from, const int* node_parents, const int* parent, const double* share) {
+  // 1. nodes
+  auto& nodes = this->nodes;
+  for (int i = 0; i < nodes.n; ++i)
+    for (int k = 0; k < freedoms; ++k) {
+      double sum = 0.0;
+      for (int a = 0; a < 4; ++a)
+        sum += from.nodes.motion.data()[std::size_t(nodes.motion_stride) * node_parents[4 * std::size_t(i) + a] + k];
+      nodes.motion.data()[std::size_t(nodes.motion_stride) * i + k] = static_cast<Real>(0.25 * sum);
+    }
+  this->work = from.work;
+  // 2. elements
+  std::vector<std::pair<const SheetBlock<Real>*, int>> elements;
+  for (const auto* sheet : from.sheets_) {
+    if (!sheet) throw std::invalid_argument("solids cannot be split");
+    for (int e = 0; e < sheet->n(); ++e) elements.emplace_back(sheet, e);
+  }
+  for (auto* sheet : sheets_) {
+    if (!sheet) throw std::invalid_argument("solids cannot be split");
+    for (int e = 0; e < sheet->n(); ++e, ++parent, ++share) {
+      const auto [own, number] = elements[*parent];
+      sheet->inherit(e, *own, number, *share);
+    }
+  }
+  this->set_masses();
+  // 3. contact
+  if (contact && from.contact) {
+    set_contact_stiffness(from.contact->step());
+    contact->inherit(*from.contact, node_parents);
+  }
+}
+
+template <class Real>
+contact::SheetUnder SpaceLoop<Real>::find_cells() const {
+  std::vector<int> start{0}, corner;
+  for (std::size_t b = 0; b < sheets_.size(); ++b) {
+    if (sheets_[b]) corner.insert(corner.end(), sheets_[b]->connectivity().begin(), sheets_[b]->connectivity().end());
+    for (int i = 0; i < this->blocks[b]->n(); ++i)
+      start.push_back(start.back() + (sheets_[b] ? sheets_[b]->nodes_each() : 0));
+  }
+  std::vector<contact::SheetUnder::Hanging> between;
+  for (const HangingNode& h : hanging.all()) between.push_back({h.node, {h.end[0], h.end[1]}});
+  return {std::move(start), std::move(corner), between};
+}
+
+template <class Real>
+std::unique_ptr<ToolContact> SpaceLoop<Real>::make_contact() const {
+  const auto& nodes = this->nodes;
+  std::vector<int> start{0}, cells;
+  double thinnest = std::numeric_limits<double>::infinity(), widest = 0.0, edge = 0.0;
+  const auto apart = [&](int i, int j) {
+    const double *a = nodes.position.data() + std::size_t(nodes.position_stride) * i,
+                 *b = nodes.position.data() + std::size_t(nodes.position_stride) * j;
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  };
+  for (std::size_t b = 0; b < sheets_.size(); ++b) {
+    if (!sheets_[b]) {  // solids: cells without corners
+      start.insert(start.end(), this->blocks[b]->n(), start.back());
+      continue;
+    }
+    const auto& connectivity = sheets_[b]->connectivity();
+    const int each = sheets_[b]->nodes_each();
+    cells.insert(cells.end(), connectivity.begin(), connectivity.end());
+    for (int e = 0; e < sheets_[b]->n(); ++e)
+      thinnest = std::min(thinnest, sheets_[b]->value(e, sheets_[b]->rows().thickness));
+    for (std::size_t i = 0; i < connectivity.size(); i += each) {
+      start.push_back(start.back() + each);
+      widest = std::max(widest, apart(connectivity[i], connectivity[i + 2]));
+      for (int a = 0; a < each; ++a)
+        edge = std::max(edge, apart(connectivity[i + a], connectivity[i + (a + 1) % each]));
+    }
+  }
+  if (cells.empty()) throw std::invalid_argument("tools touch shells, and there are none");
+  return std::make_unique<ToolContact>(nodes.n, start, cells, thinnest, widest, edge, ironing);
+}
+
+template <class Real>
+std::vector<double> SpaceLoop<Real>::springs() const {
+  std::vector<double> all;
+  for (std::size_t b = 0; b < sheets_.size(); ++b)
+    for (int e = 0; e < this->blocks[b]->n(); ++e)
+      all.push_back(sheets_[b] ? sheets_[b]->value(e, sheets_[b]->rows().spring) : 0.0);
+  return all;
+}
+
+template <class Real>
+void SpaceLoop<Real>::set_contact_stiffness(double dt) {
+  const std::vector<double> before = springs();
+  for (auto* sheet : sheets_)
+    if (sheet) sheet->set_springs(dt);
+  std::vector<double> ratio = springs(), own_mass;
+  for (std::size_t e = 0; e < ratio.size(); ++e) ratio[e] = before[e] > 0.0 ? ratio[e] / before[e] : 1.0;
+  const std::vector<double> sum = this->sum_masses();  // before hanging nodes give theirs away
+  for (int i = 0; i < this->nodes.n; ++i) own_mass.push_back(sum[2 * std::size_t(i)]);
+  contact->set_stiffness(own_mass, this->element_masses(), ratio, dt);
+}
+
+template class SpaceLoop<double>;
+template class SpaceLoop<float>;
+
+}  // namespace presswork::explicit_dynamics

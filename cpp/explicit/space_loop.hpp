@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The explicit loop in space: blocks of shells and of solids, and what acts on a sheet: drawbeads, rigid tools, hanging
+// nodes. Tools, beads and hanging nodes know the shells alone; solids have no part in contact.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "explicit/drawbeads.hpp"
+#include "explicit/hanging.hpp"
+#include "explicit/loop.hpp"
+#include "explicit/sheet_block.hpp"
+#include "explicit/tool_contact.hpp"
+
+namespace presswork::explicit_dynamics {
+
+template <class Real>
+class SpaceLoop final : public Loop<SpaceNodes<Real>> {
+ public:
+  using Base = Loop<SpaceNodes<Real>>;
+  // points (n, 3) [mm]
+  SpaceLoop(int n_nodes, const double* points);
+  ~SpaceLoop() override;
+
+  void add_sheet(std::unique_ptr<SheetBlock<Real>> block);
+  void add_solids(std::unique_ptr<ElementBlock<SpaceNodes<Real>>> block);
+  bool is_sheet(int block) const { return sheets_[block] != nullptr; }
+  const SheetBlock<Real>& sheet(int block) const { return *sheets_[block]; }
+
+  HangingNodes<Real> hanging;
+  void set_hanging(std::vector<HangingNode> nodes);
+
+  // Begin, at positions that have been set, with the state of another loop some shells of which are split here: each of
+  // its elements has a share (n) of the parent (n); velocities, contact and friction of a node are means of its
+  // parents' (n_nodes, 4).
+  void inherit(const SpaceLoop& from, const int* node_parents, const int* parent, const double* share);
+
+  std::unique_ptr<Drawbeads> beads;  // none without beads
+  contact::SheetUnder find_cells() const;
+
+  bool ironing = true;                   // tools squeeze the sheet; to be set before there are any
+  std::unique_ptr<ToolContact> contact;  // none without tools
+  // To be called when there are tools, and after a change of masses.
+  std::unique_ptr<ToolContact> make_contact() const;
+  void set_contact_stiffness(double dt);
+  // What contact must know of the sheet, after a step of dt.
+  auto view(double dt) const {
+    return SheetView{this->nodes.position.data(), this->nodes.motion.data(),
+                     [this](int cell) { return value(cell, &StateRows::thickness); },
+                     [this](int cell) { return value(cell, &StateRows::spring); }, dt};
+  }
+
+ private:
+  class SheetBeads;
+  class SheetTools;
+  double value(int element, const int StateRows::* row) const {
+    std::size_t b = 0;
+    for (; element >= this->blocks[b]->n(); ++b) element -= this->blocks[b]->n();
+    return sheets_[b]->value(element, sheets_[b]->rows().*row);
+  }
+  // Springs of squeezed shells (n_elements); 0 of solids.
+  std::vector<double> springs() const;
+
+  std::vector<SheetBlock<Real>*> sheets_;  // of blocks; null: solids
+  std::unique_ptr<SheetBeads> sheet_beads_;
+  std::unique_ptr<SheetTools> sheet_tools_;
+};
+
+}  // namespace presswork::explicit_dynamics

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explicit/space_nodes.hpp"
+
+namespace presswork::explicit_dynamics {
+
+namespace {
+
+inline Record inverse_masses(const Record& motion) {
+  return __builtin_shufflevector(motion, motion, 6, 6, 6, 7, 7, 7, 6, 7);
+}
+
+}  // namespace
+
+template <class Real>
+SpaceNodes<Real>::SpaceNodes(int n, const double* points)
+    : n(n),
+      position(std::size_t(n) * position_stride),
+      motion(std::size_t(n) * motion_stride),
+      force(row_at(n) + spare),
+      internal_force(row_at(n) + spare),
+      reaction_impulse(row_at(n)),
+      held_(n),
+      prescribed_(row_at(n)) {
+  for (int i = 0; i < n; ++i)
+    std::copy_n(points + 3 * std::size_t(i), 3, position.data() + std::size_t(position_stride) * i);
+}
+
+template <class Real>
+void SpaceNodes<Real>::set_masses(const std::vector<double>& sum) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < masses; ++j) {
+      const double m = sum[masses * std::size_t(i) + j];
+      motion.data()[std::size_t(motion_stride) * i + 6 + j] = static_cast<Real>(m > 0.0 ? 1.0 / m : 0.0);
+    }
+}
+
+template <class Real>
+void SpaceNodes<Real>::prescribe(const std::uint8_t* fixed, const double* velocity) {
+  for (int i = 0; i < n; ++i) {
+    held_[i] = 0;
+    for (int j = 0; j < freedoms; ++j) {
+      held_[i] |= (fixed[row_at(i) + j] != 0) << j;
+      prescribed_[row_at(i) + j] = static_cast<Real>(velocity[row_at(i) + j]);
+    }
+  }
+}
+
+template <class Real>
+[[gnu::always_inline]] inline void SpaceNodes<Real>::next_velocity(int node, const Step& step, Record& after,
+                                                                   Record& outer) const {
+  constexpr std::int64_t on = -1;
+  const Record before = load_record(motion.data() + std::size_t(motion_stride) * node);
+  const Record inner = load_record(internal_force.data() + row_at(node));
+  outer = step.force_scale * load_record(force.data() + row_at(node));
+  after = step.kept * before + step.push * inverse_masses(before) * (outer - inner);
+  after = Freedoms{on, on, on, on, on, on, 0, 0} ? after : before;
+  if (held_[node]) hold(node, step, after, outer);
+}
+
+template <class Real>
+void SpaceNodes<Real>::hold(int node, const Step& step, Record& after, Record& outer) const {
+  const Real* own = motion.data() + std::size_t(motion_stride) * node;
+  for (int i = 0; i < freedoms; ++i)
+    if (held_[node] >> i & 1) {
+      const double inverse = own[i < 3 ? 6 : 7], free = after[i];
+      after[i] = step.velocity_scale * prescribed_[row_at(node) + i];
+      if (inverse > 0.0) outer[i] += (after[i] - free) / (step.push * inverse);
+    }
+}
+
+template <class Real>
+void SpaceNodes<Real>::add_reaction(int node, const Step& step, const Record& outer) {
+  for (int i = 0; i < freedoms; ++i)
+    if (held_[node] >> i & 1)
+      reaction_impulse[row_at(node) + i] +=
+          step.mean_dt * (outer[i] - step.force_scale * force.data()[row_at(node) + i]);
+}
+
+template <class Real>
+Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
+  Record external{}, damped{};
+  double fastest = 0.0;
+  const double dt = step.dt;
+  for (int node = first; node < last; ++node) {
+    if (!follows.empty() && follows[node]) continue;
+    Record after, outer;
+    next_velocity(node, step, after, outer);
+    Real* own = motion.data() + std::size_t(motion_stride) * node;
+    double* x = position.data() + std::size_t(position_stride) * node;
+    const Record before = load_record(own);
+    external += outer * (before + after);
+    if (held_[node]) add_reaction(node, step, outer);
+    if (step.damping > 0.0) {
+      const Record mean = 0.5 * (before + after), inverse = inverse_masses(before);
+      damped += inverse > 0.0 ? mean * mean / inverse : Record{};
+    }
+    store_record<8>(after, own);
+    // by the velocity as it is kept: what moves a node is what strains its elements
+    const Place velocity = __builtin_shufflevector(load_record(own), Record{}, 0, 1, 2, 8);
+    store_place(load_place(x) + dt * velocity, x);
+    const Place squares = velocity * velocity;
+    fastest = std::max(fastest, squares[0] + squares[1] + squares[2]);
+  }
+  Moved sums;
+  sums.fastest = fastest;
+  for (int i = 0; i < freedoms; ++i) {
+    sums.work.external += 0.5 * step.mean_dt * external[i];
+    sums.work.damping += step.mean_dt * step.damping * damped[i];
+  }
+  return sums;
+}
+
+template <class Real>
+void SpaceNodes<Real>::add_half_step(const Step& step, Energies& e) const {
+  for (int node = 0; node < n; ++node) {
+    Record after, outer;
+    next_velocity(node, step, after, outer);
+    const Real* own = motion.data() + std::size_t(motion_stride) * node;
+    for (int i = 0; i < freedoms; ++i) {
+      const double inverse = own[i < 3 ? 6 : 7], v = own[i];
+      if (inverse > 0.0) e.kinetic += 0.5 * v * after[i] / inverse;
+      // half of this step's work, by the velocity of its first half
+      e.external += 0.5 * step.mean_dt * outer[i] * v;
+      if (step.damping > 0.0 && inverse > 0.0)
+        e.damping += 0.25 * step.mean_dt * step.damping * v * (v + after[i]) / inverse;
+    }
+  }
+}
+
+template <class Real>
+void SpaceNodes<Real>::list_state(std::vector<StateField>& fields) {
+  const auto count = static_cast<std::size_t>(n);
+  fields.push_back(column_field("nodes", "position", position.data(), count, position_stride, 3));
+  fields.push_back(column_field("nodes", "velocity", motion.data(), count, motion_stride, freedoms));
+  fields.push_back(column_field("nodes", "internal_force", internal_force.data(), count, freedoms, freedoms));
+}
+
+template class SpaceNodes<double>;
+template class SpaceNodes<float>;
+
+}  // namespace presswork::explicit_dynamics

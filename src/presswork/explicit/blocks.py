@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Blocks of elements of an explicit run in space: what a run is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from presswork import _core
+from presswork.explicit.input_checks import check_density, check_hexahedra, check_shells
+from presswork.explicit.options import ShellOptions, layer_rule
+from presswork.law.umat import SheetLaw, SheetUmat
+from presswork.mesh.topology import is_triangle, with_four_nodes
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int32]
+Parts = list[npt.NDArray[np.intp]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shells:
+    """4-node and 3-node shells of one law and density.
+
+    connectivity (n, 4), nodes in turn round each shell, a triangle with its last node twice, or (n, 3) of triangles
+    alone; thickness [mm], one or (n); law in plane stress: law.umat.open_sheet_law makes it of a material; density
+    [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each shell.
+    """
+
+    connectivity: npt.ArrayLike
+    thickness: npt.ArrayLike
+    law: SheetLaw
+    density: float
+    axis: npt.ArrayLike = (1.0, 0.0, 0.0)
+    options: ShellOptions = field(default_factory=ShellOptions)
+
+    @property
+    def cells(self) -> Ints:
+        """The nodes (n, 4)."""
+        return with_four_nodes(np.array(self.connectivity, dtype=np.int32))
+
+    @property
+    def axes(self) -> Array:
+        """x of the law in each shell (n, 3)."""
+        return np.broadcast_to(np.asarray(self.axis, dtype=float), (len(self.cells), 3))
+
+    @property
+    def thicknesses(self) -> Array:
+        """Thickness of each shell (n) [mm]."""
+        return np.broadcast_to(np.asarray(self.thickness, dtype=float), len(self.cells)).copy()
+
+    def check(self, points: Array) -> None:
+        """Raise ExplicitError for what no run can start from."""
+        check_shells(points, self.cells, self.thicknesses, self.density, self.axes)
+
+    def split(self, curve: npt.NDArray[np.intp]) -> Parts:
+        """Return the numbers of quadrilaterals and of triangles in the order of a curve: blocks of the loop."""
+        triangular = is_triangle(self.cells)[curve]
+        return [part for part in (curve[~triangular], curve[triangular]) if len(part)]
+
+    def add(self, loop: _core.SpaceLoop | _core.SpaceLoopSingle, part: npt.NDArray[np.intp], place: Ints) -> None:
+        """Add a part to a loop; place: number there of each node. Raises ValueError."""
+        cells, options = self.cells[part], self.options
+        height, weight = layer_rule(options.n_points, options.rule)
+        loop.add_shells(
+            np.ascontiguousarray(place[cells[:, : 3 if is_triangle(cells)[0] else 4]]),
+            self.thicknesses[part],
+            np.ascontiguousarray(self.axes[part]),
+            self.law.umat if isinstance(self.law, SheetUmat) else self.law,
+            self.density,
+            height,
+            weight,
+            tabulate=options.tabulate,
+            treatment=options.treatment,
+            viscous=options.hourglass == "viscous",
+            hourglass=options.coefficients,
+            elastic=(self.law.young, self.law.poisson),
+            number=part.tolist() if isinstance(self.law, SheetUmat) else [],
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hexahedra:
+    """8-node solids of one law and density, fully integrated: element "hex8" or "hex8_fbar".
+
+    connectivity (n, 8), as cpp/reference/hex.hpp has the nodes; law in space; density [t/mm3]. Tools do not touch them.
+    """
+
+    connectivity: npt.ArrayLike
+    law: _core.VonMises | _core.SolidLaw
+    density: float
+    element: Literal["hex8", "hex8_fbar"] = "hex8_fbar"
+
+    @property
+    def cells(self) -> Ints:
+        """The nodes (n, 8)."""
+        return np.array(self.connectivity, dtype=np.int32)
+
+    def check(self, points: Array) -> None:
+        """Raise ExplicitError for what no run can start from."""
+        check_hexahedra(points, self.cells)
+        check_density(self.density)
+
+    def split(self, curve: npt.NDArray[np.intp]) -> Parts:
+        """Return the numbers of the cells in the order of a curve: they are one block of the loop."""
+        return [curve]
+
+    def add(self, loop: _core.SpaceLoop | _core.SpaceLoopSingle, part: npt.NDArray[np.intp], place: Ints) -> None:
+        """Add the cells to a loop in double precision; place: number there of each node. Raises ValueError."""
+        if not isinstance(loop, _core.SpaceLoop):
+            raise ValueError("solids in space are computed in double precision")
+        loop.add_solids(self.element, np.ascontiguousarray(place[self.cells[part]]), self.law, self.density)

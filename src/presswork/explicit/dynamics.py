@@ -1,0 +1,374 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Explicit dynamics: central differences over blocks of elements, `n` cycles a call in C++ (cpp/explicit/loop.hpp).
+
+What runs in the plane (solids.py) and in space (space.py, shells.py) share. Units are mm, s, t, N, MPa.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from presswork import _core, stop
+from presswork.explicit.energy import EnergyBalance, MassScaling, compute_balance, sum_energies
+from presswork.explicit.input_checks import ExplicitError, check_nodal
+from presswork.explicit.motion import Motion
+from presswork.law.umat import TOLD
+
+Array = npt.NDArray[np.float64]
+Numbers = npt.NDArray[np.intp]
+Loop = _core.PlaneLoop | _core.SpaceLoop | _core.SpaceLoopSingle
+SAFETY = 0.9
+"""Time step over the bound of the stable one."""
+RENEWAL = 10
+"""Cycles after which `run_to` finds the stable step anew."""
+CRUSHED = 1e-3
+"""Of the first step: what a cell asks for that no result should be taken from, and that would take for ever."""
+PHASES = ("nodes", "elements", "contact", "waiting")
+RUN = "run"
+"""Owner, in a dump, of what the loop does not keep."""
+
+
+class Dynamics:
+    """Blocks of elements in explicit dynamics.
+
+    Elements and nodes may be renumbered inside for the sake of the cache; every array here is in the order given.
+    """
+
+    FREEDOMS = ""
+    """Letters of a node's freedoms."""
+
+    def __init__(
+        self,
+        loop: Loop,
+        nodes: Numbers,
+        elements: Numbers,
+        node_sets: Mapping[str, npt.NDArray[np.integer[Any]]] | None = None,
+        fastest: float = np.inf,
+    ) -> None:
+        """Begin with a loop that has its blocks.
+
+        nodes, elements: number, as given, of each in the order of the loop. node_sets: names of nodes. fastest: speed
+        of sound [mm/s], beyond which a velocity must be a mistake.
+        """
+        self._loop: Any = loop
+        self._nodes, self._elements = nodes, elements
+        self._in_order = bool((nodes == np.arange(len(nodes))).all())
+        self._node_sets, self._fastest = dict(node_sets or {}), fastest
+        self._fixed = np.zeros((len(nodes), len(self.FREEDOMS)), dtype=np.uint8)
+        self._prescribed = np.zeros(self._fixed.shape)
+        self._reference: tuple[float, float] | None = None
+        self._scales = (0.0, 1.0, 1.0)
+        self.cycle = 0
+        self.time = 0.0
+        self.dt = SAFETY * self.stable_step()
+        self._dt_before = self._first_dt = self.dt
+
+    # --- nodes -------------------------------------------------------------------------------------------------------
+
+    def _by_node(self, inside: Array) -> Array:
+        if self._in_order:
+            return inside
+        out = np.empty_like(inside)
+        out[self._nodes] = inside
+        return out
+
+    def _by_element(self, inside: Array) -> Array:
+        out = np.empty_like(inside)
+        out[self._elements] = inside
+        return out
+
+    @property
+    def position(self) -> Array:
+        """Positions (n_nodes, dimension) [mm]."""
+        return self._by_node(self._loop.position)
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities of the freedoms (n_nodes, freedoms) [mm/s, 1/s], half a step back."""
+        return self._by_node(self._loop.velocity)
+
+    @velocity.setter
+    def velocity(self, value: npt.ArrayLike) -> None:
+        given = self._shaped(value, "velocity")
+        self._check_speed(given)
+        self._loop.velocity = given[self._nodes]
+        self._reference = None
+
+    @property
+    def force(self) -> Array:
+        """Nodal forces and moments from outside (n_nodes, freedoms) [N, N mm]; of the whole ring in axisymmetry."""
+        return self._by_node(self._loop.force)
+
+    @force.setter
+    def force(self, value: npt.ArrayLike) -> None:
+        self._loop.force = self._shaped(value, "force")[self._nodes]
+
+    @property
+    def internal_force(self) -> Array:
+        """Internal forces and moments (n_nodes, freedoms) [N, N mm], less the forces of tools."""
+        return self._by_node(self._loop.internal_force)
+
+    @property
+    def reaction_impulse(self) -> Array:
+        """Impulse of what holds prescribed freedoms since reset_reaction (n_nodes, freedoms) [N s, N mm s]."""
+        return self._by_node(self._loop.reaction_impulse)
+
+    def reset_reaction(self) -> None:
+        """Begin a new sum of reaction_impulse."""
+        self._loop.reaction_impulse = np.zeros(self._fixed.shape)
+
+    def _shaped(self, value: npt.ArrayLike, name: str) -> Array:
+        return check_nodal(value, name, self._fixed.shape)
+
+    def _check_speed(self, velocity: Array) -> None:
+        speed = float(np.abs(velocity).max(initial=0.0))
+        if speed > self._fastest:
+            raise ExplicitError(
+                f"a velocity of {speed:g} mm/s is beyond the material's sound, {self._fastest:.3g} mm/s: velocities "
+                "are in mm/s, 1 m/s is 1000"
+            )
+
+    def nodes_of(self, nodes: str | npt.ArrayLike) -> Numbers:
+        """Give node numbers: those of a node set of the mesh by its name, or the numbers given."""
+        if isinstance(nodes, str):
+            if nodes not in self._node_sets:
+                known = ", ".join(sorted(self._node_sets)) or "none"
+                raise ExplicitError(f"there is no node set {nodes!r}; the mesh has: {known}")
+            return np.asarray(self._node_sets[nodes], dtype=np.intp)
+        given = np.asarray(nodes)
+        numbers = np.flatnonzero(given) if given.dtype == bool else np.atleast_1d(given.astype(np.intp))
+        outside = (numbers < 0) | (numbers >= len(self._fixed))
+        if outside.any():
+            raise ExplicitError(f"there is no node {numbers[outside][0]}: they are 0 to {len(self._fixed) - 1}")
+        return numbers
+
+    def fix(self, nodes: str | npt.ArrayLike, freedoms: str, velocity: npt.ArrayLike = 0.0) -> None:
+        """Prescribe the velocity [mm/s or 1/s], one or one for each node, of freedoms: letters of FREEDOMS."""
+        if not freedoms or set(freedoms) - set(self.FREEDOMS):
+            raise ExplicitError(f"freedoms = {freedoms!r}: give letters of {self.FREEDOMS!r}")
+        numbers, value = self.nodes_of(nodes), np.asarray(velocity, dtype=float)
+        self._check_speed(value)
+        for letter in freedoms:
+            self._fixed[numbers, self.FREEDOMS.index(letter)] = 1
+            self._prescribed[numbers, self.FREEDOMS.index(letter)] = value
+        self._loop.prescribe(self._fixed[self._nodes], self._prescribed[self._nodes])
+
+    def release(self) -> None:
+        """Let every freedom go that fix has prescribed."""
+        self._fixed[:] = 0
+        self._prescribed[:] = 0.0
+        self._loop.prescribe(self._fixed, self._prescribed)
+
+    # --- time step and mass ------------------------------------------------------------------------------------------
+
+    def bound_frequencies(self) -> Array:
+        """Give the bound of each element's highest frequency squared (n) [1/s2] as it is now."""
+        return self._by_element(self._loop.bound_frequencies())
+
+    def stable_step(self) -> float:
+        """Give the bound of the stable time step [s] of the elements as they are now."""
+        return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))
+
+    def scale_mass(self, target_step: float) -> MassScaling:
+        """Add mass to elements whose stable step is below the target [s], take the target as the step; report the mass.
+
+        The safety factor is kept: the elements' bound becomes target_step/0.9. Mass once added stays. The kinetic
+        energy that it brings is no error of the balance.
+        """
+        if not target_step > 0:
+            raise ExplicitError(f"target_step = {target_step}: it must be above zero")
+        before = self._energy_with_mass()
+        factor = self._loop.bound_frequencies() * (0.5 * target_step / SAFETY) ** 2
+        self._loop.scale_mass(np.maximum(factor, 1.0))
+        self.dt = target_step
+        self._masses_have_changed()
+        if self._reference:
+            start, largest = self._reference
+            self._reference = (start + self._energy_with_mass() - before, largest)
+        return self.added_mass()
+
+    def added_mass(self) -> MassScaling:
+        """Give the state of mass scaling."""
+        added = self._loop.added_mass
+        return MassScaling(float(self._loop.true_mass.sum()), float(added.sum()), int((added > 0).sum()))
+
+    def _energy_with_mass(self) -> float:
+        """Return the energy whose change by added mass is no error of the balance."""
+        return sum_energies(self._energies(*self._scales))
+
+    def _masses_have_changed(self) -> None:
+        """Bring up to date what depends on masses."""
+
+    # --- cycles ------------------------------------------------------------------------------------------------------
+
+    def _last_step(self) -> float:
+        """Return the step that has led here [s]: velocities stand half of it back."""
+        return self._dt_before
+
+    def _prepare(self, velocity_scale: Array) -> None:
+        """Drive what acts on the nodes through the next cycles, one for each scale."""
+
+    def _check(self) -> None:
+        """Raise ExplicitError where a call has ended in what no result should be taken from."""
+
+    def advance(
+        self,
+        n: int,
+        *,
+        force_scale: float | npt.ArrayLike = 1.0,
+        velocity_scale: float | npt.ArrayLike = 1.0,
+        damping: float = 0.0,
+    ) -> None:
+        """Advance n cycles of `dt`, which may be changed between calls.
+
+        force_scale, velocity_scale: factors on force and on prescribed velocities (of walls and tools too), one or one
+        a cycle. damping: mass damping [1/s]; a mode of angular frequency w loses the fraction damping/(2 w) of
+        critical. Raises ExplicitError when an element is turned inside out, its law fails, or the motion is no longer
+        finite.
+        """
+        if n < 1:
+            raise ExplicitError(f"n = {n}: advance at least one cycle")
+        force, velocity = (np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale))
+        self._prepare(velocity)
+        if self._reference is None:
+            self._begin_balance(damping, float(force[0]), float(velocity[0]))
+        failed, told, cycle = self._loop.advance(
+            self.time, self.dt, self._last_step(), force, velocity, damping=damping
+        )
+        if failed >= 0:
+            when = f"in cycle {self.cycle + cycle + 1} (t = {self.time + (cycle + 1) * self.dt:g} s)"
+            raise ExplicitError(self._explain(int(self._elements[failed]), told, when))
+        self._scales = (damping, float(force[-1]), float(velocity[-1]))
+        self._dt_before = self.dt
+        self.cycle += n
+        self.time += n * self.dt
+        finite = np.isfinite(self.position).all(axis=1)
+        if not finite.all():
+            allowed = SAFETY * self.stable_step()
+            now = f" (the elements allow {allowed:g} s now)" if np.isfinite(allowed) else ""
+            raise ExplicitError(
+                f"node {np.argmin(finite)} has left for infinity by cycle {self.cycle} (t = {self.time:g} s): the step "
+                f"{self.dt:g} s is too long{now}, its elements have collapsed, or their material law has failed"
+            )
+        self._check()
+
+    def _begin_balance(self, *scales: float) -> None:
+        """Count the energies of the run from now on."""
+        self._scales = (scales[0], scales[1], scales[2])
+        start = sum_energies(self._energies(*self._scales))
+        self._reference = (start, abs(start))
+
+    def _explain(self, element: int, told: _core.LawStatus, when: str) -> str:
+        """Return why an element has failed, and what to do."""
+        if told == _core.LawStatus.done:
+            return (
+                f"cell {element} is turned inside out {when}: shorten the step {self.dt:g} s (the cells allow "
+                f"{SAFETY * self.stable_step():g} s now), refine the mesh, or set explicit.hourglass_stiffness higher"
+            )
+        return f"{TOLD[told]} in cell {element} {when}: shorten the step {self.dt:g} s"
+
+    def run_to(
+        self, end: float, *, damping: float = 0.0, target_step: float | None = None, motion: Motion | None = None
+    ) -> None:
+        """Run to the time `end` [s], with a step that follows the elements' own: found anew every 10 cycles.
+
+        target_step [s]: where the elements' own is shorter, mass is added as by scale_mass. motion: how long walls and
+        prescribed velocities have gone at their speed [s], by a time; e.g. SmoothStroke(T, T) starts them smoothly,
+        stops them after T, and takes them as far as T at their speed would. Without it they go at their speed. Raises
+        ExplicitError where an element is so crushed that its step is a thousandth of the first.
+        """
+        if not end > self.time:
+            raise ExplicitError(f"end = {end:g} s: it must lie beyond the time reached, {self.time:g} s")
+        while end - self.time > 1e-9 * end:
+            self.dt = SAFETY * self.stable_step()
+            if target_step is not None and self.dt < target_step * (1 - 1e-9):
+                self.scale_mass(target_step)
+            if self.dt < CRUSHED * self._first_dt:
+                raise ExplicitError(
+                    f"cell {np.argmax(self.bound_frequencies())} is crushed at t = {self.time:g} s: its step is "
+                    f"{self.dt:.3g} s, that of the mesh was {self._first_dt:.3g} s at first: refine the mesh, make it "
+                    "coarser along the way that it is crushed, or give explicit.target_step"
+                )
+            left = int(np.ceil((end - self.time) / self.dt * (1 - 1e-9)))
+            if left <= RENEWAL:
+                self.dt = (end - self.time) / left
+            n = min(left, RENEWAL)
+            scale: float | Array = 1.0
+            if motion is not None:
+                scale = np.diff(motion.position(np.linspace(self.time, self.time + n * self.dt, n + 1))) / self.dt
+            self.advance(n, velocity_scale=scale, damping=damping)
+            stop.look()
+
+    # --- what has come of it -----------------------------------------------------------------------------------------
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Wall time of `advance` by phase [s]: of nodes, elements, contact with tools and beads, and of waiting."""
+        return dict(zip(PHASES, self._loop.seconds, strict=True))
+
+    def _energies(self, damping: float, force_scale: float, velocity_scale: float) -> _core.Energies:
+        # velocities stand half of the last step back: so long is the way to now, whatever the next step will be
+        dt = self._last_step()
+        energies: _core.Energies = self._loop.energies(
+            dt, dt, damping=damping, force_scale=force_scale, velocity_scale=velocity_scale
+        )
+        return energies
+
+    def energies(
+        self, *, damping: float | None = None, force_scale: float | None = None, velocity_scale: float | None = None
+    ) -> EnergyBalance:
+        """Give the energies now; damping and scales of the next cycle are those of the last one unless given."""
+        given = zip((damping, force_scale, velocity_scale), self._scales, strict=True)
+        scales = tuple(last if value is None else value for value, last in given)
+        balance, reference = compute_balance(self._energies(*scales), self._reference)
+        if self._reference:
+            self._reference = reference
+        return balance
+
+    def dump(self) -> dict[str, Array]:
+        """Give everything that the next cycle depends on, as `owner.name`.
+
+        Left out is what the constructor, fix, force, and those who add tools, beads and walls are given again.
+        """
+        state = self._loop.state()
+        arrays = {f"{owner}.{name}": values for owner, of in state.items() for name, values in of.items()}
+        return arrays | {f"{RUN}.{name}": values for name, values in self._dump_run().items()}
+
+    def _dump_run(self) -> dict[str, Array]:
+        """Return what the loop does not keep."""
+        return {
+            "clock": np.array([self.cycle, self.time, self.dt, self._dt_before]),
+            "energy": np.array(self._reference or (np.nan, np.nan)),
+            "scales": np.array(self._scales),
+        }
+
+    def restore(self, dump: Mapping[str, Array]) -> None:
+        """Take over what dump gave: the run goes on with the same bits as one never stopped.
+
+        Names without an owner are not its own, and left alone. Raises ExplicitError where mesh, elements, laws, walls,
+        tools or beads are not those that it is of.
+        """
+        state: dict[str, dict[str, Array]] = {}
+        for key, values in dump.items():
+            owner, dot, name = key.partition(".")
+            if dot:
+                state.setdefault(owner, {})[name] = np.ascontiguousarray(values, dtype=float)
+        own = state.pop(RUN)
+        try:
+            self._loop.restore(state)
+        except ValueError as error:
+            remedy = "" if "mesh" in str(error) else ": add them in the same order before restore"
+            raise ExplicitError(f"{error}{remedy}") from None
+        self._restore_run(own)
+
+    def _restore_run(self, own: Mapping[str, Array]) -> None:
+        cycle, self.time, self.dt, self._dt_before = own["clock"].tolist()
+        self.cycle = int(cycle)
+        start, largest = own["energy"].tolist()
+        self._reference = None if np.isnan(start) else (start, largest)
+        damping, force, velocity = own["scales"].tolist()
+        self._scales = (damping, force, velocity)

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Explicit dynamics in space: shells and solids in one model, with tools and drawbeads that hold the shells.
+
+    run = SpaceDynamics(points, [Shells(...), Hexahedra(...)])
+    run.fix(nodes, "uvw")
+    run.advance(1000)
+    run.energies().error_percent
+
+A node has six freedoms: displacements u, v, w and rotations p, q, r about x, y, z; rotations rest at nodes of solids.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from presswork import _core
+from presswork.explicit.blocks import Hexahedra, Shells
+from presswork.explicit.drawbeads import BeadsOfRun
+from presswork.explicit.dynamics import Dynamics
+from presswork.explicit.input_checks import ExplicitError, check_points
+from presswork.explicit.layers import LayersOfRun
+from presswork.explicit.tools import ToolsOfRun
+from presswork.law.umat import TOLD, SheetUmat
+
+Array = npt.NDArray[np.float64]
+Precision = Literal["double", "single"]
+LOOPS: dict[str, type[_core.SpaceLoop] | type[_core.SpaceLoopSingle]] = {
+    "double": _core.SpaceLoop,
+    "single": _core.SpaceLoopSingle,
+}
+
+
+def order_along_curve(points: Array) -> npt.NDArray[np.intp]:
+    """Give the order of points (n, 3) along a Morton curve: neighbours in space come near each other in memory."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    cells = ((points - low) / max(float((high - low).max()), 1e-300) * 1023).astype(np.uint64)
+    code = np.zeros(len(points), dtype=np.uint64)
+    for bit in range(10):
+        for axis in range(3):
+            code |= ((cells[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
+    return np.argsort(code, kind="stable")
+
+
+@dataclass(frozen=True)
+class SolidState:
+    """State of a block of solids at its q points."""
+
+    stress: Array
+    """xx, yy, zz, xy, yz, zx (n, q, 6) [MPa]."""
+    equivalent_plastic_strain: Array
+    """(n, q)."""
+
+
+class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
+    """Blocks of shells and of solids in explicit dynamics.
+
+    points (n_nodes, 3) [mm]; blocks: at most one of Shells, which the properties of layers, thickness and tools mean,
+    and it comes first. hanging: nodes that follow the ends of sides (n, 7), as SplitMesh.hanging gives them.
+    precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
+    the time and memory; docs/theory/explicit.md says where it is good enough.
+    """
+
+    FREEDOMS = "uvwpqr"
+
+    def __init__(
+        self,
+        points: npt.ArrayLike,
+        blocks: Sequence[Shells | Hexahedra],
+        *,
+        precision: Precision = "double",
+        hanging: npt.ArrayLike = (),
+    ) -> None:
+        x = np.array(points, dtype=float)
+        if precision not in LOOPS:
+            raise ExplicitError(f"precision = {precision!r}: give 'double' or 'single'")
+        if not blocks or any(isinstance(block, Shells) for block in blocks[1:]):
+            raise ExplicitError("blocks: give one at least, and Shells at most once, as the first")
+        if precision != "double" and isinstance(blocks[0], Shells) and isinstance(blocks[0].law, SheetUmat):
+            raise ExplicitError(f"precision = {precision!r}: a UMAT computes in double precision")
+        check_points(x, 3)
+        for block in blocks:
+            block.check(x)
+        self.start, self.blocks = x, list(blocks)
+        sizes = [len(block.cells) for block in blocks]
+        curves = [order_along_curve(x[block.cells].mean(axis=1)) for block in blocks]
+        nodes = _order_nodes(len(x), np.concatenate([b.cells[c].ravel() for b, c in zip(blocks, curves, strict=True)]))
+        place = np.empty(len(x), dtype=np.int32)
+        place[nodes] = np.arange(len(x))
+        loop = LOOPS[precision](x[nodes])
+        elements: list[npt.NDArray[np.intp]] = []
+        self._counts: list[int] = []
+        self._first_of: list[int] = []
+        for block, curve in zip(blocks, curves, strict=True):
+            before = sum(sizes[: len(self._first_of)])
+            self._first_of.append(len(elements))
+            for part in block.split(curve):
+                try:
+                    block.add(loop, part, place)
+                except ValueError as error:
+                    raise ExplicitError(str(error)) from None
+                elements.append(before + part)
+                if isinstance(block, Shells):
+                    self._counts.append(len(part))
+        self._shells = np.concatenate([np.zeros(0, np.intp), *elements[: len(self._counts)]])
+        if isinstance(blocks[0], Shells):
+            shells = blocks[0]
+            self._young, self._poisson = shells.law.young, shells.law.poisson
+            self.connectivity, self.axis, self.options = shells.cells, shells.axes, shells.options
+            loop.ironing = shells.options.ironing
+        follow = np.array(hanging, dtype=np.int32).reshape(-1, 7)
+        if len(follow):
+            loop.set_hanging(place[follow])
+        self._start_tools()
+        self._start_beads()
+        super().__init__(loop, nodes, np.concatenate(elements))
+
+    @property
+    def mass(self) -> Array:
+        """Mass and rotary inertia of each node (n_nodes, 2) [t, t mm2]; 0 where no element gives it any."""
+        inverse = self._by_node(self._loop.inverse_mass)
+        return np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0)
+
+    def solid_state(self, block: int) -> SolidState:
+        """Return the state of a block of solids, by its number among the blocks."""
+        if not isinstance(self.blocks[block], Hexahedra):
+            raise ExplicitError(f"block {block} has shells: their layers are properties of the run")
+        inside = self._loop.state()[f"block_{self._first_of[block]}"]["points"]
+        first = sum(len(each.cells) for each in self.blocks[:block])
+        points = np.empty_like(inside)
+        points[self._elements[first : first + len(points)] - first] = inside
+        return SolidState(points[..., :6], points[..., 6])
+
+    def trial_force(self, increment: npt.ArrayLike) -> Array:
+        """Give the internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed."""
+        return self._by_node(self._loop.trial_force(self._shaped(increment, "increment")[self._nodes]))
+
+    def find_contact(self) -> None:
+        """Find the contact of tools that are new. Raises ExplicitError where the sheet starts in a tool."""
+        self._prepare_tools(np.empty(0))
+        if self._reference is None:
+            self._begin_balance(0.0, 1.0, 1.0)
+        self._check_tools()
+
+    def _last_step(self) -> float:
+        # a step differs little from the one before: velocities are taken to stand half of the present one back
+        return self.dt
+
+    def _masses_have_changed(self) -> None:
+        self._contact_step = 0.0
+
+    def _energy_with_mass(self) -> float:
+        return self._kinetic()
+
+    def _kinetic(self) -> float:
+        return float(self._loop.energies(self.dt, self.dt).kinetic)
+
+    def _prepare(self, velocity_scale: Array) -> None:
+        self._prepare_tools(velocity_scale)
+        self._prepare_beads(len(velocity_scale))
+
+    def _check(self) -> None:
+        self._check_tools()
+
+    def _explain(self, element: int, told: _core.LawStatus, when: str) -> str:
+        if element >= len(self._shells):
+            return super()._explain(element, told, when)
+        if told != _core.LawStatus.no_stress:
+            return f"{TOLD[told]} in shell {element} {when}: shorten the step"
+        return (
+            f"the material law of shell {element} has failed {when}, it finds no stress for the strain of this step: "
+            f"the step {self.dt:g} s is too long, the shell has collapsed, or the law's parameters are not those of a "
+            "metal"
+        )
+
+    def _dump_run(self) -> dict[str, Array]:
+        given = self.given_temperature
+        return {
+            **super()._dump_run(),
+            "contact_step": np.array([self._contact_step]),
+            "temperature": np.zeros(0) if given is None else given,
+        }
+
+    def _restore_run(self, own: Mapping[str, Array]) -> None:
+        super()._restore_run(own)
+        self._contact_step, self._new_tools = float(own["contact_step"][0]), []
+        if own["temperature"].size:
+            self.given_temperature = own["temperature"]
+
+
+def _order_nodes(n: int, used_in_turn: npt.NDArray[np.int32]) -> npt.NDArray[np.intp]:
+    """Return node numbers in the order in which elements first use them, then the others."""
+    _, at = np.unique(used_in_turn, return_index=True)
+    used = used_in_turn[np.sort(at)]
+    return np.concatenate([used, np.setdiff1d(np.arange(n), used)]).astype(np.intp)
