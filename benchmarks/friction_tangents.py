@@ -32,7 +32,7 @@ def press(m: float, tangent: str) -> tuple[str, str]:
     except GaveUpError:
         return f"fails at {100 * (1 - procedure.remaining()):.0f} %", ""
     node = model.mesh.node_sets["bottom_left"][0]
-    bore = 1 + procedure.state.displacement[node, 0] / model.mesh.points[node, 0]
+    bore = 1 + procedure.state.nodes.displacement[node, 0] / model.mesh.points[node, 0]
     return f"{evaluations} in {increments}", f"{bore:.4f}"
 
 

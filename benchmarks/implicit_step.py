@@ -112,7 +112,7 @@ def run_row(element: str, freedoms: int, threads: int, reduction: float) -> dict
         "freedoms": 2 * len(model.mesh.points),
         "cells": cells,
         "nodes": nodes,
-        "points": procedure.state.eqps[0].shape[1],
+        "points": procedure.state.cells.eqps[0].shape[1],
         "nonzeros": len(procedure.equilibrium.system.data),
         "mesh_points": len(model.mesh.points),
         "status": status,

@@ -96,7 +96,7 @@ def share_of_assembly(procedure: ImplicitProcedure, evaluation: float) -> str:
     """What force, tangent and assembly take of an iteration."""
     mechanics, solver = procedure.mechanics, procedure.equilibrium.solver
     state = procedure.state
-    constraints = procedure.interactions.supports.prescribe(state, 0, 1.0, np.zeros_like(state.displacement))
+    constraints = procedure.interactions.supports.prescribe(state, 0, 1.0, np.zeros_like(state.nodes.displacement))
     data = np.zeros(len(mechanics.assembler.indices))
     gather = least_seconds(lambda: mechanics.assemble_stiffness(constraints.turned, constraints.frames, data))
     rhs = np.zeros(6 * len(constraints.mask))

@@ -144,7 +144,7 @@ def run_held(element: str, cells: tuple[int, int], folding: bool) -> Run:
         for report in procedure.advance():
             solves += len(report.log) - 1
             stroke.append(9.0 * report.fraction)
-            force.append(float(procedure.state.reaction[middle, 1].sum()))
+            force.append(float(procedure.state.nodes.reaction[middle, 1].sum()))
     except GaveUpError:
         status = "gave up"
     user = resource.getrusage(resource.RUSAGE_SELF).ru_utime - user

@@ -12,6 +12,7 @@ import time
 
 import numpy as np
 
+from presswork.body.shell_arrays import ShellArrays
 from presswork.geometry.swept_tool import draw_die, draw_holder, draw_punch
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.shells import mesh_shell_rectangle
@@ -77,8 +78,8 @@ def main() -> None:
             continue
         state = procedure.state
         force = 4e-3 * procedure.interactions.sheet_tools.contact.tool_forces(state)[:, 2]
-        draw_in = -state.displacement[side, 0], np.hypot(*state.displacement[corner, :2])
-        thickness = np.concatenate([t.ravel() for t in state.shells.thickness])
+        draw_in = -state.nodes.displacement[side, 0], np.hypot(*state.nodes.displacement[corner, :2])
+        thickness = np.concatenate([t.ravel() for t in state[ShellArrays].thickness])
         print(
             f"{report.fraction * depth:6.2f} mm  punch {force[0]:6.2f} kN  holder {force[2]:6.2f} kN  draw-in "
             f"{draw_in[0]:5.2f} and {draw_in[1]:5.2f} mm  thickness {thickness.min():.3f} to {thickness.max():.3f} mm"

@@ -66,7 +66,7 @@ def measure(model: Model, procedure: ImplicitProcedure) -> Face:
         state, procedure.interactions.supports.fixed(len(model.stages) - 1)
     )
     flow = procedure.mechanics.nodal_flow_stress(state)
-    points = model.mesh.points + state.displacement
+    points = model.mesh.points + state.nodes.displacement
     found = recover_tool_stress(model, points, contact, flow)
     depth = None if model.analysis == "axisymmetric" else model.depth
     surface = ContactSurface(model.mesh.boundary_edges, points, contact.status > 0, contact.gap, depth=depth)

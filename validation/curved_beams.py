@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS
+from presswork.implicit.progress import Progress
 from presswork.model import FloatArray, SolverSettings
 from tests.problems.sliding_arches import beams, slide
 
@@ -45,7 +45,8 @@ def read_reference(mu: float, direction: str) -> FloatArray:
 def run(mu: float) -> Slide:
     """Slide with the default increments."""
     rows, procedure = slide(beams(mu, SolverSettings(symmetric=False)))
-    counts = [int(procedure.state.progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS)]
+    progress = procedure.state[Progress]
+    counts = [progress.increments, progress.iterations, progress.cutbacks]
     return Slide(np.vstack([np.zeros(3), rows[:, :3]]), *counts, procedure.energy_balance())
 
 

@@ -166,7 +166,7 @@ def release_slowly(fade: float = 0.032, rest: float = 0.016, damping: float = 45
     shells.advance(cycles, force_scale=scale, damping=damping)
     for _ in implicit.advance():
         pass
-    way = implicit.state.displacement[:, :3] + model.mesh.points - sheet.position
+    way = implicit.state.nodes.displacement[:, :3] + model.mesh.points - sheet.position
     return way, shells.position - sheet.position
 
 

@@ -73,7 +73,7 @@ def pull(element: str, finer: int) -> None:
     iterations, wanted = 0, [5.0, 6.0, 7.0]
     for report in procedure.advance():
         iterations += len(report.log)
-        force = float(procedure.state.reaction[model.mesh.node_sets["top"], 1].sum())
+        force = float(procedure.state.nodes.reaction[model.mesh.node_sets["top"], 1].sum())
         largest = max(largest, abs(force))
         if wanted and report.fraction * PULL >= wanted[0] - 1e-9:
             wanted.pop(0)
@@ -86,7 +86,7 @@ def pull(element: str, finer: int) -> None:
 
 def points_now(procedure: ImplicitProcedure) -> np.ndarray:
     """Return where the nodes are (n_points, 2) [mm]."""
-    return np.asarray(procedure.model.mesh.points + procedure.state.displacement)
+    return np.asarray(procedure.model.mesh.points + procedure.state.nodes.displacement)
 
 
 def main() -> None:

@@ -21,7 +21,8 @@ import numpy as np
 
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
-from presswork.implicit.stepping import CUTBACKS, FRACTION, INCREMENTS, ITERATIONS, STAGE, ImplicitProcedure
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.shells import mesh_shell_rectangle
 from presswork.model import Model, ShellElement
 from presswork.outcome import GaveUpError
@@ -76,9 +77,9 @@ def draw(element: ShellElement, penalty: float, seconds: float = SECONDS) -> Dra
                 break
     except GaveUpError:
         end = "gave up"
-    progress = procedure.state.progress
-    depth = DEPTH * (progress[FRACTION] + (progress[STAGE] > 0))
-    return Draw(float(depth), *(int(progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS)), end)
+    progress = procedure.state[Progress]
+    depth = DEPTH * (progress.fraction + (progress.stage > 0))
+    return Draw(float(depth), progress.increments, progress.iterations, progress.cutbacks, end)
 
 
 def main(elements: list[str]) -> None:

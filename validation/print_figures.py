@@ -23,7 +23,7 @@ from tests.verification import test_uniaxial_closed_form as uniaxial
 def print_patch() -> None:
     """Largest stress error of the axisymmetric patch test at 30 % stretch."""
     for element in ELEMENTS:
-        stress = patch.squeeze_ring(patch.patch(element, "axisymmetric")).state.stress[0]
+        stress = patch.squeeze_ring(patch.patch(element, "axisymmetric")).state.cells.stress[0]
         error = np.abs(stress - patch.AXISYMMETRIC_STRESS).max() / np.abs(patch.AXISYMMETRIC_STRESS).max()
         print(f"patch test, axisymmetric, 30 %, {element:12s} error {error:.1e}")
 
@@ -33,11 +33,11 @@ def print_uniaxial() -> None:
     for strain in (1.0, -1.0):
         for measure, counts in (("log", (10, 1000)), ("stretch", (10, 20, 40, 80, 160, 1000))):
             for n in counts:
-                state = uniaxial.pull("linear", strain, fixed_increments(n, strain_measure=measure))[0].state
+                cells = uniaxial.pull("linear", strain, fixed_increments(n, strain_measure=measure))[0].state.cells
                 stress, p, _ = uniaxial.exact("linear", strain)
                 print(
                     f"uniaxial {strain:+.0f}, {measure:8s} {n:5d} increments: stress off by "
-                    f"{state.stress[0][0, 0, 1] / stress - 1:+.1e}, eqps by {state.eqps[0][0, 0] / p - 1:+.1e}"
+                    f"{cells.stress[0][0, 0, 1] / stress - 1:+.1e}, eqps by {cells.eqps[0][0, 0] / p - 1:+.1e}"
                 )
 
 

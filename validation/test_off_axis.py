@@ -43,7 +43,7 @@ def measure(degrees: float, name: str = "yld2000") -> tuple[float, float]:
     model = shell_model(specimen(), sheet(name, 2000.0), held, prescribed=[("right", X, stroke)],
                         initial_increment=0.02, max_increment=0.1)  # fmt: skip
     procedure = run_turned(model, np.radians(degrees))
-    mesh, u = model.mesh, procedure.state.displacement
+    mesh, u = model.mesh, procedure.state.nodes.displacement
     fields = procedure.mechanics.cell_fields(procedure.state)
     middle = np.abs(mesh.points[mesh.blocks[0].connectivity, 0].mean(axis=1)) < 25.0
     edge = [mesh.node_sets[side] for side in ("bottom", "top")]

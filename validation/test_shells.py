@@ -39,7 +39,7 @@ def test_pinched_cylinder_with_diaphragms_by_arc_length(element, n, tolerance) -
                         control="arc_length", initial_increment=0.02)  # fmt: skip
     procedure = ArcLengthProcedure(model, threads=1)
     increments = sum(1 for _ in procedure.advance())
-    moved = procedure.state.displacement
+    moved = procedure.state.nodes.displacement
     found = [-moved[mesh.node_sets["bottom_left"], Z].mean(), moved[mesh.node_sets["top_left"], X].mean()]
     assert found == pytest.approx(TABLES["pinched_cylinder_diaphragms"]["data"][-1][1:], rel=tolerance)
     assert increments < 150

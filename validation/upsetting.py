@@ -65,11 +65,12 @@ def upset(element: str, blocks: int) -> Upsetting:
     reduction, force = [0.0], [0.0]
     for report in procedure.advance():
         reduction.append(0.6 * report.fraction)
-        force.append(procedure.state.reaction[model.mesh.node_sets["bottom"], 1].sum() / 1e3)
+        force.append(procedure.state.nodes.reaction[model.mesh.node_sets["bottom"], 1].sum() / 1e3)
     state, material = procedure.state, model.materials[0]
     compliance = (1 - 2 * material.poisson) / material.young
     elastic = sum(
-        float((s[..., :3].sum(axis=-1) * compliance * v).sum()) for s, v in zip(state.stress, state.volume, strict=True)
+        float((s[..., :3].sum(axis=-1) * compliance * v).sum())
+        for s, v in zip(state.cells.stress, state.cells.volume, strict=True)
     )
     return Upsetting(
         element,

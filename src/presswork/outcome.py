@@ -53,6 +53,10 @@ class Step:
     stage: int
     fraction_n: float
     fraction: float
+    number: int
+    """Of the increment, counted from 1 over all stages."""
+    time_n: float
+    """When it begins [s]."""
 
 
 class BadGuess:

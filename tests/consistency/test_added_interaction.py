@@ -6,7 +6,6 @@ Springs of stiffness k [N/mm] a node stand under the bottom of a block that a fo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -74,9 +73,8 @@ class SpringFoundation(Interaction):
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         trial[FoundationArrays].force = own.force[self._nodes, 1]
 
-    def work(self, state_n: State, trial: State) -> Mapping[str, float]:
-        mean = 0.5 * (state_n[FoundationArrays].force + trial[FoundationArrays].force)
-        return {"contact_energy": -float(mean @ trial.increment[self._nodes, 1])}
+    def stored(self, state: State) -> float:
+        return float((state[FoundationArrays].force ** 2).sum()) / (2 * self._stiffness)
 
 
 def make(stiffness: float = STIFFNESS) -> tuple[ImplicitProcedure, IntArray]:
@@ -93,8 +91,8 @@ def test_springs_take_their_share_of_the_force() -> None:
         pass
     state = procedure.state
     on_springs = float(state[FoundationArrays].force.sum())
-    assert on_springs == pytest.approx(-STIFFNESS * state.displacement[bottom, 1].sum(), rel=1e-12)
-    top = float(state.reaction[procedure.model.mesh.node_sets["top"], 1].sum())
+    assert on_springs == pytest.approx(-STIFFNESS * state.nodes.displacement[bottom, 1].sum(), rel=1e-12)
+    top = float(state.nodes.reaction[procedure.model.mesh.node_sets["top"], 1].sum())
     assert top + on_springs == pytest.approx(FORCE, rel=1e-6), "top and springs carry the force together"
     assert abs(procedure.energy_balance()["error_percent"]) < 1e-2
 
@@ -123,8 +121,8 @@ def test_it_finds_its_places_anew_when_the_mesh_changes() -> None:
     second = new_epoch(first, change.mesh, change.transfer)
     for _ in second.advance():
         pass
-    moved = second.state.displacement[second.model.mesh.node_sets["bottom"], 1]
-    np.testing.assert_allclose(np.sort(moved), np.sort(whole.state.displacement[bottom, 1]), rtol=1e-9)
+    moved = second.state.nodes.displacement[second.model.mesh.node_sets["bottom"], 1]
+    np.testing.assert_allclose(np.sort(moved), np.sort(whole.state.nodes.displacement[bottom, 1]), rtol=1e-9)
     on_springs = [float(p.state[FoundationArrays].force.sum()) for p in (second, whole)]
     assert on_springs[0] == pytest.approx(on_springs[1], rel=1e-9)
 

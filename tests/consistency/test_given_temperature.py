@@ -52,25 +52,25 @@ def test_every_point_of_an_implicit_cell_answers_at_its_own_temperature(family: 
     make = {"plane": make_plane_law, "space": make_solid_law, "shells": make_sheet_law}[family]
     law = make(model.materials[0])
     components, freedoms = {"plane": (4, 2), "space": (6, 3), "shells": (3, 6)}[family]
-    state = mechanics.at_rest(0, 0)
-    n = state.eqps[0].size
+    state = mechanics.at_rest()
+    n = state.cells.eqps[0].size
     stress, history = np.zeros((n, components)), np.zeros((n, law.history_size))
     points, top = model.mesh.points, float(model.mesh.points[:, 0].max())
     low = float(points[:, 0].min())
     for hotter in (0.0, 150.0):
         degrees = 40 + hotter + np.linspace(0, 200, n)
         trial = state.duplicate()
-        trial.temperature[0][:] = degrees.reshape(state.eqps[0].shape)
+        trial.cells.temperature[0][:] = degrees.reshape(state.cells.eqps[0].shape)
         increment = np.zeros((len(points), freedoms))
-        length = top - low + state.displacement[:, 0].max()
+        length = top - low + state.nodes.displacement[:, 0].max()
         increment[:, 0] = 0.02 * length * (points[:, 0] - low) / (top - low)
         found = mechanics.evaluate(state, trial, increment, with_stiffness=False, dt=DT)
         assert isinstance(found, np.ndarray)
-        trial.displacement = state.displacement + increment
+        trial.nodes.displacement = state.nodes.displacement + increment
         strain = np.zeros((n, components))
         strain[:, 0] = np.log(1.02)
         stress, history, *_ = law.update(strain, stress, history, dt=DT, temperature=degrees)
-        np.testing.assert_allclose(trial.stress[0].reshape(n, components), stress, rtol=1e-7, atol=1e-6)
+        np.testing.assert_allclose(trial.cells.stress[0].reshape(n, components), stress, rtol=1e-7, atol=1e-6)
         state = trial
     assert np.ptp(stress[:, 0]) > 30  # MPa: the points do differ
     shown = mechanics._temperature_at_points(state, 0) if family != "shells" else None

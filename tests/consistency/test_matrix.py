@@ -199,9 +199,10 @@ def error_of_tangent(model: Any, freedoms: int, size: float, *, hottest: float |
     cell = model.mesh.blocks[0].connectivity[0]
     n = len(model.mesh.points)
     rng = np.random.default_rng(3)
-    state = mechanics.at_rest(0, 0)
+    state = mechanics.at_rest()
     if hottest is not None:
-        state.temperature[0][:] = np.linspace(40, hottest, state.eqps[0].size).reshape(state.eqps[0].shape)
+        shape = state.cells.eqps[0].shape
+        state.cells.temperature[0][:] = np.linspace(40, hottest, state.cells.eqps[0].size).reshape(shape)
     increment = np.zeros((n, freedoms))
 
     def force(by: np.ndarray, start: Any, *, with_stiffness: bool = False) -> np.ndarray:
@@ -214,8 +215,8 @@ def error_of_tangent(model: Any, freedoms: int, size: float, *, hottest: float |
         d = min(freedoms, 3)
         increment[:, :d] = size * (model.mesh.points[:, :d] * [0.3, 0.6, -0.2][:d] + 0.2 * rng.standard_normal((n, d)))
         force(increment, state)
-        trial.displacement = state.displacement + increment
-        trial.increment = increment.copy()
+        trial.nodes.displacement = state.nodes.displacement + increment
+        trial.nodes.increment = increment.copy()
         mechanics.settle(state, trial)
         state, trial = trial, state
     trial = state.duplicate()
@@ -228,7 +229,7 @@ def error_of_tangent(model: Any, freedoms: int, size: float, *, hottest: float |
         move = np.zeros_like(increment)
         move[cell[j // freedoms], j % freedoms] = step
         numerical[:, j] = (force(increment + move, state) - force(increment - move, state)) / (2 * step)
-    return float(np.abs(stiffness - numerical).max() / np.abs(stiffness).max()), float(trial.eqps[0].max())
+    return float(np.abs(stiffness - numerical).max() / np.abs(stiffness).max()), float(trial.cells.eqps[0].max())
 
 
 def run_explicit_solid(model: Any) -> None:

@@ -14,8 +14,11 @@ from presswork import Case, build_model
 from presswork.case import StampingCase
 from presswork.case import build_model as build_any_model
 from presswork.geometry.tool_surface import make_surface
+from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_contact import RELEASE as RELEASE_OF_SLOTS
+from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.tool_arrays import ContactArrays, SheetToolArrays
 from presswork.model import FloatArray
 from presswork.process.implicit_stamping import make_shell_model
 from tests.regression.test_implicit_stamping import CUP
@@ -113,24 +116,26 @@ def pulls_of_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
     That is what may be out of balance: the residual's tolerance times the largest nodal force.
     """
     contact, state = procedure.interactions.tools.contact, procedure.state
-    contact.search(state, state.displacement)
-    push = contact.normal_forces(state, state.reaction, procedure.interactions.supports.fixed(0))[state.contact > 0]
-    return push, procedure.model.solver.force_tolerance * float(state.peak_force[0])
+    contact.search(state, state.nodes.displacement)
+    push = contact.normal_forces(state, state.nodes.reaction, procedure.interactions.supports.fixed(0))[
+        state[ContactArrays].status > 0
+    ]
+    return push, procedure.model.solver.force_tolerance * float(state[Progress].peak_force)
 
 
 def pulls_of_edges(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
     """The same with mid-sides judged with half the push of their ends, as the contact judges them."""
     _, allowed = pulls_of_tools(procedure)
     contact, state = procedure.interactions.tools.contact, procedure.state
-    push = contact.normal_forces(state, state.reaction, procedure.interactions.supports.fixed(0))
-    return contact._judge(push)[state.contact > 0], allowed
+    push = contact.normal_forces(state, state.nodes.reaction, procedure.interactions.supports.fixed(0))
+    return contact._judge(push)[state[ContactArrays].status > 0], allowed
 
 
 def pulls_of_slots(procedure: ImplicitProcedure) -> tuple[FloatArray, float]:
     """Return the pressures of the slots of bodies, and the part of the largest with which a slot may pull that has
     changed too often.
     """
-    pressure = procedure.state.interface_pressure
+    pressure = procedure.state[InterfaceArrays].pressure
     return pressure, RELEASE_OF_SLOTS * float(pressure.max(initial=0.0))
 
 
@@ -138,10 +143,13 @@ def pulls_of_sheet_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, floa
     """Return the forces on the nodes of a sheet along the outward normals of the tools."""
     state, pushes = procedure.state, []
     for tool, force, moved in zip(
-        procedure.model.sheet_tools, state.sheet_tool_force - state.sheet_friction, state.sheet_tool_move, strict=True
+        procedure.model.sheet_tools,
+        state[SheetToolArrays].force - state[SheetToolArrays].friction,
+        state[SheetToolArrays].displacement,
+        strict=True,
     ):
         touched = np.linalg.norm(force, axis=1) > 0.0
-        place = procedure.model.mesh.points + state.displacement[:, :3] - np.array(tool.position) - moved
+        place = procedure.model.mesh.points + state.nodes.displacement[:, :3] - np.array(tool.position) - moved
         surface = make_surface(tool.shape, 10.0, smooth=True)
         _, normal, _, _ = surface.nearest(np.ascontiguousarray(place[touched]), 10.0)
         pushes.append((force[touched] * normal).sum(axis=1))

@@ -67,7 +67,7 @@ def trace(settings: dict[str, object]) -> tuple[object, ...]:
             residuals += report.log.residual
     except GaveUpError:
         residuals.append("gave up")
-    return (*residuals, float(procedure.state.reaction[:, 1].max()))
+    return (*residuals, float(procedure.state.nodes.reaction[:, 1].max()))
 
 
 def test_every_setting_is_tried() -> None:

@@ -84,5 +84,7 @@ def bend(
     nodes = mesh.node_sets["right"]
     for report in procedure.advance():
         state = procedure.state
-        found.append((state.displacement[nodes, RY].mean() / LENGTH, state.reaction[nodes, RY].sum(), report.stage))
+        found.append(
+            (state.nodes.displacement[nodes, RY].mean() / LENGTH, state.nodes.reaction[nodes, RY].sum(), report.stage)
+        )
     return found, procedure

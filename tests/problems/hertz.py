@@ -152,7 +152,7 @@ def _measure(model: Model, edge: float) -> Hertz:
     procedure, _ = run(model)
     state, contact = procedure.state, procedure.interactions.tools.contact
     forces = contact.forces(state, procedure.interactions.supports.fixed(0))
-    points = model.mesh.points + state.displacement
+    points = model.mesh.points + state.nodes.displacement
     depth = None if model.analysis == "axisymmetric" else model.depth
     surface = ContactSurface(model.mesh.boundary_edges, points, forces.status > 0, forces.gap, depth=depth)
     found = recover_tool_stress(model, points, forces, procedure.mechanics.nodal_flow_stress(state))

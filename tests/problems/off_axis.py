@@ -7,6 +7,7 @@ import json
 
 import numpy as np
 
+from presswork.body.shell_arrays import ShellArrays
 from presswork.case.material.yield_function import Barlat1989, Hill1948, Yld2000
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Material, Model, YieldFunction
@@ -36,7 +37,7 @@ def run_turned(model: Model, angle: float) -> ImplicitProcedure:
     """Run a model along x of a sheet that was turned: x is `angle` [rad] off the rolling direction."""
     procedure = ImplicitProcedure(model, threads=1)
     c, s = np.cos(angle), np.sin(angle)
-    for direction in procedure.state.shells.direction:
+    for direction in procedure.state[ShellArrays].direction:
         direction[...] = direction @ np.array([[c, s], [-s, c]])
     for _ in procedure.advance():
         pass

@@ -83,6 +83,6 @@ def collapse_load(mesh: Mesh, expected: float, *, clamped: bool) -> float:
     procedure = ArcLengthProcedure(model, threads=1)
     middle = mesh.node_sets["bottom_left"]
     for report in procedure.advance():
-        if procedure.state.displacement[middle, 2][0] > COLLAPSED * THICKNESS:
+        if procedure.state.nodes.displacement[middle, 2][0] > COLLAPSED * THICKNESS:
             return 2.0 * expected * report.fraction
     raise AssertionError("the plate did not collapse")

@@ -122,7 +122,7 @@ def stretch_solids(mu: float, thickness: float = 1.0, columns: int = 120) -> Pro
     run = ImplicitProcedure(model, threads=1)
     for _ in run.advance():
         pass
-    now = mesh.points + run.state.displacement[:, :2]
+    now = mesh.points + run.state.nodes.displacement[:, :2]
     rows = [np.flatnonzero(np.isclose(mesh.points[:, 1], y)) for y in (-half, 0.0, half)]
     bottom, mid, top = (now[row[np.argsort(mesh.points[row, 0])]] for row in rows)
     across = np.log(np.linalg.norm(top - bottom, axis=1) / thickness)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from presswork.implicit.epochs import Epoch, MeshChange
+from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import IndexArray, IntArray, Mesh
 
 
@@ -36,16 +37,17 @@ def carry(before: Epoch, after: Epoch, nodes: IndexArray, cells: IndexArray) -> 
     """Fill a State from another; nodes, cells: the old numbers of the new ones."""
     old, new = before.state, after.state
     for name in ("displacement", "increment", "reaction", "external_force"):
-        setattr(new, name, getattr(old, name)[nodes])
+        setattr(new.nodes, name, getattr(old.nodes, name)[nodes])
     for name in ("stress", "eqps", "history", "temperature", "hourglass"):
-        values = getattr(old, name)[0]
-        setattr(new, name, [values[cells] if len(values) else values.copy()])
-    if not len(old.contact):
+        values = getattr(old.cells, name)[0]
+        setattr(new.cells, name, [values[cells] if len(values) else values.copy()])
+    if ContactArrays not in old:
         return
     place = np.searchsorted(touching(before.mesh), nodes[touching(after.mesh)])
-    for name in ("contact", "anchor", "drag", "shear_part"):
-        values = getattr(old, name)
-        setattr(new, name, values[:, place] if name == "contact" else values[place])
+    held, held_after = old[ContactArrays], new[ContactArrays]
+    held_after.status = held.status[:, place]
+    for name in ("anchor", "drag", "shear_part"):
+        setattr(held_after, name, getattr(held, name)[place])
 
 
 def touching(mesh: Mesh) -> IntArray:

@@ -191,7 +191,7 @@ def solve_linear(model: Model, scale: float = 1e-6) -> FloatArray:
     """
     procedure = ImplicitProcedure(model, threads=1)
     mechanics, state = procedure.mechanics, procedure.state
-    zero = np.zeros_like(state.displacement)
+    zero = np.zeros_like(state.nodes.displacement)
     mechanics.evaluate(state, state.duplicate(), zero, with_stiffness=True)
     loads = procedure.interactions.loads.at(state, zero, 0, scale)
     constraints = procedure.interactions.supports.prescribe(state, 0, scale, zero)

@@ -80,7 +80,7 @@ def beams(
 
 def force_on_feet(model: Model, state: State) -> FloatArray:
     """Return the sum of the reactions at the lower beam's feet (2,) [N]."""
-    return np.asarray(state.reaction[model.mesh.node_sets["ends"]].sum(axis=0))
+    return np.asarray(state.nodes.reaction[model.mesh.node_sets["ends"]].sum(axis=0))
 
 
 def slide(model: Model) -> tuple[FloatArray, ImplicitProcedure]:

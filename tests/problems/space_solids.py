@@ -136,7 +136,7 @@ def thick_cylinder(n_radial: int, n_around: int, front: float) -> Model:
 def _rise_at(procedure: ImplicitProcedure, y: float) -> float:
     points = procedure.model.mesh.points
     nodes = np.flatnonzero((points[:, 0] == 48.0) & (np.abs(points[:, 1] - y) < 1e-9))
-    return float(procedure.state.displacement[nodes, 1].mean())
+    return float(procedure.state.nodes.displacement[nodes, 1].mean())
 
 
 def upper_rise(procedure: ImplicitProcedure) -> float:
@@ -153,4 +153,4 @@ def mean_rise(procedure: ImplicitProcedure) -> float:
     """Return the mean rise of the loaded face [mm]."""
     faces = procedure.model.mesh.face_sets["right"]
     areas = face_areas(procedure.model.mesh.points, faces)
-    return float((areas * procedure.state.displacement[faces, 1]).sum() / areas.sum())
+    return float((areas * procedure.state.nodes.displacement[faces, 1]).sum() / areas.sum())

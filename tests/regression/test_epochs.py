@@ -12,7 +12,7 @@ import pytest
 
 from presswork.case import Case, build_model
 from presswork.implicit.epochs import Epoch, MeshChange
-from presswork.implicit.stepping import INCREMENTS
+from presswork.implicit.progress import Progress
 from presswork.model import Model
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.recorder import Outcome, run_model
@@ -45,7 +45,7 @@ BILLET: dict[str, Any] = {
 
 
 def ask(epoch: Epoch) -> MeshChange | None:
-    return renumber(epoch.mesh) if int(epoch.state.progress[INCREMENTS]) == CHANGED_AFTER else None
+    return renumber(epoch.mesh) if epoch.state[Progress].increments == CHANGED_AFTER else None
 
 
 def ask_for_a_mesh_without_sets(epoch: Epoch) -> MeshChange:

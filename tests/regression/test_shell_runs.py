@@ -149,7 +149,7 @@ def test_back_stresses_and_rates_resume_to_the_same_bits(tmp_path: Path, sheet: 
     assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
     assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
     states = [load_checkpoint(tmp_path / name / "checkpoint.h5")[0] for name in ("whole", "part")]
-    back = states[0]["shells.history.0"][..., 1:4]
+    back = states[0]["cells.history.0"][..., 1:4]
     assert np.abs(back).max() > 5.0
     results = Result(tmp_path / "whole")
     assert np.abs(results.field("back_stress_top_xx")).max() > 5.0

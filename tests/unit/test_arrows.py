@@ -46,7 +46,7 @@ PYTHON_ROOMS = {
         "text_file",
     },
     "examples": {"case"},
-    "fields": {"formability", "law", "mesh", "model", "state"},
+    "fields": {"formability", "law", "mesh", "model"},
     "results": {"fields", "formability", "geometry", "model"},
     "body": {"fields", "law", "mesh", "model", "outcome", "state", "timing"},
     "interaction": {"body", "fields", "geometry", "mesh", "model", "outcome", "state"},

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.body_interface import InterfaceArrays
 from presswork.mesh import grade_line, mesh_rectangle
 from presswork.mesh.joined import join_meshes
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges
@@ -65,7 +66,7 @@ def two_blocks(element, analysis, slave, *, die_element=None, tilt=0.0, contact=
 
 
 def stress_of(procedure):
-    return np.concatenate([s.reshape(-1, 4) for s in procedure.state.stress])
+    return np.concatenate([s.reshape(-1, 4) for s in procedure.state.cells.stress])
 
 
 @pytest.mark.parametrize("slave", [0, 1], ids=["coarse_slave", "fine_slave"])
@@ -81,7 +82,7 @@ def test_uniform_pressure_passes_between_meshes_that_do_not_match(element, die_e
     stress = stress_of(procedure)
     in_plane = stress[:, [0, 1, 3]]
     np.testing.assert_allclose(in_plane, np.tile([0.0, -PRESSURE, 0.0], (len(in_plane), 1)), atol=1e-10 * PRESSURE)
-    force = procedure.state.interface_force
+    force = procedure.state[InterfaceArrays].force
     assert np.abs(force.sum(axis=0)).max() < 1e-12 * np.abs(force).sum()
 
 
@@ -137,11 +138,11 @@ def press_cylinders(slave: int, refined: int = 1) -> tuple[FloatArray, FloatArra
     materials = (elastic(YOUNG[0], POISSON), elastic(YOUNG[1], POISSON))
     contact = BodyContact("c", (0, 1), slave, "frictionless")
     procedure, _ = run(replace(model, materials=materials, bodies=bodies, contacts=(contact,)))
-    load = 2 * abs(procedure.state.reaction[mesh.node_sets["die.top"], 1].sum())
+    load = 2 * abs(procedure.state.nodes.reaction[mesh.node_sets["die.top"], 1].sum())
     stiffness = 1 / ((1 - POISSON**2) * (1 / YOUNG[0] + 1 / YOUNG[1]))
     half_width = float(np.sqrt(4 * load / (1 / RADII[0] + 1 / RADII[1]) / (np.pi * stiffness)))
-    pressure, _ = procedure.interface_stress()
-    x = mesh.points[:, 0] + procedure.state.displacement[:, 0]
+    pressure = procedure.interactions.bodies.traction(procedure.state).pressure
+    x = mesh.points[:, 0] + procedure.state.nodes.displacement[:, 0]
     own = np.flatnonzero(pressure > 0)
     own = own[np.isin(own, bodies[slave].points)]
     own = own[np.argsort(x[own])]
@@ -188,22 +189,22 @@ def slide_block(contact: str, **friction: float) -> list[tuple[FloatArray, State
         threads=1,
     )
     ends = [procedure.state for report in procedure.advance() if report.fraction == 1.0]
-    return [(state.interface_force[list(bodies[1].points)].sum(axis=0), state) for state in ends]
+    return [(state[InterfaceArrays].force[list(bodies[1].points)].sum(axis=0), state) for state in ends]
 
 
 def test_sliding_block_drags_by_coulombs_law_and_turns_round() -> None:
     _, slid, back = slide_block("coulomb", mu=0.2)
     for (force, state), way in ((slid, 1.0), (back, -1.0)):
         assert force[0] == pytest.approx(-way * 0.2 * force[1], rel=1e-6)
-        touching = state.interface_pressure > 0
-        ratio = state.interface_shear[touching] / state.interface_pressure[touching]
+        touching = state[InterfaceArrays].pressure > 0
+        ratio = state[InterfaceArrays].shear[touching] / state[InterfaceArrays].pressure[touching]
         np.testing.assert_allclose(ratio, -way * 0.2, rtol=1e-9)
 
 
 def test_sliding_block_drags_by_a_constant_shear() -> None:
     """m k over the whole face of 8 mm x 1 mm, which stays in contact under this load."""
     _, (force, state), _ = slide_block("shear", m=0.02)
-    assert (state.interface_pressure > 0).sum() == 6
+    assert (state[InterfaceArrays].pressure > 0).sum() == 6
     assert force[0] == pytest.approx(0.02 * 700.0 / np.sqrt(3.0) * 8.0, rel=1e-3)
 
 
@@ -237,11 +238,11 @@ def test_bodies_that_stick_deform_like_one() -> None:
         if mesh is halves:
             model = replace(model, bodies=bodies, contacts=(BodyContact("c", (0, 1), 0, "sticking"),))
         procedure, _ = run(model)
-        found.append((mesh.points, procedure.state, procedure.state.reaction[mesh.node_sets[top]].sum(axis=0)))
+        found.append((mesh.points, procedure.state, procedure.state.nodes.reaction[mesh.node_sets[top]].sum(axis=0)))
     (points, state, force), (own_points, own_state, own_force) = found
     np.testing.assert_allclose(own_force, force, rtol=1e-4)
     same = [int(np.argmin(((points - x) ** 2).sum(axis=1))) for x in own_points]
-    np.testing.assert_allclose(own_state.displacement, state.displacement[same], atol=1e-5)
+    np.testing.assert_allclose(own_state.nodes.displacement, state.nodes.displacement[same], atol=1e-5)
 
 
 # --- a body with itself --------------------------------------------------------------------------------------------
@@ -282,7 +283,7 @@ def close_slot(n: int, *, whole: bool) -> tuple[float, ImplicitProcedure]:
         plane = Tool("plane", line, friction=Friction("frictionless"))
         model = replace(model, tools=(plane,))
     procedure, _ = run(model)
-    return float(procedure.state.reaction[mesh.node_sets["top"], 1].sum()), procedure
+    return float(procedure.state.nodes.reaction[mesh.node_sets["top"], 1].sum()), procedure
 
 
 def test_slot_that_closes_is_its_half_on_a_rigid_plane() -> None:
@@ -297,11 +298,11 @@ def test_slot_that_closes_is_its_half_on_a_rigid_plane() -> None:
         errors.append(abs(force / half - 1))
     assert errors[0] < 3e-3
     assert errors[1] < 3e-4
-    force = procedure.state.interface_force
+    force = procedure.state[InterfaceArrays].force
     assert np.abs(force.sum(axis=0)).max() < 1e-12 * np.abs(force).sum()
     bodies = procedure.interactions.bodies
-    found = bodies.at(procedure.state, procedure.state, procedure.state.displacement)
-    pushes = procedure.state.interface_pressure > 0
+    found = bodies.at(procedure.state, procedure.state, procedure.state.nodes.displacement)
+    pushes = procedure.state[InterfaceArrays].pressure > 0
     assert pushes.sum() > 20
     assert np.abs(found.gap[pushes]).max() < 1e-3 * bodies.interfaces[0].edge
 
@@ -315,5 +316,5 @@ def test_the_two_sides_of_a_thin_wall_do_not_touch() -> None:
     body = Body("workpiece", range(len(mesh.points)), range(1))
     itself = BodyContact("c", (0, 0), 0, "frictionless")
     touching, _ = run(replace(model, bodies=(body,), contacts=(itself,)))
-    assert not touching.state.interface_pressure.any()
-    np.testing.assert_allclose(touching.state.displacement, free.state.displacement, atol=1e-9)
+    assert not touching.state[InterfaceArrays].pressure.any()
+    np.testing.assert_allclose(touching.state.nodes.displacement, free.state.nodes.displacement, atol=1e-9)

@@ -86,7 +86,7 @@ def stress_error(model: Model, degrees: float) -> float:
     out_of_plane = POISSON * along if model.analysis == "plane_strain" else 0.0
     exact = np.array([along * normal[0] ** 2, along * normal[1] ** 2, out_of_plane, along * normal[0] * normal[1]])
     state, fixed = procedure.state, procedure.interactions.supports.fixed(0)
-    errors = [np.abs(block - exact).max() for block in state.stress]
+    errors = [np.abs(block - exact).max() for block in state.cells.stress]
     forces = procedure.interactions.tools.contact.forces(state, fixed)
     fields, _ = compute_fields(procedure.mechanics.show(state, forces))
     beside_wall = np.zeros(len(model.mesh.points), dtype=bool)  # a corner node has the mean of both faces

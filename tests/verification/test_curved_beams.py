@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.body_interface import InterfaceArrays
 from presswork.model import SolverSettings
 from tests.problems.sliding_arches import beams, slide
 
@@ -28,7 +29,7 @@ def test_no_slot_pulls_however_large_the_increment(at_once) -> None:
     """All is elastic: one increment must find the forces of twenty. It held slots that pulled by 37 MPa once."""
     rows, procedure = at_once
     fine, finer = touch(20)
-    assert procedure.state.interface_pressure.min() >= -1e-3 * procedure.state.interface_pressure.max()
+    assert procedure.state[InterfaceArrays].pressure.min() >= -1e-3 * procedure.state[InterfaceArrays].pressure.max()
     np.testing.assert_allclose(rows[-1, 1:], fine[-1, 1:], rtol=2e-3)
     energies = [p.energy_balance()["elastic_energy"] for p in (procedure, finer)]
     assert energies[0] == pytest.approx(energies[1], rel=2e-3)
@@ -39,7 +40,7 @@ def test_force_between_bodies_is_the_reaction_at_the_feet(at_once) -> None:
     rows, procedure = at_once
     on_feet, between = rows[-1, 1:3], rows[-1, 3:]
     np.testing.assert_allclose(between, -on_feet, rtol=1e-3)
-    of_nodes = procedure.state.interface_force[list(procedure.model.bodies[0].points)].sum(axis=0)
+    of_nodes = procedure.state[InterfaceArrays].force[list(procedure.model.bodies[0].points)].sum(axis=0)
     np.testing.assert_allclose(between, of_nodes, rtol=1e-9)
 
 
@@ -52,11 +53,11 @@ def test_energy_of_a_frictionless_slide_balances_over_an_edge(way, allowed) -> N
     """
     solver = SolverSettings(initial_increment=0.05, max_increment=0.05, symmetric=False)
     procedure = ImplicitProcedure(beams(0.0, solver, way=way), threads=1)
-    work, before = 0.0, procedure.state.interface_force
+    work, before = 0.0, procedure.state[InterfaceArrays].force
     for _ in procedure.advance():
         state = procedure.state
-        work += 0.5 * float(((before + state.interface_force) * state.increment).sum())
-        before = state.interface_force
+        work += 0.5 * float(((before + state[InterfaceArrays].force) * state.nodes.increment).sum())
+        before = state[InterfaceArrays].force
     energy = procedure.energy_balance()
     assert abs(energy["error_percent"]) < allowed
     lacking = energy["external_work"] - energy["elastic_energy"] - energy["plastic_work"]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from presswork import Case, CaseError, build_model
+from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, NotHeldError
 from presswork.model import Push, ToolMotion
 from presswork.outcome import GaveUpError
@@ -120,7 +121,7 @@ def test_friction_is_part_of_the_balance_of_an_inclined_tool(friction) -> None:
     punch = quantities(procedure)["punch"]
     assert punch.force == pytest.approx(1e3, rel=1e-5)
     assert abs(punch.vector[0]) > 1.0
-    log_lengths = procedure.state.progress[6] / procedure.state.progress[3]
+    log_lengths = procedure.state[Progress].iterations / procedure.state[Progress].increments
     assert log_lengths <= 9, "Newton's method with the tool's equation in it stays quick"
 
 

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from presswork import Case, build_model
+from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import ContactArrays
 
 YIELD = 700.0
 SIDE, DEPTH = 10.0, 2.0
@@ -41,8 +43,8 @@ def slide_block(contact: dict[str, object], press: float, slide: float, **solver
     procedure = ImplicitProcedure(build_model(case), threads=1)
     forces = []
     for _ in procedure.advance():
-        stage = min(int(procedure.state.progress[1]), 1)
-        procedure.interactions.tools.contact.search(procedure.state, procedure.state.displacement)
+        stage = min(procedure.state[Progress].stage, 1)
+        procedure.interactions.tools.contact.search(procedure.state, procedure.state.nodes.displacement)
         forces.append(
             procedure.interactions.tools.contact.tool_forces(
                 procedure.state, procedure.interactions.supports.fixed(stage)
@@ -81,10 +83,10 @@ def test_a_block_whose_heel_lifts_is_not_held_there(m, touching, n) -> None:
     for _ in procedure.advance():
         pass
     contact, state = procedure.interactions.tools.contact, procedure.state
-    contact.search(state, state.displacement)
-    push = contact.normal_forces(state, state.reaction, procedure.interactions.supports.fixed(1))
+    contact.search(state, state.nodes.displacement)
+    push = contact.normal_forces(state, state.nodes.reaction, procedure.interactions.supports.fixed(1))
     assert push.min() > -1e-6 * push.max()
-    drag = np.abs(state.drag).sum() / (m * YIELD / np.sqrt(3) * SIDE * DEPTH)
+    drag = np.abs(state[ContactArrays].drag).sum() / (m * YIELD / np.sqrt(3) * SIDE * DEPTH)
     assert drag == pytest.approx(touching, abs=0.02 if n == 6 else 0.012)
 
 
@@ -144,9 +146,9 @@ def slide_on_zones(contact: dict[str, object], press: float, slide: float) -> tu
     for _ in procedure.advance():
         pass
     bottom = procedure.model.mesh.node_sets["bottom"]
-    force = procedure.state.reaction[bottom]
-    x = procedure.model.mesh.points[bottom, 0] + procedure.state.displacement[bottom, 0]
-    drag = procedure.state.drag[np.searchsorted(procedure.interactions.tools.contact.nodes, bottom)]
+    force = procedure.state.nodes.reaction[bottom]
+    x = procedure.model.mesh.points[bottom, 0] + procedure.state.nodes.displacement[bottom, 0]
+    drag = procedure.state[ContactArrays].drag[np.searchsorted(procedure.interactions.tools.contact.nodes, bottom)]
     return x, np.abs(drag), np.abs(force[:, 1])
 
 
@@ -176,7 +178,7 @@ def press_ring(m: float) -> float:
     bore = model.mesh.node_sets["left"]
     for _ in procedure.advance():
         pass
-    x = model.mesh.points[bore] + procedure.state.displacement[bore]
+    x = model.mesh.points[bore] + procedure.state.nodes.displacement[bore]
     order = np.argsort(x[:, 1])
     return float(np.trapezoid(x[order, 0], x[order, 1]) / np.ptp(x[:, 1]) / 9.0)
 

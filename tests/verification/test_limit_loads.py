@@ -74,7 +74,7 @@ def load_over_limit(problem, element, cells, pattern=None):
     procedure, travel, load = ImplicitProcedure(model, threads=1), [0.0], [0.0]
     for report in procedure.advance():
         travel.append(3000 * report.fraction)
-        load.append(abs(procedure.state.reaction[mesh.node_sets["middle"], 1].sum()))
+        load.append(abs(procedure.state.nodes.reaction[mesh.node_sets["middle"], 1].sum()))
     return np.interp([300.0, 3000.0], travel, load) / LIMIT
 
 

@@ -42,7 +42,7 @@ def cylinder(element, young, displacements, *, pressure=None, travel=None, cells
                               force_tolerance=1e-6, symmetric=displacements == "small"),
     )  # fmt: skip
     state = run(model)[0].state
-    return state, mesh, state.reaction[mesh.node_sets["left"], 0].sum() / (2 * np.pi * BORE * 5.0)
+    return state, mesh, state.nodes.reaction[mesh.node_sets["left"], 0].sum() / (2 * np.pi * BORE * 5.0)
 
 
 def missed_by(element, displacements):
@@ -51,7 +51,7 @@ def missed_by(element, displacements):
     pressure = SHEAR * (np.log(front / BORE) + 0.5 * (1 - (front / OUTSIDE) ** 2))
     outer = SHEAR * front**2 / (SOFT * OUTSIDE) * (1 - POISSON**2)
     state, mesh, _ = cylinder(element, SOFT, displacements, pressure=pressure)
-    return float(state.displacement[mesh.node_sets["right"], 0].mean() / outer - 1)
+    return float(state.nodes.displacement[mesh.node_sets["right"], 0].mean() / outer - 1)
 
 
 @pytest.mark.parametrize("element", ["tri3", "quad4_fbar", "quad4_1pt", "quad8_2x2"])
@@ -87,7 +87,7 @@ def test_punch_bears_prandtls_load_when_it_is_pressed_in_by_its_width(element, c
         solver=SolverSettings(displacements="small", initial_increment=0.001, max_increment=0.1, max_iterations=30),
     )
     state = run(model)[0].state
-    load = abs(state.reaction[mesh.node_sets["middle"], 1].sum())
+    load = abs(state.nodes.reaction[mesh.node_sets["middle"], 1].sum())
     assert load / LIMIT == pytest.approx(1.0, abs=0.03)
 
 
@@ -99,7 +99,7 @@ def solve_by_analysis(model: Model) -> np.ndarray:
     procedure = ImplicitProcedure(replace(model, solver=solver), threads=1)
     assert len(list(procedure.advance())) == 1
     assert procedure.mechanics.extremes(procedure.state)["equivalent_plastic_strain"].max() == 0.0
-    return procedure.state.displacement
+    return procedure.state.nodes.displacement
 
 
 SET = {

@@ -38,7 +38,7 @@ def residuals(element, symmetric):
     ]
     procedure = ImplicitProcedure(build_model(Case.from_toml(EXAMPLE, changes)), threads=1)
     reports = list(islice(procedure.advance(), 8))[2:]
-    assert any(e.max() > 0.01 for e in procedure.state.eqps)
+    assert any(e.max() > 0.01 for e in procedure.state.cells.eqps)
     return [np.array(r.log.residual) for r in reports if sum(r.log.contact_changes) == 0 and not r.cutbacks]
 
 

@@ -34,7 +34,7 @@ def test_width_over_thickness_strain_is_the_r_value_every_15_degrees(name, degre
     model = shell_model(mesh, sheet(name), held, edges=pulls, initial_increment=0.2, max_increment=0.2,
                         force_tolerance=1e-9)  # fmt: skip
     procedure = run_turned(model, angle)
-    u = procedure.state.displacement
+    u = procedure.state.nodes.displacement
     at = {name: int(mesh.node_sets[name][0]) for name in ("bottom_left", "bottom_right", "top_left")}
     along = np.log1p((u[at["bottom_right"], X] - u[at["bottom_left"], X]) / LENGTH)
     across = np.log1p((u[at["top_left"], Y] - u[at["bottom_left"], Y]) / WIDTH)

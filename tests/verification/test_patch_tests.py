@@ -42,9 +42,9 @@ def hooke(log_strain):
 def assert_homogeneous(procedure, stress, displacement):
     state = procedure.state
     scale = np.abs(stress).max()
-    for block in state.stress:
+    for block in state.cells.stress:
         np.testing.assert_allclose(block, np.broadcast_to(stress, block.shape), rtol=0, atol=1e-7 * scale)
-    np.testing.assert_allclose(state.displacement, displacement, rtol=0, atol=1e-7 * np.abs(displacement).max())
+    np.testing.assert_allclose(state.nodes.displacement, displacement, rtol=0, atol=1e-7 * np.abs(displacement).max())
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -61,7 +61,7 @@ def test_element_passes_small_strain_patch_test_in_plane_strain(element):
     )
     procedure, _ = run(model)
     exact = hooke([gradient[0, 0], gradient[1, 1], 0.0, 0.5 * (gradient[0, 1] + gradient[1, 0])])
-    for block in procedure.state.stress:
+    for block in procedure.state.cells.stress:
         np.testing.assert_allclose(block, np.broadcast_to(exact, block.shape), rtol=0, atol=5e-5 * np.abs(exact).max())
 
 

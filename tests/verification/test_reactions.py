@@ -105,7 +105,7 @@ def test_clamp_of_a_plate_bears_force_and_moment_of_its_load(displacements):
     )  # fmt: skip
     rows, recording = record(case)
     row, tip = rows[-1], recording.mesh.node_sets["right"]
-    moved = recording.procedure.state.displacement[tip, :3]
+    moved = recording.procedure.state.nodes.displacement[tip, :3]
     assert row["clamp.force_z"] == pytest.approx(-20.0, rel=1e-4)
     arm = 40.0 if displacements == "small" else 40.0 + moved[:, 0].mean()
     assert row["clamp.moment_y"] == pytest.approx(20.0 * arm, rel=2e-3)

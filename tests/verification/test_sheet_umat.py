@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 
 from presswork import _core
+from presswork.body.shell_arrays import ShellArrays
 from presswork.case import CaseError, ShellCase, build_model
 from presswork.case.space.schema import SpaceCase
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells
+from presswork.implicit.energy import Work
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.law.umat import compile_law, open_sheet_law
 from tests.problems.plane_solids import run
@@ -65,8 +67,8 @@ def strip(table: dict[str, Any], element: str) -> Any:
 def test_a_umat_of_von_mises_is_the_built_in_law_in_every_implicit_shell(element: str, umat_sheet: Path) -> None:
     """Forces, stiffness, layers and thickness are the same over four large increments: so iterations converge alike."""
     mechanics = [ImplicitProcedure(strip(table, element)).mechanics for table in (LAWS, user_table(umat_sheet))]
-    states = [each.at_rest(0, 0) for each in mechanics]
-    rng, n = np.random.default_rng(1), len(states[0].displacement)
+    states = [each.at_rest() for each in mechanics]
+    rng, n = np.random.default_rng(1), len(states[0].nodes.displacement)
     for _ in range(4):
         increment = 0.03 * rng.standard_normal((n, 6)) * [1, 1, 1, 0.3, 0.3, 0.3]
         forces, matrices = [], []
@@ -76,17 +78,19 @@ def test_a_umat_of_von_mises_is_the_built_in_law_in_every_implicit_shell(element
             assert isinstance(found, np.ndarray), str(found)
             forces.append(found)
             matrices.append(each._stiffness[0].copy())
-            trial.displacement, trial.increment = states[k].displacement + increment, increment
+            trial.nodes.displacement, trial.nodes.increment = states[k].nodes.displacement + increment, increment
             each.settle(states[k], trial)
             states[k] = trial
         for own, user in (forces, matrices):
             np.testing.assert_allclose(user, own, rtol=0, atol=SAME * np.abs(own).max())
     a, b = states
-    assert a.eqps[0].max() > 0.02
-    np.testing.assert_allclose(b.stress[0], a.stress[0], rtol=0, atol=SAME * np.abs(a.stress[0]).max())
-    np.testing.assert_allclose(b.eqps[0], a.eqps[0], rtol=0, atol=SAME * a.eqps[0].max())
-    np.testing.assert_allclose(b.shells.thickness[0], a.shells.thickness[0], rtol=SAME)
-    told = b.shells.history[0][..., 2:8]
+    assert a.cells.eqps[0].max() > 0.02
+    np.testing.assert_allclose(
+        b.cells.stress[0], a.cells.stress[0], rtol=0, atol=SAME * np.abs(a.cells.stress[0]).max()
+    )
+    np.testing.assert_allclose(b.cells.eqps[0], a.cells.eqps[0], rtol=0, atol=SAME * a.cells.eqps[0].max())
+    np.testing.assert_allclose(b[ShellArrays].thickness[0], a[ShellArrays].thickness[0], rtol=SAME)
+    told = b.cells.history[0][..., 2:8]
     np.testing.assert_array_equal(told[0, 0, :, 1], [1, 2, 3])  # KSPT, from the bottom
     np.testing.assert_array_equal(told[:, 0, 0, 2], 1 + np.arange(len(told)))  # NOEL
 
@@ -95,15 +99,15 @@ def test_a_run_of_a_shell_with_a_umat_is_that_of_the_built_in_law(umat_sheet: Pa
     """Bent and pulled: displacement, reaction, energies and state variables."""
     (own, _), (user, _) = (run(strip(table, "shell4_mitc")) for table in (LAWS, user_table(umat_sheet)))
     a, b = own.state, user.state
-    assert a.eqps[0].max() > 0.02
+    assert a.cells.eqps[0].max() > 0.02
     for name in ("displacement", "reaction"):
-        x, y = getattr(a, name), getattr(b, name)
+        x, y = getattr(a.nodes, name), getattr(b.nodes, name)
         np.testing.assert_allclose(y, x, rtol=0, atol=SAME * np.abs(x).max())
     fields = [each.mechanics.cell_fields(each.state) for each in (own, user)]
     assert set(fields[1]) - set(fields[0]) == {"state_variables"}
-    np.testing.assert_allclose(fields[1]["state_variables"][:, 0], b.eqps[0].mean(axis=1))
+    np.testing.assert_allclose(fields[1]["state_variables"][:, 0], b.cells.eqps[0].mean(axis=1))
     # all work of a UMAT's stress is told with the plastic work
-    stored = [each.mechanics.elastic_energy(each.state) + each.state.work[1] for each in (own, user)]
+    stored = [each.mechanics.elastic_energy(each.state) + each.state[Work].plastic_work for each in (own, user)]
     assert stored[1] == pytest.approx(stored[0], rel=5e-3)  # the trapezoidal rule of both
 
 
@@ -201,11 +205,11 @@ def test_a_umat_of_swift_is_the_built_in_law_in_space(element: str, umat_laws: P
     user_table = {"umat": str(umat_laws), "props": props, "state_variables": 1, "plastic_strain": 1}
     (own, own_reports), (user, user_reports) = (run(block(table, element)) for table in (own_table, user_table))
     assert [len(r.log) for r in user_reports] == [len(r.log) for r in own_reports]
-    assert own.state.eqps[0].max() > 0.1
+    assert own.state.cells.eqps[0].max() > 0.1
     for name in ("displacement", "reaction"):
-        x, y = getattr(own.state, name), getattr(user.state, name)
+        x, y = getattr(own.state.nodes, name), getattr(user.state.nodes, name)
         np.testing.assert_allclose(y, x, rtol=0, atol=SAME * np.abs(x).max())
-    a, b = own.state.stress[0], user.state.stress[0]
+    a, b = own.state.cells.stress[0], user.state.cells.stress[0]
     np.testing.assert_allclose(b, a, rtol=0, atol=SAME * np.abs(a).max())
 
 

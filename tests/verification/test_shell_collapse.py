@@ -89,7 +89,7 @@ def test_a_plate_beyond_its_limit_load_is_carried_by_its_membrane() -> None:
     procedure = ImplicitProcedure(model, threads=1)
     path = [(0.0, 0.0)]
     middle = model.mesh.node_sets["bottom_left"][0]
-    path += [(2.0 * r.fraction, procedure.state.displacement[middle, 2] / THICKNESS) for r in procedure.advance()]
+    path += [(2.0 * r.fraction, procedure.state.nodes.displacement[middle, 2] / THICKNESS) for r in procedure.advance()]
     assert np.interp(0.9, *np.transpose(path)) < 1e-3
     assert path[-1][1] == pytest.approx(3.17, rel=0.05)
 
@@ -107,7 +107,7 @@ def test_the_elastic_plastic_roof_sinks_as_a_solid_does() -> None:
                         max_increment=0.05, force_tolerance=1e-3)  # fmt: skip
     procedure = ImplicitProcedure(model, threads=1)
     edge = mesh.node_sets["top_right"]
-    found = [(r.fraction * top, -procedure.state.displacement[edge, 2][0]) for r in procedure.advance()]
+    found = [(r.fraction * top, -procedure.state.nodes.displacement[edge, 2][0]) for r in procedure.advance()]
     drop = np.interp(table[:, 0], *np.transpose([(0.0, 0.0), *found]))
     np.testing.assert_allclose(drop, table[:, 1], atol=0.02 * table[-1, 1])
     assert drop[-1] == pytest.approx(table[-1, 1], rel=0.015)

@@ -47,7 +47,7 @@ def test_damping_of_a_sheet_carried_along_is_its_mass_times_velocity(element) ->
     procedure = ImplicitProcedure(model, threads=1)
     list(procedure.advance())
     mass = 2.0 * DENSITY * LENGTH * WIDTH * THICKNESS
-    force = procedure.state.reaction[model.mesh.node_sets["left"], 0].sum()
+    force = procedure.state.nodes.reaction[model.mesh.node_sets["left"], 0].sum()
     assert force == pytest.approx(DAMPING * mass * VELOCITY, rel=1e-4)
     first = mass * (VELOCITY**2 - 0.5 * DAMPING * VELOCITY**2 * DURATION / INCREMENTS)  # by the trapezoidal rule
     energy = procedure.energy_balance()
@@ -64,7 +64,7 @@ def test_a_roof_that_snaps_under_its_load_comes_to_rest_on_the_tabulated_branch(
     settings = replace(model.solver, inertia=1.0, damping=1e3)
     procedure = ImplicitProcedure(replace(model, materials=(heavy,), solver=settings), threads=1)
     list(procedure.advance())
-    down = -float(procedure.state.displacement[model.mesh.node_sets["bottom_left"], 2].mean())
+    down = -float(procedure.state.nodes.displacement[model.mesh.node_sets["bottom_left"], 2].mean())
     table = np.array(TABLES["hinged_roof"]["thickness_12.7"])
     beyond = table[int(np.argmin(table[:, 0] + (table[:, 1] < 11.0))) :]
     assert down == pytest.approx(float(np.interp(1.0, *beyond.T)), rel=0.01)

@@ -30,7 +30,9 @@ def follow(model: Model, watched: Sequence[tuple[str, int]]) -> tuple[np.ndarray
     rows, iterations = [[0.0] * (1 + len(watched))], 0
     for report in procedure.advance():
         nodes = [model.mesh.node_sets[name] for name, _ in watched]
-        moved = [float(procedure.state.displacement[n, c].mean()) for n, (_, c) in zip(nodes, watched, strict=True)]
+        moved = [
+            float(procedure.state.nodes.displacement[n, c].mean()) for n, (_, c) in zip(nodes, watched, strict=True)
+        ]
         rows.append([report.fraction, *moved])
         iterations += len(report.log)
     return np.array(rows), iterations

@@ -115,7 +115,7 @@ def test_uniaxial_stretching_to_half() -> None:
     np.testing.assert_allclose(fields["thickness_strain"], -0.3 * stress / YOUNG - plastic / 2, rtol=1e-4)
     np.testing.assert_allclose(fields["major_strain_top"], 0.5, rtol=1e-6)
     np.testing.assert_allclose(fields["minor_strain_top"], fields["thickness_strain"], rtol=1e-4)
-    force = procedure.state.reaction[mesh.node_sets["right"], X].sum()
+    force = procedure.state.nodes.reaction[mesh.node_sets["right"], X].sum()
     area = 4 * THICKNESS * np.exp(2 * (-0.3 * stress / YOUNG - plastic / 2))
     assert force == pytest.approx(stress * area, rel=1e-3)
 
@@ -209,7 +209,7 @@ def test_bending_moment_by_edge_load_and_release_agree_with_turning() -> None:
     load = Stage("load", edge_forces=(EdgeForce("right", (0, 0, 0, 0, 1.3 * first, 0)),))
     model = shell_model(mesh, steel(), held, stages=[load, Stage("release")], initial_increment=0.1,
                         max_increment=0.1)  # fmt: skip
-    kept = run(model).state.displacement[mesh.node_sets["right"], RY].mean() / LENGTH
+    kept = run(model).state.nodes.displacement[mesh.node_sets["right"], RY].mean() / LENGTH
     curvatures = np.linspace(1, 4, 2000) * 2 * YIELD / (YOUNG * THICKNESS)
     curvature = np.interp(1.3 * first, [moment_of(k) for k in curvatures], curvatures)
     assert kept == pytest.approx(curvature - 1.3 * first / (YOUNG * INERTIA), rel=0.02)

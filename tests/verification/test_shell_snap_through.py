@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from presswork.implicit.arc_length import ArcLengthProcedure
+from presswork.implicit.progress import Progress
 from presswork.implicit.remedy import find_remedy
-from presswork.implicit.stepping import FRACTION, ImplicitProcedure
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import ElementName, Model, PrescribedDisplacement
 from presswork.outcome import GaveUpError
 from tests.problems.plane_solids import elastic
@@ -38,7 +39,7 @@ def follow(model: Model) -> np.ndarray:
     node = model.mesh.node_sets["bottom_left"]
     path = [(0.0, 0.0)]
     for report in procedure.advance():
-        path.append((report.fraction, -float(procedure.state.displacement[node, Z].mean())))
+        path.append((report.fraction, -float(procedure.state.nodes.displacement[node, Z].mean())))
     return np.array(path)
 
 
@@ -71,7 +72,7 @@ def test_load_control_jumps_over_the_path_between_the_limit_loads() -> None:
     deflections = [0.0]
     with contextlib.suppress(GaveUpError):
         for _ in procedure.advance():
-            deflections.append(-float(procedure.state.displacement[node, Z].mean()))
+            deflections.append(-float(procedure.state.nodes.displacement[node, Z].mean()))
     assert not any(12.0 < d < 24.0 for d in deflections)
 
 
@@ -83,7 +84,9 @@ def test_arc_length_does_not_follow_the_path_backwards() -> None:
                         initial_increment=0.02)  # fmt: skip
     procedure = ArcLengthProcedure(model, threads=1)
     node = mesh.node_sets["bottom_left"]
-    down = [-float(procedure.state.displacement[node, Z].mean()) for _ in itertools.islice(procedure.advance(), 42)]
+    down = [
+        -float(procedure.state.nodes.displacement[node, Z].mean()) for _ in itertools.islice(procedure.advance(), 42)
+    ]
     assert 42.0 < max(down[:32]) < 44.0
     assert min(down[32:]) > 41.5
     assert down[-1] > max(down[:32]), "and on"
@@ -97,7 +100,7 @@ def test_a_stop_at_a_limit_load_names_its_remedy() -> None:
     advice = r"negative pivot.*comes to a limit.*solver\.control = \"arc_length\".*or set solver\.inertia = 1"
     with pytest.raises(GaveUpError, match=advice):
         list(procedure.advance())
-    assert procedure.state.progress[FRACTION] == pytest.approx(limit, rel=2e-3)
+    assert procedure.state[Progress].fraction == pytest.approx(limit, rel=2e-3)
     path = follow(replace(model, solver=replace(model.solver, control="arc_length", max_iterations=20)))
     falls = int(np.argmax(np.diff(path[:, 0]) < 0.0))
     assert path[falls, 0] == pytest.approx(limit, rel=2e-2)

@@ -44,7 +44,7 @@ def shear_element(element, shear, increments):
     )
     procedure, reports = run(model)
     assert len(reports) == increments
-    stress = procedure.state.stress[0].reshape(-1, 4) / MU
+    stress = procedure.state.cells.stress[0].reshape(-1, 4) / MU
     np.testing.assert_allclose(stress, np.broadcast_to(stress[0], stress.shape), atol=1e-7)
     return stress[0, 3], stress[0, 0]
 

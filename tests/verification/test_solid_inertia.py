@@ -42,7 +42,7 @@ def test_damping_of_a_block_carried_along_is_its_mass_times_velocity(element, an
     procedure, _ = run(model)
     volume = np.pi * RADIUS**2 * HEIGHT if analysis == "axisymmetric" else RADIUS * HEIGHT
     mass = 2.0 * DENSITY * volume
-    force = procedure.state.reaction[mesh.node_sets["top"], 1].sum()
+    force = procedure.state.nodes.reaction[mesh.node_sets["top"], 1].sum()
     assert force == pytest.approx(DAMPING * mass * VELOCITY, rel=1e-4)
     first = mass * (VELOCITY**2 - 0.5 * DAMPING * VELOCITY**2 * duration / n)  # the trapezoidal rule begins at rest
     energy = procedure.energy_balance()
@@ -76,7 +76,7 @@ def curve() -> tuple[FloatArray, FloatArray]:
     model, procedure = press_roof(stage)
     rows = [(0.0, 0.0)]
     for report in procedure.advance():
-        rows.append((report.fraction * way, -procedure.state.reaction[model.mesh.node_sets["left"], 1].sum()))
+        rows.append((report.fraction * way, -procedure.state.nodes.reaction[model.mesh.node_sets["left"], 1].sum()))
     ways, forces = np.array(rows).T
     return ways, forces
 
@@ -95,7 +95,9 @@ def test_a_roof_that_snaps_under_its_load_comes_to_rest_beyond() -> None:
         list(press_roof(stage)[1].advance())
     model, procedure = press_roof(stage, inertia=1.0, damping=1e4)
     list(procedure.advance())
-    assert -procedure.state.displacement[model.mesh.node_sets["left"], 1].mean() == pytest.approx(wanted, rel=0.01)
+    assert -procedure.state.nodes.displacement[model.mesh.node_sets["left"], 1].mean() == pytest.approx(
+        wanted, rel=0.01
+    )
     energy = procedure.energy_balance()
     assert energy["inertia_work"] > 0.3 * energy["external_work"], "what the snap sets free"
     assert abs(energy["error_percent"]) < 6.0

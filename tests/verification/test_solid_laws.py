@@ -60,7 +60,7 @@ def pull(material, strain, n, *, duration=1.0, analysis="axisymmetric", stages=1
 
 
 def axial_stress(procedure):
-    stress = procedure.state.stress[0]
+    stress = procedure.state.cells.stress[0]
     assert np.allclose(stress[..., [0, 2, 3]], 0.0, atol=1e-6)
     assert np.ptp(stress[..., 1]) < 1e-6
     return float(stress[0, 0, 1])
@@ -109,9 +109,9 @@ def test_plastic_work_heats_and_softens_a_solid():
     errors = []
     for n in (10, 20, 40):
         procedure = pull(material, 0.5, n)
-        stress, p = axial_stress(procedure), float(procedure.state.eqps[0][0, 0])
+        stress, p = axial_stress(procedure), float(procedure.state.cells.eqps[0][0, 0])
         exact = s0 * np.exp(-k * s0 * p / 1500.0)
-        rise = float(procedure.state.history[0][0, 0, 0])
+        rise = float(procedure.state.cells.history[0][0, 0, 0])
         assert stress == pytest.approx(s0 * (1 - rise / 1500.0), rel=1e-9)
         errors.append(abs(stress / exact - 1))
     assert rise == pytest.approx(1500.0 * (1 - np.exp(-k * s0 * p / 1500.0)), rel=2e-3)
@@ -150,7 +150,7 @@ def test_hill_1948_in_plane_strain_meets_its_limit_stress(r):
     N = (r[1] + 0.5) * (F + G)
     hill = YieldFunction("hill1948", (F, G, H, 1.5, 1.5, N))
     material = Material("m", YOUNG, POISSON, Hardening("linear", np.array([Y, 0.0])), yield_function=hill)
-    stress = pull(material, 0.05, 10, analysis="plane_strain").state.stress[0]
+    stress = pull(material, 0.05, 10, analysis="plane_strain").state.cells.stress[0]
     limit = Y / np.sqrt(F + H - F**2 / (F + G))
     np.testing.assert_allclose(stress[..., 1], limit, rtol=1e-5)
     np.testing.assert_allclose(stress[..., 2], F / (F + G) * limit, rtol=1e-4)
@@ -186,5 +186,5 @@ def test_threads_do_not_change_the_bits_of_the_general_law():
     motion = [PrescribedDisplacement("top", 1, -2.0)]
     model = make_model(mesh, material, supports=supports, prescribed=motion, solver=fixed_increments(3))
     one, two = (run(model, threads=threads)[0].state for threads in (1, 2))
-    np.testing.assert_array_equal(one.stress[0], two.stress[0])
-    np.testing.assert_array_equal(one.history[0], two.history[0])
+    np.testing.assert_array_equal(one.cells.stress[0], two.cells.stress[0])
+    np.testing.assert_array_equal(one.cells.history[0], two.cells.history[0])

@@ -51,11 +51,11 @@ def test_distorted_cells_pass_the_patch_test_of_uniaxial_tension(element) -> Non
     """Homogeneous large plastic stretch: the logarithmic strain is exact, and so is the stress, in every cell."""
     mesh = box(element, (12.0, 8.0, 10.0), (3, 3, 3), distort=0.25)
     state = compute(make_model(mesh, SYMMETRY, pull(3.6))).state
-    stress = state.stress[0].reshape(-1, 6)
-    flow = 565.0 * (0.007 + state.eqps[0]) ** 0.26
+    stress = state.cells.stress[0].reshape(-1, 6)
+    flow = 565.0 * (0.007 + state.cells.eqps[0]) ** 0.26
     np.testing.assert_allclose(stress[:, 0], flow.ravel(), rtol=1e-9)
     np.testing.assert_allclose(stress[:, 1:], 0.0, atol=1e-4)
-    np.testing.assert_allclose(state.eqps[0], np.log(1.3) - stress[:, 0].mean() / 200e3, rtol=1e-8)
+    np.testing.assert_allclose(state.cells.eqps[0], np.log(1.3) - stress[:, 0].mean() / 200e3, rtol=1e-8)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -63,7 +63,7 @@ def test_pressure_all_round_gives_an_even_hydrostatic_stress(element) -> None:
     mesh = box(element, (5.0, 4.0, 6.0), (2, 3, 2), distort=0.2)
     faces = tuple(FacePressure(side, 300.0) for side in ("right", "top", "front"))
     state = compute(make_model(mesh, SYMMETRY, Stage("press", face_pressures=faces), increments=2)).state
-    stress = state.stress[0].reshape(-1, 6)
+    stress = state.cells.stress[0].reshape(-1, 6)
     np.testing.assert_allclose(stress, np.tile([-300.0, -300.0, -300.0, 0.0, 0.0, 0.0], (len(stress), 1)), atol=1e-5)
 
 
@@ -71,7 +71,7 @@ def test_traction_on_a_face_is_held_by_the_supports() -> None:
     mesh = box("hex8", (10.0, 2.0, 2.0), (4, 1, 2))
     load = Stage("load", face_forces=(FaceForce("right", (5.0, -2.0, 3.0)),))
     state = compute(make_model(mesh, [Support("left", (True, True, True))], load, increments=2)).state
-    np.testing.assert_allclose(state.reaction[mesh.node_sets["left"]].sum(axis=0), [-20.0, 8.0, -12.0], rtol=1e-8)
+    np.testing.assert_allclose(state.nodes.reaction[mesh.node_sets["left"]].sum(axis=0), [-20.0, 8.0, -12.0], rtol=1e-8)
 
 
 def test_a_membrane_held_across_its_plane_is_that_of_quadrilaterals_in_plane_strain() -> None:
@@ -94,7 +94,7 @@ def test_a_membrane_held_across_its_plane_is_that_of_quadrilaterals_in_plane_str
     procedure = ImplicitProcedure(plane, threads=1)
     for _ in procedure.advance():
         pass
-    assert in_space.state.eqps[0].max() > 0.01
+    assert in_space.state.cells.eqps[0].max() > 0.01
     assert upper_rise(in_space) == pytest.approx(upper_rise(procedure), rel=1e-8)
 
 
@@ -127,12 +127,12 @@ def test_thick_cylinder_yields_as_hill_says() -> None:
     model = procedure.model
     nodes = model.mesh.node_sets["outside"]
     x = model.mesh.points[nodes]
-    moved = (procedure.state.displacement[nodes] * x)[:, :2].sum(axis=1) / 20.0
+    moved = (procedure.state.nodes.displacement[nodes] * x)[:, :2].sum(axis=1) / 20.0
     shear_modulus = 200e3 / (2.0 * 1.4999)
     closed = 300.0 / np.sqrt(3.0) * 15.0**2 / (2.0 * shear_modulus * 20.0)
     np.testing.assert_allclose(moved, closed, rtol=5e-3)
     radii = np.linalg.norm(model.mesh.points[model.mesh.blocks[0].connectivity].mean(axis=1)[:, :2], axis=1)
-    plastic = procedure.state.eqps[0].max(axis=1) > 0.0
+    plastic = procedure.state.cells.eqps[0].max(axis=1) > 0.0
     assert 14.5 < radii[plastic].max() < 15.5
 
 
@@ -165,8 +165,8 @@ def test_a_body_that_is_pulled_and_turned_is_as_one_that_is_pulled(element) -> N
     held = [Support("left", (False, True, False)), Support("bottom", (True, False, False)), SYMMETRY[2]]
     stage = Stage("pull", prescribed=(PrescribedDisplacement("right", 1, 1.2),))
     other = compute(make_model(turned, held, stage)).state
-    np.testing.assert_allclose(other.stress[0][..., 1], plain.stress[0][..., 0], rtol=1e-9)
-    np.testing.assert_allclose(other.eqps[0], plain.eqps[0], rtol=1e-9)
+    np.testing.assert_allclose(other.cells.stress[0][..., 1], plain.cells.stress[0][..., 0], rtol=1e-9)
+    np.testing.assert_allclose(other.cells.eqps[0], plain.cells.eqps[0], rtol=1e-9)
 
 
 def test_elastic_energy_and_work_balance() -> None:

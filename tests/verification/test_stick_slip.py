@@ -16,6 +16,7 @@ import pytest
 
 from presswork import Case, build_model
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import ContactArrays
 
 YOUNG, POISSON, YIELD = 200e3, 0.3, 1e4
 MODULUS = YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))
@@ -59,8 +60,8 @@ def push_strip(element: str) -> tuple[list[float], list[np.ndarray]]:
     stresses, drags = [], []
     for report in procedure.advance():
         if report.fraction == 1.0:
-            stresses.append(float(procedure.state.reaction[model.mesh.node_sets["left"], 0].sum()) / THICKNESS)
-            drags.append(procedure.state.drag.copy())
+            stresses.append(float(procedure.state.nodes.reaction[model.mesh.node_sets["left"], 0].sum()) / THICKNESS)
+            drags.append(procedure.state[ContactArrays].drag.copy())
     return stresses, drags
 
 

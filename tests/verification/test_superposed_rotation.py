@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from presswork.model import Material
-from presswork.state import State
 from tests.problems.plane_solids import (
     ELEMENTS,
     block_mesh,
@@ -58,8 +57,8 @@ def bend(element):
 def move(element, state, displacement):
     """Evaluate one increment from a state to a total displacement of every node; return forces and the new state."""
     procedure = bend(element)
-    trial = State.at_rest(procedure.model, 0)
-    force = procedure.mechanics.evaluate(state, trial, displacement - state.displacement, with_stiffness=False)
+    trial = procedure.at_rest()
+    force = procedure.mechanics.evaluate(state, trial, displacement - state.nodes.displacement, with_stiffness=False)
     return force, trial
 
 
@@ -68,13 +67,13 @@ def test_rigid_motion_of_a_stressed_body_turns_its_stress_and_makes_no_force(ele
     """60 degrees and a translation in one increment: Q sigma Q^T, and Q f of the body that is kept still."""
     procedure = bend(element)
     before, points = procedure.state, procedure.model.mesh.points
-    place = (points + before.displacement) @ Q.T + CARRY
+    place = (points + before.nodes.displacement) @ Q.T + CARRY
     force, after = move(element, before, place - points)
-    still, _ = move(element, before, before.displacement)
-    assert np.ptp(before.stress[0][..., 0]) > 100.0
-    assert before.eqps[0].min() > 1e-3
-    np.testing.assert_allclose(after.stress[0], turn(before.stress[0]), rtol=0, atol=1e-6)
-    np.testing.assert_allclose(after.eqps[0], before.eqps[0], rtol=0, atol=1e-12)
+    still, _ = move(element, before, before.nodes.displacement)
+    assert np.ptp(before.cells.stress[0][..., 0]) > 100.0
+    assert before.cells.eqps[0].min() > 1e-3
+    np.testing.assert_allclose(after.cells.stress[0], turn(before.cells.stress[0]), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(after.cells.eqps[0], before.cells.eqps[0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(force, still @ Q.T, rtol=0, atol=1e-8 * np.abs(still).max())
 
 
@@ -83,9 +82,9 @@ def test_still_body_keeps_its_forces_and_its_equilibrium(element):
     """An increment without displacement changes nothing: the converged state stays in equilibrium."""
     procedure = bend(element)
     before, points = procedure.state, procedure.model.mesh.points
-    still, _ = move(element, before, before.displacement)
-    largest = np.abs(before.reaction).max()
-    np.testing.assert_allclose(still, before.reaction, rtol=0, atol=1e-8 * largest)
+    still, _ = move(element, before, before.nodes.displacement)
+    largest = np.abs(before.nodes.reaction).max()
+    np.testing.assert_allclose(still, before.nodes.reaction, rtol=0, atol=1e-8 * largest)
     inner = np.setdiff1d(np.arange(len(points)), procedure.model.mesh.boundary_edges)
     assert len(inner) >= 4
     assert np.abs(still[inner]).max() < 1e-8 * largest
@@ -96,8 +95,10 @@ def test_deformation_with_a_rotation_on_top_gives_the_turned_answer(element):
     """Frame indifference of the update over one increment: F -> Q F leaves U, and so the unturned stress, alone."""
     procedure = bend(element)
     before, points = procedure.state, procedure.model.mesh.points
-    place = (points + before.displacement) @ Q.T + CARRY
-    force, after = move(element, State.at_rest(procedure.model, 0), place - points)
-    np.testing.assert_allclose(after.stress[0], turn(before.stress[0]), rtol=0, atol=1e-6)
-    np.testing.assert_allclose(after.eqps[0], before.eqps[0], rtol=0, atol=1e-10)
-    np.testing.assert_allclose(force, before.reaction @ Q.T, rtol=0, atol=1e-8 * np.abs(before.reaction).max())
+    place = (points + before.nodes.displacement) @ Q.T + CARRY
+    force, after = move(element, procedure.at_rest(), place - points)
+    np.testing.assert_allclose(after.cells.stress[0], turn(before.cells.stress[0]), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(after.cells.eqps[0], before.cells.eqps[0], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(
+        force, before.nodes.reaction @ Q.T, rtol=0, atol=1e-8 * np.abs(before.nodes.reaction).max()
+    )

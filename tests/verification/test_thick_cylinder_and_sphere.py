@@ -62,7 +62,7 @@ def expand(shape, element, n, pressure, poisson):
         solver=solver,
     )
     state = run(model)[0].state
-    radial = np.einsum("ni,ni->n", state.displacement, mesh.points) / np.linalg.norm(mesh.points, axis=1)
+    radial = np.einsum("ni,ni->n", state.nodes.displacement, mesh.points) / np.linalg.norm(mesh.points, axis=1)
     return radial[mesh.node_sets["right"]].mean(), radial[mesh.node_sets["left"]].mean()
 
 
@@ -155,7 +155,7 @@ def test_large_expansion_meets_the_rigid_plastic_cylinder(element):
         solver=solver,
     )
     state = run(model)[0].state
-    pressure = state.reaction[mesh.node_sets["left"], 0].sum() / (2 * np.pi * a * height)
+    pressure = state.nodes.reaction[mesh.node_sets["left"], 0].sum() / (2 * np.pi * a * height)
     growth = (a / a0) ** 2 - 1
     exact = yield_stress / np.sqrt(3) * np.log(((b0 / a0) ** 2 + growth) / (1 + growth))
     assert pressure == pytest.approx(exact, rel=5e-3)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from presswork.body.shell_arrays import ShellArrays
 from presswork.explicit.shells import ExplicitShells, ShellOptions
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.law.elastic_plastic import make_sheet_law
@@ -102,7 +103,9 @@ def test_forces_of_a_homogeneous_patch_are_the_same() -> None:
     wanted = shells.internal_force[:, :3]
     size = np.abs(wanted).max()
     assert size > 100
-    np.testing.assert_allclose(state.reaction[:, :3] + state.external_force[:, :3], wanted, atol=1.5e-4 * size)
+    np.testing.assert_allclose(
+        state.nodes.reaction[:, :3] + state.nodes.external_force[:, :3], wanted, atol=1.5e-4 * size
+    )
     back = carry_to_explicit(procedure, options=OPTIONS)
     np.testing.assert_allclose(back.internal_force[:, :3], wanted, atol=1.5e-4 * size)
 
@@ -113,10 +116,12 @@ def test_from_implicit_and_back() -> None:
     first = carried(deform(mesh, bend=0.08), mesh)
     shells = carry_to_explicit(first, options=OPTIONS)
     second = carried(shells, mesh)
-    np.testing.assert_allclose(second.state.stress[0], first.state.stress[0], atol=1e-9)
-    np.testing.assert_allclose(second.state.shells.history[0], first.state.shells.history[0], atol=1e-9)
-    np.testing.assert_allclose(second.state.shells.thickness[0], first.state.shells.thickness[0], rtol=1e-12)
-    np.testing.assert_allclose(second.state.shells.direction[0], first.state.shells.direction[0], atol=2e-3)
+    np.testing.assert_allclose(second.state.cells.stress[0], first.state.cells.stress[0], atol=1e-9)
+    np.testing.assert_allclose(second.state.cells.history[0], first.state.cells.history[0], atol=1e-9)
+    np.testing.assert_allclose(
+        second.state[ShellArrays].thickness[0], first.state[ShellArrays].thickness[0], rtol=1e-12
+    )
+    np.testing.assert_allclose(second.state[ShellArrays].direction[0], first.state[ShellArrays].direction[0], atol=2e-3)
 
 
 def test_further_cycles_are_those_of_the_state() -> None:
@@ -162,17 +167,17 @@ def test_springback_of_a_strip_bent_explicitly(kinematic) -> None:
     held = [("left", fixing(X, Z, RY, RZ)), ("bottom_left", fixing(Y))]
     procedure = ImplicitProcedure(shell_model(mesh, material, held, stages=[Stage("release")]), threads=1)
     carry_to_implicit(shells, procedure)
-    moment = procedure.state.external_force[mesh.node_sets["right"], RY].sum()
+    moment = procedure.state.nodes.external_force[mesh.node_sets["right"], RY].sum()
     assert moment == pytest.approx(held_moment, rel=1.5e-3)
     for _ in procedure.advance():
         pass
     kept = curvature - held_moment / (YOUNG * INERTIA)
-    now = mesh.points + procedure.state.displacement[:, :3]
+    now = mesh.points + procedure.state.nodes.displacement[:, :3]
     assert curvature_of(now) == pytest.approx(kept, rel=1.5e-3)
-    assert procedure.state.displacement[mesh.node_sets["right"], RY] == pytest.approx(
+    assert procedure.state.nodes.displacement[mesh.node_sets["right"], RY] == pytest.approx(
         (kept - curvature) * LENGTH, rel=1.5e-3
     )
-    assert np.abs(procedure.state.external_force).max() == 0.0
+    assert np.abs(procedure.state.nodes.external_force).max() == 0.0
     assert procedure.energy_balance()["error_percent"] == pytest.approx(0.0, abs=0.05)
 
 

@@ -65,11 +65,11 @@ def test_a_piece_of_a_bent_strip_keeps_the_curvature_of_the_closed_form(formed: 
     assert {b.connectivity.shape[1] for b in trimmed.mesh.blocks} == {3, 4}
     released = let_go(trimmed, steel())
     old = np.abs(trimmed.mesh.points[:, None] - mesh.points).max(axis=2).min(axis=1) < 1e-9
-    points = (trimmed.mesh.points + released.state.displacement[:, :3])[old]  # new ones lie on chords
+    points = (trimmed.mesh.points + released.state.nodes.displacement[:, :3])[old]  # new ones lie on chords
     kept = CURVATURE - moment_of(CURVATURE) / (YOUNG * INERTIA)
     assert kept < 0.6 * CURVATURE
     assert curvature(points[:, 0], points[:, 2]) == pytest.approx(kept, rel=1.5e-3)
-    assert np.abs(released.state.reaction).max() < 1e-3, "nothing holds it"
+    assert np.abs(released.state.nodes.reaction).max() < 1e-3, "nothing holds it"
 
 
 WIDTH, HALF_LENGTH, PEAK = 8.0, 20.0, 60.0
@@ -105,7 +105,7 @@ def test_a_strip_cut_lengthwise_out_of_a_stressed_sheet_bends_in_its_plane(cells
     moment = np.trapezoid(stress * (y - middle), y)
     expected = moment / (YOUNG * width**3 / 12)
     edge = np.flatnonzero((trimmed.mesh.points[:, 1] > 0.5 * WIDTH - 1e-9) & (np.abs(trimmed.mesh.points[:, 0]) < 10))
-    x, v = trimmed.mesh.points[edge, 0], released.state.displacement[edge, 1]
+    x, v = trimmed.mesh.points[edge, 0], released.state.nodes.displacement[edge, 1]
     found = 2 * np.polyfit(x, v, 2)[0]
-    assert np.abs(released.state.reaction).max() < 1e-6 * PEAK * width
+    assert np.abs(released.state.nodes.reaction).max() < 1e-6 * PEAK * width
     assert found == pytest.approx(expected, rel=tolerance)

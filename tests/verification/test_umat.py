@@ -111,7 +111,7 @@ def test_several_threads_give_the_same_bits(umat_laws):
         model = drive_boundary(
             mesh, [np.array([[1.2, 0.3], [0.0, 0.9]])], material, analysis="plane_strain", solver=fixed_increments(2)
         )
-        stress.append(run(model, threads=2 if thread_safe else 1)[0].state.stress[0])
+        stress.append(run(model, threads=2 if thread_safe else 1)[0].state.cells.stress[0])
     np.testing.assert_array_equal(*stress)
 
 
@@ -139,7 +139,9 @@ def test_neo_hookean_umat_meets_its_closed_form_whatever_the_path(umat_laws, inc
     solver = fixed_increments(increments)
     procedure, _ = run(drive_boundary(mesh, gradients, material, analysis="plane_strain", solver=solver))
     exact = neo_hookean(gradients[-1])
-    np.testing.assert_allclose(procedure.state.stress[0], np.broadcast_to(exact, (4, 4, 4)), rtol=0, atol=1e-8 * MU)
+    np.testing.assert_allclose(
+        procedure.state.cells.stress[0], np.broadcast_to(exact, (4, 4, 4)), rtol=0, atol=1e-8 * MU
+    )
 
 
 # --- tangents ---------------------------------------------------------------------------------------------------------
@@ -224,11 +226,11 @@ def test_stress_and_tensor_state_variables_turn_with_the_material(umat_laws):
         run(drive_boundary(mesh, gradients, material, analysis="plane_strain", solver=fixed_increments(1)))[0].state
         for gradients in (path, turned)
     ]
-    for own, other in ([s.stress[0][0, 0] for s in states], [s.history[0][0, 0, :4] for s in states]):
+    for own, other in ([s.cells.stress[0][0, 0] for s in states], [s.cells.history[0][0, 0, :4] for s in states]):
         assert np.abs(own).max() > 50.0
         xx, yy, zz, xy = own
         np.testing.assert_allclose(other, [yy, xx, zz, -xy], rtol=0, atol=1e-9 * np.abs(own).max())
-    np.testing.assert_allclose(states[1].history[0][..., 4], states[0].history[0][..., 4], rtol=1e-10)
+    np.testing.assert_allclose(states[1].cells.history[0][..., 4], states[0].cells.history[0][..., 4], rtol=1e-10)
 
 
 # --- what a routine may ask for, and what it is told ------------------------------------------------------------------
@@ -251,7 +253,7 @@ def test_a_smaller_increment_that_the_routine_asks_for_is_taken(umat_laws):
     assert reports[0].fraction == pytest.approx(0.3, rel=1e-9)
     sizes = np.diff([0.0, *(r.fraction for r in reports)])
     assert sizes.max() * np.expm1(0.01) < 0.0041
-    assert procedure.state.stress[0][0, 0, 1] == pytest.approx(0.01 * YOUNG, rel=1e-3)
+    assert procedure.state.cells.stress[0][0, 0, 1] == pytest.approx(0.01 * YOUNG, rel=1e-3)
 
 
 def test_a_routine_that_stops_leaves_the_run_with_its_reason(umat_laws):
@@ -269,8 +271,8 @@ def test_numbers_that_are_none_cut_the_increment_until_it_gives_up(umat_laws):
 def test_the_routine_is_told_where_and_when_it_is(umat_laws):
     material = umat(umat_laws, (5.0, YOUNG, POISSON), 12)
     procedure, _ = run(pull(material, 1e-3, fixed_increments(4), duration=2.0))
-    told = procedure.state.history[0][0, 1, :12]
-    stress = procedure.state.stress[0][0, 1, 1]
+    told = procedure.state.cells.history[0][0, 1, :12]
+    stress = procedure.state.cells.stress[0][0, 1, 1]
     mesh = procedure.model.mesh
     place = 10.0 * (0.5 + 0.5 / np.sqrt(3)), 15.0 * (0.5 - 0.5 / np.sqrt(3))
     assert mesh.blocks[0].element == "quad4"
@@ -311,13 +313,13 @@ def test_the_documented_law_relaxes_as_its_closed_form(tmp_path):
         return run(model)[0].state
 
     states = [relax(steps) for steps in (40, 80)]
-    coarse, fine = (state.stress[0][0, 0, 1] for state in states)
+    coarse, fine = (state.cells.stress[0][0, 0, 1] for state in states)
     start = YOUNG * 1e-3
     exact = (start ** (1 - n) + (n - 1) * YOUNG * A * seconds) ** (1 / (1 - n))
     assert exact < 0.75 * start
     assert (coarse - exact) / (fine - exact) == pytest.approx(2.0, abs=0.1)  # backward Euler
     assert 2 * fine - coarse == pytest.approx(exact, rel=1e-4)
-    np.testing.assert_allclose(states[1].eqps[0], 1e-3 - fine / YOUNG, rtol=1e-6)
+    np.testing.assert_allclose(states[1].cells.eqps[0], 1e-3 - fine / YOUNG, rtol=1e-6)
 
 
 def test_the_documented_case_runs(tmp_path):

@@ -63,11 +63,11 @@ def exact(law, strain):
 def assert_exact(procedure, law, strain, rtol=1e-6):
     stress, p, radius = exact(law, strain)
     state, mesh = procedure.state, procedure.model.mesh
-    assert np.allclose(state.stress[0], np.array([0.0, stress, 0.0, 0.0]), rtol=0, atol=rtol * abs(stress))
-    assert np.allclose(state.eqps[0], p, rtol=rtol)
+    assert np.allclose(state.cells.stress[0], np.array([0.0, stress, 0.0, 0.0]), rtol=0, atol=rtol * abs(stress))
+    assert np.allclose(state.cells.eqps[0], p, rtol=rtol)
     right, top = mesh.node_sets["right"], mesh.node_sets["top"]
-    assert np.allclose(mesh.points[right, 0] + state.displacement[right, 0], radius, rtol=rtol)
-    assert state.reaction[top, 1].sum() == pytest.approx(np.pi * radius**2 * stress, rel=rtol)
+    assert np.allclose(mesh.points[right, 0] + state.nodes.displacement[right, 0], radius, rtol=rtol)
+    assert state.nodes.reaction[top, 1].sum() == pytest.approx(np.pi * radius**2 * stress, rel=rtol)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -110,8 +110,8 @@ def test_stretch_measure_sees_the_sum_of_engineering_increments(strain):
     """Its error is that of the measure and nothing else."""
     procedure, _ = pull("linear", strain, fixed_increments(10, strain_measure="stretch"))
     stress, p, _ = exact("linear", seen_by_stretch(strain, 10))
-    np.testing.assert_allclose(procedure.state.stress[0][..., 1], stress, rtol=1e-6)
-    np.testing.assert_allclose(procedure.state.eqps[0], p, rtol=1e-6)
+    np.testing.assert_allclose(procedure.state.cells.stress[0][..., 1], stress, rtol=1e-6)
+    np.testing.assert_allclose(procedure.state.cells.eqps[0], p, rtol=1e-6)
 
 
 @pytest.mark.parametrize("strain", [1.0, -1.0])
@@ -120,5 +120,5 @@ def test_stretch_measure_converges_with_first_order_only(strain):
     errors = []
     for n in counts:
         procedure, _ = pull("linear", strain, fixed_increments(n, strain_measure="stretch"))
-        errors.append(procedure.state.eqps[0][0, 0] - exact("linear", strain)[1])
+        errors.append(procedure.state.cells.eqps[0][0, 0] - exact("linear", strain)[1])
     assert fit_rate([1 / n for n in counts], errors).rate == pytest.approx(1.0, abs=0.05)

@@ -9,7 +9,6 @@ from presswork import _core
 from presswork.law.umat import TOLD
 from presswork.model import Model
 from presswork.outcome import BadGuess, Step
-from presswork.state import State
 
 _CUT = {
     _core.LawStatus.not_finite: 0.5,
@@ -49,13 +48,13 @@ class LawFailed(BadGuess):
         return f"{TOLD[self.status]} in cell {self.cell} of block {self.block}"
 
 
-def place_increment(model: Model, state_n: State, step: Step) -> _core.UmatPlace:
+def place_increment(model: Model, step: Step) -> _core.UmatPlace:
     """Return which increment this is, as a law from a shared library is told."""
     duration = model.stages[step.stage].duration
     return _core.UmatPlace(
         stage=step.stage + 1,
-        increment=int(state_n.progress[3]) + 1,
+        increment=step.number,
         stage_time=step.fraction_n * duration,
-        time=float(state_n.progress[0]),
+        time=step.time_n,
         dt=(step.fraction - step.fraction_n) * duration,
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork import _core
+from presswork.body.shell_arrays import ShellArrays
 from presswork.law.elastic_plastic import plastic_work_density, present_young
 from presswork.law.umat import SheetLaw, SheetUmat
 from presswork.model import Model
@@ -22,22 +23,22 @@ STORED, LOST = 6, 7
 def elastic_energy(model: Model, state: State) -> float:
     """Return the energy stored elastically [N mm], with that of transverse shear and of hourglass stresses."""
     total = 0.0
-    points = model.mesh.points + state.displacement[:, :3]
+    points = model.mesh.points + state.nodes.displacement[:, :3]
     for i, block in enumerate(model.mesh.blocks):
         material = model.materials[block.material]
-        sxx, syy, sxy = np.moveaxis(state.stress[i], -1, 0)
+        sxx, syy, sxy = np.moveaxis(state.cells.stress[i], -1, 0)
         twice = sxx**2 + syy**2 - 2 * material.poisson * sxx * syy + 2 * (1 + material.poisson) * sxy**2
         if material.umat is None:  # else told with the plastic work
-            total += float((twice / (2 * present_young(material, state.eqps[i])) * state.volume[i]).sum())
+            total += float((twice / (2 * present_young(material, state.cells.eqps[i])) * state.cells.volume[i]).sum())
         _, slopes, weights, _ = _core.shell_shape(block.element)
         base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
         metric = np.einsum("cqji,cqki->cqjk", base, base)
         area = np.sqrt(np.linalg.det(metric))
-        shear = state.shells.shear[i]
-        stiffness = 5 / 6 * material.young / (2 * (1 + material.poisson)) * state.shells.thickness[i] * area
+        shear = state[ShellArrays].shear[i]
+        stiffness = 5 / 6 * material.young / (2 * (1 + material.poisson)) * state[ShellArrays].thickness[i] * area
         total += float((np.einsum("cqj,cqjk,cqk->cq", shear, metric, shear) * weights / (2 * stiffness)).sum())
         if block.element == "shell4_1pt":
-            total += float(state.shells.internal[i][:, STORED].sum())
+            total += float(state[ShellArrays].internal[i][:, STORED].sum())
     return total
 
 
@@ -48,8 +49,8 @@ def plastic_work(model: Model, laws: list[SheetLaw], state_n: State, trial: Stat
     """
     total = 0.0
     for i, block in enumerate(model.mesh.blocks):
-        material, after = model.materials[block.material], trial.shells.history[i]
-        before = state_n.shells.history[i]
+        material, after = model.materials[block.material], trial.cells.history[i]
+        before = state_n.cells.history[i]
         n_history, law = after.shape[-1], laws[i]
         work = (
             after[..., -1]
@@ -59,12 +60,12 @@ def plastic_work(model: Model, laws: list[SheetLaw], state_n: State, trial: Stat
                 law,
                 before.reshape(-1, n_history),
                 after.reshape(-1, n_history),
-                trial.stress[i].reshape(-1, 3),
+                trial.cells.stress[i].reshape(-1, 3),
                 dt,
-                (state_n.temperature[i], trial.temperature[i]),
+                (state_n.cells.temperature[i], trial.cells.temperature[i]),
             )
         )
-        total += float((work.reshape(trial.eqps[i].shape) * trial.volume[i]).sum())
+        total += float((work.reshape(trial.cells.eqps[i].shape) * trial.cells.volume[i]).sum())
         if block.element == "shell4_1pt":
-            total += float((trial.shells.internal[i] - state_n.shells.internal[i])[:, LOST].sum())
+            total += float((trial[ShellArrays].internal[i] - state_n[ShellArrays].internal[i])[:, LOST].sum())
     return total

@@ -3,18 +3,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
 from presswork import _core
 from presswork.body.law_failed import LawFailed, place_increment
+from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shell_energy import elastic_energy, plastic_work
-from presswork.fields.contact_stress import ContactForces
+from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant
 from presswork.fields.shell_fields import (
     ShellGeometry,
+    ShellLayers,
     sheet_effective_stress,
     shell_cell_fields,
 )
@@ -24,7 +26,7 @@ from presswork.mesh.directors import Directors, find_directors
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import CellBlock, FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import BadGuess, Step
-from presswork.state import ShellArrays, State
+from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
 
 UPRIGHT = 0.99
@@ -114,13 +116,10 @@ class ShellMechanics:
         size = float(np.sqrt(area / sum(len(c) for c in self._connectivity)))
         self.length = np.array([1.0, 1.0, 1.0, size, size, size])
 
-    def at_rest(self, n_candidates: int = 0, n_slots: int = 0) -> State:
-        """Return the State before the first increment."""
-        state = State.at_rest(self._model, n_candidates, n_slots)
-        n = len(self._model.mesh.points)
-        for name in ("displacement", "increment", "reaction", "external_force"):
-            setattr(state, name, np.zeros((n, 6)))
-        shells = ShellArrays(self.directors.vectors.copy(), [], [], [], [], [], np.zeros((n, 6)))
+    def at_rest(self) -> State:
+        """Return nodes and cells before the first increment."""
+        cells_at_rest = CellArrays([], [], [], [], [], [])
+        shells = ShellArrays(self.directors.vectors.copy(), [], [], [], [])
         for i, (connectivity, section, law) in enumerate(
             zip(self._connectivity, self._sections, self._laws, strict=True)
         ):
@@ -129,20 +128,18 @@ class ShellMechanics:
             k = section.points
             shells.thickness.append(np.full((cells, q), section.thickness))
             if isinstance(law, SheetUmat):
-                shells.history.append(law.history_at_rest((cells, q, k)))
+                cells_at_rest.history.append(law.history_at_rest((cells, q, k)))
             else:
-                shells.history.append(np.zeros((cells, q, k, law.history_size)))
+                cells_at_rest.history.append(np.zeros((cells, q, k, law.history_size)))
             shells.direction.append(np.repeat(self._first_directions(i)[:, :, None], k, axis=2))
             shells.shear.append(np.zeros((cells, q, 2)))
             shells.internal.append(np.zeros((cells, internal)))
-            state.stress.append(np.zeros((cells, q * k, 3)))
-            state.eqps.append(np.zeros((cells, q * k)))
+            cells_at_rest.stress.append(np.zeros((cells, q * k, 3)))
+            cells_at_rest.eqps.append(np.zeros((cells, q * k)))
             material = self._model.materials[self._model.mesh.blocks[i].material]
-            state.temperature.append(temperature_at_rest(material, (cells, q * k)))
-            state.volume.append(np.zeros((cells, q * k)))
-            state.hourglass.append(np.zeros((cells, 2)))
-        state.shells = shells
-        return state
+            cells_at_rest.temperature.append(temperature_at_rest(material, (cells, q * k)))
+            cells_at_rest.volume.append(np.zeros((cells, q * k)))
+        return State(NodeArrays.at_rest(len(self._model.mesh.points), 6), cells_at_rest, shells)
 
     def _first_directions(self, block: int) -> FloatArray:
         """Return g_1 in the lamina frame (n_cells, q, 2), whose x is the rolling direction laid into the sheet, or the
@@ -175,7 +172,7 @@ class ShellMechanics:
         started = perf_counter()
         model = self._model
         is_small = model.solver.is_small
-        points = model.mesh.points if is_small else model.mesh.points + state_n.displacement[:, :3]
+        points = model.mesh.points if is_small else model.mesh.points + state_n.nodes.displacement[:, :3]
         for i, block in enumerate(model.mesh.blocks):
             law, told = self._laws[i], _core.LawFault()
             cell, fault = _core.evaluate_shells(
@@ -185,19 +182,19 @@ class ShellMechanics:
                 model.mesh.points,
                 points,
                 increment,
-                state_n.shells.director,
+                state_n[ShellArrays].director,
                 *self._rules[i],
                 law.umat if isinstance(law, SheetUmat) else law,
                 dt=dt,
                 penalty=model.solver.kirchhoff_penalty,
                 state_n=_arrays_of(state_n, i),
                 state=_arrays_of(trial, i),
-                volume=trial.volume[i],
+                volume=trial.cells.volume[i],
                 force=self._force[i],
                 stiffness=self._stiffness[i] if with_stiffness else None,
                 symmetric=model.solver.symmetric,
                 small_displacements=is_small,
-                temperature=trial.temperature[i] if trial.temperature[i].size else None,
+                temperature=trial.cells.temperature[i] if trial.cells.temperature[i].size else None,
                 young=law.young,
                 poisson=law.poisson,
                 first_cell=int(self._first_cell[i]),
@@ -209,22 +206,22 @@ class ShellMechanics:
                 if fault == _core.ShellFault.law and told.status != _core.LawStatus.done:
                     return LawFailed.of(i, told)
                 return ShellFailed(i, cell, fault)
-            trial.eqps[i][:] = trial.shells.history[i][..., 0].reshape(trial.eqps[i].shape)
+            trial.cells.eqps[i][:] = trial.cells.history[i][..., 0].reshape(trial.cells.eqps[i].shape)
         force: FloatArray = self.assembler.assemble_vector(self._force)
         self._timing.add("assembly", started)
         return force
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""
-        self._when = place_increment(self._model, state_n, step)
+        self._when = place_increment(self._model, step)
 
     def settle(self, state_n: State, trial: State) -> None:
         """Turn the directors of a converged trial state by its increment; with small displacements they stay."""
         if self._model.solver.is_small:
             return
-        theta = trial.increment[self.directors.node, 3:]
-        turned = turn_vectors(theta, state_n.shells.director)
-        trial.shells.director = turned / np.linalg.norm(turned, axis=1, keepdims=True)
+        theta = trial.nodes.increment[self.directors.node, 3:]
+        turned = turn_vectors(theta, state_n[ShellArrays].director)
+        trial[ShellArrays].director = turned / np.linalg.norm(turned, axis=1, keepdims=True)
 
     def couple(self, couplings: IntArray) -> None:
         """Refuse: bodies in contact are solids."""
@@ -256,21 +253,20 @@ class ShellMechanics:
         """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points); of a UMAT effective stress."""
         law = self._laws[block]
         if isinstance(law, SheetUmat):  # which does not tell it
-            return sheet_effective_stress(state.stress[block])
-        history = state.shells.history[block].reshape(-1, state.shells.history[block].shape[-1])
+            return sheet_effective_stress(state.cells.stress[block])
+        history = state.cells.history[block].reshape(-1, state.cells.history[block].shape[-1])
         material = self._model.materials[self._model.mesh.blocks[block].material]
-        eqps, heat = np.ascontiguousarray(history[:, 0]), temperature(material, history, state.temperature[block])
+        eqps, heat = np.ascontiguousarray(history[:, 0]), temperature(material, history, state.cells.temperature[block])
         flow, _ = law.flow_stress(eqps, temperature=heat)
-        result: FloatArray = flow.reshape(state.eqps[block].shape)
+        result: FloatArray = flow.reshape(state.cells.eqps[block].shape)
         return result
 
     def cell_fields(self, state: State) -> dict[str, FloatArray]:
         """Return the quantities of the sheet's cells by name."""
-        mesh = self._model.mesh
+        mesh, cells, shells = self._model.mesh, state.cells, state[ShellArrays]
+        director = shells.director
         if self._model.solver.is_small:  # for the strains, directors as far as rotations turn them to first order
-            theta = state.displacement[self.directors.node, 3:]
-            director = state.shells.director + np.cross(theta, state.shells.director)
-            state = replace(state, shells=replace(state.shells, director=director))
+            director = director + np.cross(state.nodes.displacement[self.directors.node, 3:], director)
         geometry = [
             ShellGeometry(
                 connectivity=block.connectivity,
@@ -284,37 +280,45 @@ class ShellMechanics:
             )
             for i, block in enumerate(mesh.blocks)
         ]
-        return shell_cell_fields(state, geometry)
+        layers = [
+            ShellLayers(
+                shells.thickness[i], shells.direction[i], cells.stress[i], cells.eqps[i], cells.history[i],
+                cells.temperature[i],
+            )
+            for i in range(len(mesh.blocks))
+        ]  # fmt: skip
+        now = mesh.points + state.nodes.displacement[:, :3]
+        return shell_cell_fields(now, director, geometry, layers)
 
     def show(
         self,
         state: State,
         contact: ContactForces | None = None,
-        between_bodies: tuple[FloatArray, FloatArray] | None = None,
+        between_bodies: BodyTraction | None = None,
     ) -> Instant:
         """Return what the fields are computed from; neither contact nor bodies have stresses on a shell."""
         return Instant(
             self._model,
-            state.displacement[:, :3],
+            state.nodes.displacement[:, :3],
             state,
-            reaction=state.reaction,
+            reaction=state.nodes.reaction,
             find_sheet=lambda: self.cell_fields(state),
             judged=self._model.materials[self._model.mesh.blocks[0].material].formability,
         )
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""
-        stress = np.concatenate([s.reshape(-1, 3) for s in state.stress])
+        stress = np.concatenate([s.reshape(-1, 3) for s in state.cells.stress])
         return {
-            "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.eqps]),
+            "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.cells.eqps]),
             "effective_stress": sheet_effective_stress(stress),
-            "thickness": np.concatenate([t.ravel() for t in state.shells.thickness]),
-            "displacement": np.linalg.norm(state.displacement[:, :3], axis=1),
+            "thickness": np.concatenate([t.ravel() for t in state[ShellArrays].thickness]),
+            "displacement": np.linalg.norm(state.nodes.displacement[:, :3], axis=1),
         }
 
     def elastic_dilatation(self, state: State) -> float:
         """Return the volume gained elastically [mm3]."""
-        blocks = zip(self._model.mesh.blocks, state.stress, state.volume, strict=True)
+        blocks = zip(self._model.mesh.blocks, state.cells.stress, state.cells.volume, strict=True)
         total = 0.0
         for block, stress, volume in blocks:
             material = self._model.materials[block.material]
@@ -332,11 +336,11 @@ class ShellMechanics:
 
 def _arrays_of(state: State, block: int) -> list[FloatArray]:
     """Return a block's arrays in the kernel's order."""
-    shells = state.shells
+    shells = state[ShellArrays]
     return [
         shells.thickness[block],
-        state.stress[block],
-        shells.history[block],
+        state.cells.stress[block],
+        state.cells.history[block],
         shells.direction[block],
         shells.shear[block],
         shells.internal[block],

@@ -11,7 +11,8 @@ import numpy as np
 from presswork import _core
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.shells import ShellMechanics
-from presswork.fields.contact_stress import ContactForces
+from presswork.body.solid_energy import elastic_energy, stress_in_axes
+from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress, find_contact
 from presswork.law.elastic_plastic import (
@@ -21,14 +22,13 @@ from presswork.law.elastic_plastic import (
     make_plane_law,
     make_solid_law,
     plastic_work_density,
-    present_young,
     temperature,
     temperature_at_rest,
 )
 from presswork.law.umat import UNDEFORMED, open_umat
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
 from presswork.outcome import BadGuess, Step
-from presswork.state import State
+from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
 
 
@@ -135,19 +135,23 @@ class Mechanics:
             self._couplings = couplings
             self.assembler = self._make_assembler(couplings)
 
-    def at_rest(self, n_candidates: int, n_slots: int) -> State:
-        """Return the State before the first increment."""
-        state = State.at_rest(self._model, n_candidates, n_slots)
-        state.history = [
-            _history_at_rest(law, (s.shape[0], s.shape[1]), s.shape[2])
-            for law, s in zip(self._laws, state.stress, strict=True)
-        ]
-        state.temperature = [temperature_at_rest(self._material(i), e.shape) for i, e in enumerate(state.eqps)]
-        return state
+    def at_rest(self) -> State:
+        """Return nodes and cells before the first increment."""
+        blocks, components = self._model.mesh.blocks, 6 if self._model.dimension == 3 else 4
+        sizes = [(len(b.connectivity), _core.element_sizes(b.element)[1]) for b in blocks]
+        cells = CellArrays(
+            stress=[np.zeros((*size, components)) for size in sizes],
+            eqps=[np.zeros(size) for size in sizes],
+            temperature=[temperature_at_rest(self._material(i), size) for i, size in enumerate(sizes)],
+            history=[_history_at_rest(law, size, components) for law, size in zip(self._laws, sizes, strict=True)],
+            volume=[np.zeros(size) for size in sizes],
+            hourglass=[np.zeros((size[0], 2)) for size in sizes],
+        )
+        return State(NodeArrays.at_rest(len(self._model.mesh.points), self.freedoms), cells)
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""
-        self._when = place_increment(self._model, state_n, step)
+        self._when = place_increment(self._model, step)
 
     def settle(self, state_n: State, trial: State) -> None:
         """Bring a converged trial state's other arrays up to its displacement: solids have none."""
@@ -177,7 +181,7 @@ class Mechanics:
         model = self._model
         points = model.mesh.points
         if not model.solver.is_small:
-            points = points + state_n.displacement
+            points = points + state_n.nodes.displacement
         for i, block in enumerate(model.mesh.blocks):
             fault = _core.LawFault()
             failed = _core.evaluate_block(
@@ -190,20 +194,20 @@ class Mechanics:
                 axisymmetric=model.analysis == "axisymmetric",
                 depth=model.depth,
                 hourglass_fraction=model.solver.hourglass_stiffness,
-                stress_n=state_n.stress[i],
-                eqps_n=state_n.eqps[i],
-                hourglass_n=state_n.hourglass[i],
-                stress=trial.stress[i],
-                eqps=trial.eqps[i],
-                hourglass=trial.hourglass[i],
-                volume=trial.volume[i],
+                stress_n=state_n.cells.stress[i],
+                eqps_n=state_n.cells.eqps[i],
+                hourglass_n=state_n.cells.hourglass[i],
+                stress=trial.cells.stress[i],
+                eqps=trial.cells.eqps[i],
+                hourglass=trial.cells.hourglass[i],
+                volume=trial.cells.volume[i],
                 force=self._force[i],
                 stiffness=self._stiffness[i] if with_stiffness else None,
                 symmetric=model.solver.symmetric,
-                history_n=state_n.history[i],
-                history=trial.history[i],
+                history_n=state_n.cells.history[i],
+                history=trial.cells.history[i],
                 first_cell=int(self._first_cell[i]),
-                temperature=trial.temperature[i] if trial.temperature[i].size else None,
+                temperature=trial.cells.temperature[i] if trial.cells.temperature[i].size else None,
                 when=self._when,
                 dt=dt,
                 fault=fault,
@@ -237,12 +241,12 @@ class Mechanics:
     def _flow_stress_now(self, block: int, state: State) -> FloatArray:
         """Return the flow stress at the points; of a UMAT, which does not tell it, the effective stress."""
         if isinstance(self._laws[block], _core.Umat):
-            return effective_stress(state.stress[block])
+            return effective_stress(state.cells.stress[block])
         return self.flow_stress(block, state)
 
     def flow_stress(self, block: int, state: State) -> FloatArray:
         """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points)."""
-        law, eqps = self._laws[block], state.eqps[block]
+        law, eqps = self._laws[block], state.cells.eqps[block]
         assert not isinstance(law, _core.Umat)
         flat = np.ascontiguousarray(eqps).ravel()
         if isinstance(law, _core.VonMises):
@@ -259,19 +263,15 @@ class Mechanics:
         self,
         state: State,
         contact: ContactForces | None = None,
-        between_bodies: tuple[FloatArray, FloatArray] | None = None,
+        between_bodies: BodyTraction | None = None,
     ) -> Instant:
         """Return what the fields are computed from. contact: forces of the tools; in space no tool touches a body."""
-        model = self._model
-        found = Instant(
-            model,
-            state.displacement,
-            state,
-            points=SolidPoints(state.stress, state.eqps, state.volume, state.history, self._temperature(state)),
-        )
+        model, cells = self._model, state.cells
+        points = SolidPoints(cells.stress, cells.eqps, cells.volume, cells.history, self._temperature(state))
+        found = Instant(model, state.nodes.displacement, state, points=points)
         if contact is not None and model.analysis != "solid":
             found.find_contact = lambda: find_contact(
-                model, state, contact, self.nodal_flow_stress(state), between_bodies
+                model, state.nodes.displacement, contact, self.nodal_flow_stress(state), between_bodies
             )
         return found
 
@@ -282,23 +282,23 @@ class Mechanics:
             return None
         parts = []
         for i in range(len(materials)):
-            weight = state.volume[i] / state.volume[i].sum(axis=1, keepdims=True)
+            weight = state.cells.volume[i] / state.cells.volume[i].sum(axis=1, keepdims=True)
             degrees = self._temperature_at_points(state, i).reshape(weight.shape)
             parts.append((weight * degrees).sum(axis=1))
         return np.concatenate(parts)
 
     def _temperature_at_points(self, state: State, block: int) -> FloatArray:
         """Return the temperature of a block's points (n,) [degrees C], the rise by the law's own heat included."""
-        return temperature(self._material(block), _law_history(state, block), state.temperature[block])
+        return temperature(self._material(block), _law_history(state, block), state.cells.temperature[block])
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""
-        stress = np.concatenate([s.reshape(-1, s.shape[-1]) for s in state.stress])
+        stress = np.concatenate([s.reshape(-1, s.shape[-1]) for s in state.cells.stress])
         return {
-            "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.eqps]),
+            "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.cells.eqps]),
             "effective_stress": effective_stress(stress),
             "hydrostatic_stress": stress[:, :3].mean(axis=1),
-            "displacement": np.linalg.norm(state.displacement, axis=1),
+            "displacement": np.linalg.norm(state.nodes.displacement, axis=1),
         }
 
     def elastic_dilatation(self, state: State) -> float:
@@ -306,23 +306,12 @@ class Mechanics:
         bulk = [self._model.materials[b.material] for b in self._model.mesh.blocks]
         return sum(
             float((s[..., :3].sum(axis=-1) * (1 - 2 * m.poisson) / m.young * v).sum())
-            for m, s, v in zip(bulk, state.stress, state.volume, strict=True)
+            for m, s, v in zip(bulk, state.cells.stress, state.cells.volume, strict=True)
         )
 
     def elastic_energy(self, state: State) -> float:
         """Return the energy stored elastically [N mm]."""
-        total = 0.0
-        blocks = zip(self._model.mesh.blocks, state.stress, state.eqps, state.volume, strict=True)
-        for block, stress, eqps, volume in blocks:
-            material = self._model.materials[block.material]
-            if material.umat is not None:
-                continue  # told with the plastic work
-            young = present_young(material, eqps)
-            trace = stress[..., :3].sum(axis=-1)
-            square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * (stress[..., 3:] ** 2).sum(axis=-1)
-            density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * young)
-            total += float((density * volume).sum())
-        return total
+        return elastic_energy(self._model, state)
 
     def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
         """Return the plastic work of one increment over dt [s] [N mm], by the trapezoidal rule.
@@ -332,43 +321,21 @@ class Mechanics:
         total = 0.0
         for i, law in enumerate(self._laws):
             if isinstance(law, _core.Umat):
-                work = trial.history[i][..., -1]
+                work = trial.cells.history[i][..., -1]
             elif isinstance(law, _core.VonMises):
                 mean_flow = 0.5 * (self.flow_stress(i, state_n) + self.flow_stress(i, trial))
-                work = mean_flow * (trial.eqps[i] - state_n.eqps[i])
+                work = mean_flow * (trial.cells.eqps[i] - state_n.cells.eqps[i])
             else:
                 before, after = (_law_history(state, i) for state in (state_n, trial))
-                stress = _stress_in_axes(trial, i)
-                given = (state_n.temperature[i], trial.temperature[i])
+                stress = stress_in_axes(trial, i)
+                given = (state_n.cells.temperature[i], trial.cells.temperature[i])
                 work = plastic_work_density(self._material(i), law, before, after, stress, dt, given)
-                work = work.reshape(trial.eqps[i].shape)
-            total += float((work * trial.volume[i]).sum())
+                work = work.reshape(trial.cells.eqps[i].shape)
+            total += float((work * trial.cells.volume[i]).sum())
         return total
 
 
 def _law_history(state: State, block: int) -> FloatArray:
     """Return what the law keeps behind the stress (n, n_history), the points of the cells in one row."""
-    history = state.history[block]
-    return np.column_stack([state.eqps[block].ravel(), history.reshape(-1, history.shape[2])])
-
-
-def _stress_in_axes(state: State, block: int) -> FloatArray:
-    """Return the stress in the law's axes (n, 4): xx, yy, zz, xy, or in space (n, 6): and yz, zx."""
-    components = state.stress[block].shape[-1]
-    stress = state.stress[block].reshape(-1, components)
-    history = state.history[block].reshape(len(stress), -1)
-    if components == 6:
-        x, y = history[:, -6:-3], history[:, -3:]
-        axes = np.stack([x, y, np.cross(x, y)], axis=1)
-        tensor = stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
-        turned = np.einsum("nai,nij,nbj->nab", axes, tensor, axes)
-        return np.asarray(turned[:, [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
-    xx, yy, zz, xy = stress.T
-    c, s = history[:, -2:].T
-    turned_plane = (
-        c * c * xx + s * s * yy + 2 * s * c * xy,
-        s * s * xx + c * c * yy - 2 * s * c * xy,
-        zz,
-        s * c * (yy - xx) + (c * c - s * s) * xy,
-    )
-    return np.stack(turned_plane, axis=1)
+    history = state.cells.history[block]
+    return np.column_stack([state.cells.eqps[block].ravel(), history.reshape(-1, history.shape[2])])

@@ -21,10 +21,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.mesh.edges import edge_shape_functions
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
-from presswork.state import ContactArray
 
 LEAVES = 2.0
 """An edge beside the contact counts by 1 - LEAVES gap / length of its free node: not at all from 30 degrees on."""
@@ -52,10 +52,22 @@ class ContactForces:
     """Along the tangent, a quarter turn on from the normal (n,) [N]; none in an inner corner."""
     force: FloatArray
     """The whole force (n, 2) [N]."""
-    status: ContactArray
+    status: NDArray[np.int8]
     """Contact of every node (n_points,): 0 apart, 1 held along the normal, 2 held in both directions."""
     gap: FloatArray
     """Distance of every node from the nearest tool (n_points,) [mm]; NaN inside the body and where there is none."""
+
+
+@dataclass(frozen=True)
+class BodyTraction:
+    """What deformable bodies do to each other, at the nodes."""
+
+    pressure: FloatArray
+    """(n_points,) [MPa]."""
+    shear: FloatArray
+    """Along the boundary, body on the right (n_points,) [MPa]."""
+    force: FloatArray
+    """(n_points, 2) [N]."""
 
 
 class ContactSurface:

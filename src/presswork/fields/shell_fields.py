@@ -16,12 +16,11 @@ import numpy as np
 from presswork.fields.field import PLACES
 from presswork.law.elastic_plastic import back_stress, temperature
 from presswork.model import FloatArray, IntArray, Material
-from presswork.state import State
 
 
 @dataclass(frozen=True)
 class ShellGeometry:
-    """Data of one block that its fields need besides the State."""
+    """Data of one block that its fields need besides its layers."""
 
     connectivity: IntArray
     director_of: IntArray
@@ -45,14 +44,37 @@ class ShellGeometry:
         return vectors
 
 
-def shell_cell_fields(state: State, geometry: list[ShellGeometry]) -> dict[str, FloatArray]:
-    """Return the cell means over the points in the plane, cells in the order of the blocks."""
+@dataclass(frozen=True)
+class ShellLayers:
+    """What one block of shells has at q points in the plane and k layers."""
+
+    thickness: FloatArray
+    """(n_cells, q) [mm]."""
+    direction: FloatArray
+    """First base vector in the frame of the stress (n_cells, q, k, 2)."""
+    stress: FloatArray
+    """xx, yy, xy (n_cells, q k, 3) [MPa]."""
+    eqps: FloatArray
+    """(n_cells, q k)."""
+    history: FloatArray
+    """What the law keeps (n_cells, q, k, n_history)."""
+    temperature: FloatArray
+    """Given from outside (n_cells, q k) [degrees C]; no rows where the material does not know of it."""
+
+
+def shell_cell_fields(
+    now: FloatArray, director: FloatArray, geometry: list[ShellGeometry], layers: list[ShellLayers]
+) -> dict[str, FloatArray]:
+    """Return the cell means over the points in the plane, cells in the order of the blocks.
+
+    now (n_points, 3) [mm] and director (n_directors, 3): where the nodes are, and their unit directors.
+    """
     parts = [
-        _block_fields(state, i, g)
-        | _back_stress_fields(state, i, g)
-        | temperature_field(g.material, state.shells.history[i], state.temperature[i])
-        | state_variable_field(g.material, state.shells.history[i])
-        for i, g in enumerate(geometry)
+        _block_fields(now, director, g, of_block)
+        | _back_stress_fields(of_block.history, g)
+        | temperature_field(g.material, of_block.history, of_block.temperature)
+        | state_variable_field(g.material, of_block.history)
+        for g, of_block in zip(geometry, layers, strict=True)
     ]
     names = max(parts, key=len)  # not every block has back stresses and a temperature
     return {
@@ -86,11 +108,12 @@ def sheet_effective_stress(stress: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(xx**2 - xx * yy + yy**2 + 3 * xy**2))
 
 
-def _block_fields(state: State, block: int, g: ShellGeometry) -> dict[str, FloatArray]:
-    stress = state.stress[block].reshape(len(g.connectivity), -1, len(g.layers), 3)
-    eqps = state.eqps[block].reshape(stress.shape[:3])
-    shells, now = state.shells, g.points + state.displacement[:, :3]
-    return layer_fields(g, now, shells.director, shells.thickness[block], shells.direction[block], stress, eqps)
+def _block_fields(
+    now: FloatArray, director: FloatArray, g: ShellGeometry, layers: ShellLayers
+) -> dict[str, FloatArray]:
+    stress = layers.stress.reshape(len(g.connectivity), -1, len(g.layers), 3)
+    eqps = layers.eqps.reshape(stress.shape[:3])
+    return layer_fields(g, now, director, layers.thickness, layers.direction, stress, eqps)
 
 
 def layer_fields(
@@ -146,11 +169,11 @@ def _points_at(place: str, k: int) -> list[int]:
     return {"bottom": [0], "middle": sorted({(k - 1) // 2, k // 2}), "top": [k - 1]}[place]
 
 
-def _back_stress_fields(state: State, block: int, g: ShellGeometry) -> dict[str, FloatArray]:
+def _back_stress_fields(history: FloatArray, g: ShellGeometry) -> dict[str, FloatArray]:
     """Return the back stresses of a block, in the lamina frame, if its material has any."""
     if g.material is None or g.material.kinematic is None:
         return {}
-    back = back_stress(g.material, state.shells.history[block], 3)
+    back = back_stress(g.material, history, 3)
     return {f"back_stress_{p}": back[:, :, _points_at(p, len(g.layers))].mean(axis=(1, 2)) for p in PLACES}
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.fields.contact_stress import ContactForces
+from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import NodalContact
 from presswork.fields.tool_stress import recover_tool_stress, shear_strength
 from presswork.model import FloatArray, Model
-from presswork.state import State
 
 
 def effective_stress(stress: FloatArray) -> FloatArray:
@@ -23,26 +22,26 @@ def effective_stress(stress: FloatArray) -> FloatArray:
 
 def find_contact(
     model: Model,
-    state: State,
+    displacement: FloatArray,
     contact: ContactForces,
     flow_stress: FloatArray,
-    between_bodies: tuple[FloatArray, FloatArray] | None = None,
+    between_bodies: BodyTraction | None = None,
 ) -> NodalContact:
     """Return the contact at the nodes from the forces of tools.
 
-    flow_stress: of the material at the nodes (n_points,) [MPa].
-    between_bodies: pressure and shear of the bodies on each other (n_points,) [MPa]; they and their forces are added.
+    displacement: of the nodes (n_points, 2) [mm]. flow_stress: of the material at the nodes (n_points,) [MPa].
+    between_bodies: what the bodies do to each other is added.
     """
     n = len(model.mesh.points)
-    stress = recover_tool_stress(model, model.mesh.points + state.displacement, contact, flow_stress)
+    stress = recover_tool_stress(model, model.mesh.points + displacement, contact, flow_stress)
     force = np.zeros((n, 3))
     np.add.at(force[:, :2], contact.nodes, contact.force)
     pressure, shear = stress.pressure, stress.shear
     if between_bodies is not None:
         strength = shear_strength(model, flow_stress)
-        between = between_bodies[0], np.clip(between_bodies[1], -strength, strength)
+        between = between_bodies.pressure, np.clip(between_bodies.shear, -strength, strength)
         pressure, shear = np.where(between[0] != 0, between, (pressure, shear))
-        force[:, :2] += state.interface_force
+        force[:, :2] += between_bodies.force
     return NodalContact(
         gap=contact.gap,
         status=contact.status.astype(np.float64),

@@ -16,16 +16,8 @@ import numpy as np
 from presswork import stop
 from presswork.implicit.linear_solver import SolverError
 from presswork.implicit.linear_system import Balance
-from presswork.implicit.stepping import (
-    FRACTION,
-    INCREMENTS,
-    LAST,
-    SIZE,
-    STAGE,
-    TIME,
-    ImplicitProcedure,
-    IncrementReport,
-)
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.contract import Constraints, Point, turn, turn_back
 from presswork.model import FloatArray, Model
 from presswork.outcome import BadGuess, GaveUpError, IterationLog, Step
@@ -59,10 +51,10 @@ class ArcLengthProcedure(ImplicitProcedure):
 
     def _next_increment(self) -> IncrementReport:
         """Find the next point of the path; shorten the arc where there is none."""
-        progress, settings = self.state.progress, self.model.solver
-        stage, fraction_n = int(progress[STAGE]), float(progress[FRACTION])
+        progress, settings = self.state[Progress], self.model.solver
+        stage, fraction_n = progress.stage, progress.fraction
         first = self._first_arc(stage)
-        arc = float(progress[SIZE]) if progress[LAST] != 0.0 else first
+        arc = progress.next_size if progress.last_size != 0.0 else first
         cutbacks: list[str] = []
         while True:
             found = self._follow(stage, fraction_n, arc)
@@ -82,15 +74,15 @@ class ArcLengthProcedure(ImplicitProcedure):
         self.equilibrium.fill(self._start, trial, found.point, found.constraints)
         size = arc * float(np.clip(np.sqrt(settings.target_iterations / max(len(log), 1)), 0.5, 1.5))
         self._commit(trial, stage, fraction_n, 1.0 if over else fraction, arc, log, len(cutbacks))
-        now = self.state.progress
+        now = self.state[Progress]
         if not over:
-            now[SIZE] = min(size, LARGEST * first)
-            now[LAST] = arc
+            now.next_size = min(size, LARGEST * first)
+            now.last_size = arc
         return IncrementReport(
-            number=int(now[INCREMENTS]),
+            number=now.increments,
             stage=self.model.stages[stage].name,
             fraction=fraction,
-            time=float(now[TIME]),
+            time=now.time,
             log=log,
             cutbacks=cutbacks,
             is_save_point=self._is_save_point(fraction_n, fraction, over),
@@ -99,10 +91,10 @@ class ArcLengthProcedure(ImplicitProcedure):
     def _first_arc(self, stage: int) -> float:
         """Arc length [mm] of the undeformed sheet's answer to the first increment of load."""
         if stage not in self._first_arcs:
-            state = self.mechanics.at_rest(0, 0)
-            increment = np.zeros_like(state.displacement)
+            state = self.at_rest()
+            increment = np.zeros_like(state.nodes.displacement)
             trial = state.duplicate()
-            point = self._evaluate(state, trial, Step(stage, 0.0, 0.0), increment)
+            point = self._evaluate(state, trial, self._step(stage, 0.0, 0.0), increment)
             assert isinstance(point, Point), "the undeformed sheet can be evaluated"
             answer = self._tangents(state, trial, point)[1]
             self._first_arcs[stage] = self.model.solver.initial_increment * float(np.linalg.norm(answer[:, :3]))
@@ -128,9 +120,9 @@ class ArcLengthProcedure(ImplicitProcedure):
         """Find equilibrium an arc further on, or at the end of the stage, or say why not."""
         settings, mechanics = self.model.solver, self.mechanics
         state_n, trial, log = self.state, self.state.duplicate(), IterationLog()
-        step_n = Step(stage, fraction_n, fraction_n)
-        point = self._evaluate(state_n, trial, step_n, np.zeros_like(state_n.displacement))
-        peak = max(float(state_n.peak_force[0]), mechanics.force_of_round_off())
+        step_n = self._step(stage, fraction_n, fraction_n)
+        point = self._evaluate(state_n, trial, step_n, np.zeros_like(state_n.nodes.displacement))
+        peak = max(state_n[Progress].peak_force, mechanics.force_of_round_off())
         for iteration in range(settings.max_iterations + 1):
             stop.look()
             if isinstance(point, BadGuess):
@@ -144,7 +136,11 @@ class ArcLengthProcedure(ImplicitProcedure):
             log.residual.append(balance.largest_lacking / max(largest, 1e-2 * peak))
             log.contact_changes.append(0)
             if iteration == 0:
-                sign = 1.0 if not state_n.increment.any() else np.sign((answer * state_n.increment)[:, :3].sum())
+                sign = (
+                    1.0
+                    if not state_n.nodes.increment.any()
+                    else np.sign((answer * state_n.nodes.increment)[:, :3].sum())
+                )
                 change = float(sign or 1.0) * arc / float(np.linalg.norm(answer[:, :3]))
                 if end or fraction_n + change >= 1.0:  # the end of the stage lies within this arc: load control
                     change, end = 1.0 - fraction_n, True
@@ -162,7 +158,7 @@ class ArcLengthProcedure(ImplicitProcedure):
             moved = increment + step
             size = float(np.abs(moved * mechanics.length).max())
             log.correction.append(float(np.abs(step * mechanics.length).max()) / size if size > 0 else 0.0)
-            point = self._evaluate(state_n, trial, Step(stage, fraction_n, fraction + change), moved)
+            point = self._evaluate(state_n, trial, self._step(stage, fraction_n, fraction + change), moved)
         return f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}"
 
 

@@ -13,52 +13,62 @@ All are integrated over an increment by the trapezoidal rule. Friction, sheet co
 from __future__ import annotations
 
 from collections.abc import Mapping
-
-import numpy as np
+from dataclasses import dataclass
 
 from presswork.model import BoolArray
-from presswork.state import CONTACT, EXTERNAL, FRICTION, INERTIA, PLASTIC, State
+from presswork.state import Arrays, State
+
+
+@dataclass
+class Work(Arrays):
+    """Work done since the start [N mm], by the names of energy.balance."""
+
+    owner = "work"
+    of_run = ("external_work", "plastic_work", "friction_work", "inertia_work")
+    external_work: float = 0.0
+    """Of tools, supports and loads."""
+    plastic_work: float = 0.0
+    friction_work: float = 0.0
+    """Lost on tools, beads and between bodies."""
+    inertia_work: float = 0.0
+    """Against inertia and damping."""
 
 
 def add_external_work(state_n: State, trial: State, fixed_n: BoolArray, fixed: BoolArray) -> None:
-    """Add the work of plane tools, supports and loads in an increment to that of the trial state.
+    """Add the work of supports and loads in an increment to that of the trial state.
 
     fixed_n, fixed (n_points, freedoms): what supports and prescribed displacements hold at state_n, and in the
     increment. What they let go of at the start of a stage loses its reaction over the first increment.
     """
-    on_nodes = state_n.reaction * fixed_n + trial.reaction * fixed + state_n.external_force + trial.external_force
-    moved = np.column_stack(
-        [trial.tool_displacement - state_n.tool_displacement, trial.tool_angle - state_n.tool_angle]
+    on_nodes = (
+        state_n.nodes.reaction * fixed_n
+        + trial.nodes.reaction * fixed
+        + state_n.nodes.external_force
+        + trial.nodes.external_force
     )
-    of_tools = -float(((state_n.tool_force + trial.tool_force) * moved).sum())
-    trial.work[EXTERNAL] += 0.5 * (float((on_nodes * trial.increment).sum()) + of_tools)
-
-
-PLACES = {
-    "external_work": EXTERNAL,
-    "plastic_work": PLASTIC,
-    "friction_work": FRICTION,
-    "inertia_work": INERTIA,
-    "contact_energy": CONTACT,
-}
-"""Places in State.work by the names of balance()."""
+    trial[Work].external_work += 0.5 * float((on_nodes * trial.nodes.increment).sum())
 
 
 def add_work(trial: State, work: Mapping[str, float]) -> None:
     """Add work done in an increment, by the names of balance() [N mm], to that of the trial state."""
+    total = trial[Work]
     for name, value in work.items():
-        trial.work[PLACES[name]] += value
+        setattr(total, name, getattr(total, name) + value)
 
 
-def balance(state: State, elastic_energy: float) -> dict[str, float]:
-    """Return both sides [N mm], and what is missing between them in per cent of the larger."""
+def balance(state: State, elastic_energy: float, contact_energy: float) -> dict[str, float]:
+    """Return both sides [N mm], and what is missing between them in per cent of the larger.
+
+    elastic_energy, contact_energy: stored in the cells, and in the interactions.
+    """
+    work = state[Work]
     inside = {
         "elastic_energy": elastic_energy,
-        "plastic_work": float(state.work[PLASTIC]),
-        "friction_work": float(state.work[FRICTION]),
-        "inertia_work": float(state.work[INERTIA]),
-        "contact_energy": float(state.work[CONTACT]),
+        "plastic_work": work.plastic_work,
+        "friction_work": work.friction_work,
+        "inertia_work": work.inertia_work,
+        "contact_energy": contact_energy,
     }
-    external, total = float(state.work[EXTERNAL]), sum(inside.values())
+    external, total = work.external_work, sum(inside.values())
     largest = max(abs(external), abs(total), 1e-300)
     return {"external_work": external, **inside, "error_percent": 100.0 * (external - total) / largest}

@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from presswork.implicit.stepping import FRACTION, STAGE, ImplicitProcedure
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import FloatArray, Mesh, Model
 from presswork.outcome import BadGuess, GaveUpError
 from presswork.state import State
@@ -63,14 +65,14 @@ def new_epoch(run: ImplicitProcedure, mesh: Mesh, transfer: Transfer) -> Implici
     state = after.state
     state.take_over(run.state)
     transfer(Epoch(run.model.mesh, run.state, run), Epoch(mesh, state, after))
-    if not state.contact.any():
-        stage = max(int(state.progress[STAGE]) - int(state.progress[FRACTION] == 0.0), 0)
+    if ContactArrays in state and not state[ContactArrays].status.any():
+        stage = max(state[Progress].stage - int(state[Progress].fraction == 0.0), 0)
         after.interactions.tools.contact.begin(state, after.interactions.supports.fixed(stage))
     trial = state.duplicate()
-    found = after.mechanics.evaluate(state, trial, np.zeros_like(state.displacement), with_stiffness=False)
+    found = after.mechanics.evaluate(state, trial, np.zeros_like(state.nodes.displacement), with_stiffness=False)
     if isinstance(found, BadGuess):
         raise GaveUpError(f"the new mesh cannot be used: {found}")
-    state.volume = trial.volume
+    state.cells.volume = trial.cells.volume
     return after
 
 

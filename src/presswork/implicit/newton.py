@@ -14,8 +14,9 @@ from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.implicit.linear_solver import LinearSolver, SolverError
 from presswork.implicit.linear_system import Balance, LinearSystem
+from presswork.implicit.progress import Progress
 from presswork.interaction.contract import Constraints, Forces, Guess, Interaction, Point, Resistance, turn
-from presswork.interaction.floating_tools import LostWorkpieceError
+from presswork.interaction.placing import LostWorkpieceError
 from presswork.model import FloatArray, Model
 from presswork.outcome import BadGuess, Converged, Failed, IterationLog, Step
 from presswork.state import State
@@ -99,68 +100,87 @@ class Equilibrium:
 
         gently: begin with soft springs and stiffen them as equilibrium comes near; takes more iterations.
         """
-        settings = self._model.solver
-        log = IterationLog()
-        peak = max(float(state_n.peak_force[0]), self._noise / UNLOADED)
-        self._mechanics.begin_increment(state_n, step)
-        for interaction in self._interactions:
-            interaction.begin_increment(state_n, step)
+        log, size, factorised = IterationLog(), 0.0, False
         self._soften(SOFT if gently else 1.0)
-        increment, point = guess, self.evaluate(state_n, trial, step, guess, with_stiffness=True)
-        if isinstance(point, BadGuess) and point.is_final:
-            return Failed(log, str(point), point.factor)
+        point = self._begin(state_n, trial, step, guess)
         if isinstance(point, BadGuess):
-            increment = np.zeros_like(guess)
-            for interaction in self._interactions:
-                interaction.give_up_guess(state_n, trial)
-            point = self.evaluate(state_n, trial, step, increment, with_stiffness=True)
-            if isinstance(point, BadGuess):
-                return Failed(log, str(point), point.factor)
-        size, factorised = 0.0, False
-        most = settings.max_iterations * (2 if gently else 1)
+            return Failed(log, str(point), point.factor)
+        most = self._model.solver.max_iterations * (2 if gently else 1)
         for iteration in range(most + 1):
             stop.look()
             # 1. what holds the nodes at the present guess, and what is out of balance
-            may_release = iteration > 0 and log.residual[-1] < NEAR
-            scale = max(self.largest_force(point), UNLOADED * peak)
-            pull = scale * max(settings.force_tolerance, CREDIBLE * log.residual[-1] if iteration else 0.0)
-            point, balance = self.balance(state_n, trial, point, near=may_release, pull=pull)
-
-            # 2. converged? Not before this very iterate has been searched for contact that pulls
-            self._note(log, balance, scale, size, increment)
             stiff = self._softness == 1.0
-            if iteration > 0 and stiff and self._has_converged(log):
-                pull = scale * settings.force_tolerance
-                point, balance = self.balance(state_n, trial, point, near=True, pull=pull)
-                log.forget_last()
-                self._note(log, balance, scale, size, increment)
-            missing = self._largest(balance.constraints.value)
+            point, balance, has_converged = self._find_balance(state_n, trial, point, log, size)
+            # 2. in equilibrium? Else nearer to it with stiffer springs
+            if has_converged:
+                augmented = self._augment(state_n, trial, point)
+                if augmented is None:
+                    return self._settle(state_n, trial, point, balance, log)
+                point = augmented
+                continue
             if iteration > 0 and log.residual[-1] < CALM:
                 self._soften(max(1.0, self._softness / STIFFENING))
-            if iteration > 0 and stiff and self._has_converged(log):
-                augmented = [k for k, i in enumerate(self._interactions) if i.augment(trial, point.forces[k])]
-                for k in augmented:
-                    point = self._evaluate_again(k, state_n, trial, point)
-                if augmented:
-                    continue
-                return self._settle(state_n, trial, point, balance, log)
             if iteration == most or (stiff and self._is_hopeless(log)):
                 break
-
             # 3. correction; constrained freedoms go all the way to where they must be
             try:
-                has_changed = balance.changes > 0 or missing > 1e-3 * size
-                refactorise = settings.newton == "full" or not factorised or has_changed
+                refactorise = not factorised or self._needs_new_factors(balance, size)
                 correction, travel = self.system.correct(balance, point, refactorise=refactorise)
             except (SolverError, LostWorkpieceError) as error:
                 return Failed(log, str(error), 0.25)
             factorised = True
-            moved = self._advance(state_n, trial, step, point, balance, increment, correction, travel)
+            moved = self._advance(state_n, trial, point, balance, correction, travel)
             if isinstance(moved, BadGuess):
                 return Failed(log, str(moved), moved.factor)
-            increment, point = moved
+            point = moved
             size = max(self._largest(correction), float(np.abs(travel).max(initial=0.0)))
         return Failed(log, f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}", 0.5)
+
+    def _begin(self, state_n: State, trial: State, step: Step, guess: FloatArray) -> Point | BadGuess:
+        """Return the forces at a first guess; at none where it cannot be evaluated."""
+        self._mechanics.begin_increment(state_n, step)
+        for interaction in self._interactions:
+            interaction.begin_increment(state_n, step)
+        point = self.evaluate(state_n, trial, step, guess, with_stiffness=True)
+        if not isinstance(point, BadGuess) or point.is_final:
+            return point
+        for interaction in self._interactions:
+            interaction.give_up_guess(state_n, trial)
+        return self.evaluate(state_n, trial, step, np.zeros_like(guess), with_stiffness=True)
+
+    def _find_balance(
+        self, state_n: State, trial: State, point: Point, log: IterationLog, size: float
+    ) -> tuple[Point, Balance, bool]:
+        """Return the point with what holds its nodes, what is out of balance there, and whether that is nothing.
+
+        size: of the last correction [mm]. An iterate is in equilibrium only when it has itself been searched for
+        contact that pulls.
+        """
+        is_first, tolerance = len(log) == 0, self._model.solver.force_tolerance
+        peak = max(state_n[Progress].peak_force, self._noise / UNLOADED)
+        scale = max(self.largest_force(point), UNLOADED * peak)
+        near = not is_first and log.residual[-1] < NEAR
+        pull = scale * max(tolerance, 0.0 if is_first else CREDIBLE * log.residual[-1])
+        point, balance = self.balance(state_n, trial, point, near=near, pull=pull)
+        self._note(log, balance, scale, size, point.guess.increment)
+        may_end = not is_first and self._softness == 1.0
+        if may_end and self._has_converged(log):
+            point, balance = self.balance(state_n, trial, point, near=True, pull=scale * tolerance)
+            log.forget_last()
+            self._note(log, balance, scale, size, point.guess.increment)
+        return point, balance, may_end and self._has_converged(log)
+
+    def _augment(self, state_n: State, trial: State, point: Point) -> Point | None:
+        """Let interactions take their multipliers over; return the point with these, None if they are good enough."""
+        augmented = [k for k, i in enumerate(self._interactions) if i.augment(trial, point.forces[k])]
+        for k in augmented:
+            point = self._evaluate_again(k, state_n, trial, point)
+        return point if augmented else None
+
+    def _needs_new_factors(self, balance: Balance, size: float) -> bool:
+        """Say whether modified Newton needs new factors, too: contact has changed, or constraints ask for a way."""
+        missing = self._largest(balance.constraints.value)
+        return self._model.solver.newton == "full" or balance.changes > 0 or missing > 1e-3 * size
 
     def _settle(
         self, state_n: State, trial: State, point: Point, balance: Balance, log: IterationLog
@@ -174,11 +194,11 @@ class Equilibrium:
 
     def fill(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> None:
         """Fill the trial state with what equilibrium has found at a point."""
-        trial.displacement, trial.increment = point.guess.displacement, point.guess.increment
-        trial.reaction = point.reaction
+        trial.nodes.displacement, trial.nodes.increment = point.guess.displacement, point.guess.increment
+        trial.nodes.reaction = point.reaction
         for interaction, forces in zip(self._interactions, point.forces, strict=True):
             interaction.settle(state_n, trial, forces, constraints)
-        trial.peak_force = np.maximum(state_n.peak_force, self.largest_force(point))
+        trial[Progress].peak_force = max(state_n[Progress].peak_force, self.largest_force(point))
 
     def balance(
         self, state_n: State, trial: State, point: Point, *, near: bool = False, pull: float = 0.0
@@ -250,7 +270,7 @@ class Equilibrium:
         internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
         if isinstance(internal, BadGuess):
             return internal
-        guess = Guess(step, dt, increment, state_n.displacement + increment)
+        guess = Guess(step, dt, increment, state_n.nodes.displacement + increment)
         started = perf_counter()
         reaction, found = internal.copy(), []
         for interaction in self._interactions:
@@ -276,17 +296,10 @@ class Equilibrium:
         return replace(point, forces=(*point.forces[:k], now, *point.forces[k + 1 :]), reaction=reaction)
 
     def _advance(
-        self,
-        state_n: State,
-        trial: State,
-        step: Step,
-        point: Point,
-        balance: Balance,
-        increment: FloatArray,
-        correction: FloatArray,
-        travel: FloatArray,
-    ) -> tuple[FloatArray, Point] | BadGuess:
+        self, state_n: State, trial: State, point: Point, balance: Balance, correction: FloatArray, travel: FloatArray
+    ) -> Point | BadGuess:
         """Take the correction, or the part of it that keeps cells whole and does not overshoot."""
+        step, increment = point.guess.step, point.guess.increment
         full = self._model.solver.newton == "full"
         drag = balance.drag
         missing = max(self._largest(balance.constraints.value), float(np.abs(travel).max(initial=0.0)))
@@ -303,17 +316,14 @@ class Equilibrium:
             return found
         largest = self._largest(correction)
         if not self._model.solver.line_search or part < 1.0 or missing > 1e-3 * largest:
-            return taken, found
+            return found
         before = float(((drag - point.reaction) * correction).sum())
         after = float(((drag - found.reaction) * correction).sum())
         if abs(after) <= OVERSHOOT * abs(before):
-            return taken, found
+            return found
         part = float(np.clip(before / (before - after), 0.1, 0.9)) if before != after else 0.5
         self._move(trial, point, balance, part * correction, (part - gone) * travel)
-        shorter = self.evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
-        if isinstance(shorter, BadGuess):
-            return shorter
-        return increment + part * correction, shorter
+        return self.evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
 
     def _move(self, trial: State, point: Point, balance: Balance, change: FloatArray, travel: FloatArray) -> None:
         """Tell interactions of a change of the nodes, and move what has freedoms of its own."""

@@ -14,15 +14,17 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.solids import make_mechanics
-from presswork.implicit.energy import add_external_work, add_work, balance
+from presswork.implicit.energy import Work, add_external_work, add_work, balance
 from presswork.implicit.newton import Equilibrium
+from presswork.implicit.progress import Progress
 from presswork.implicit.remedy import find_remedy
 from presswork.interaction.contract import Interaction
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.supports import NotHeldError, check_shell_held, check_solid_held
+from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import Body, BoolArray, FloatArray, Model
 from presswork.outcome import BadGuess, Converged, Failed, GaveUpError, IterationLog, Step
-from presswork.state import PLASTIC, State
+from presswork.state import State
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
@@ -34,7 +36,6 @@ BACK = 1e-3
 tangent from there is that of unloading."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
-TIME, STAGE, FRACTION, INCREMENTS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
 
 
 @dataclass(frozen=True)
@@ -80,20 +81,23 @@ class ImplicitProcedure:
         self.mechanics = make_mechanics(model, self.timing)
         self.interactions = Interactions(model, self.mechanics, self.others)
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
-        tools, bodies = self.interactions.tools, self.interactions.bodies
-        self.state = self.mechanics.at_rest(len(tools.contact.nodes), bodies.n_slots)
-        for interaction in self.interactions.all:
-            for arrays in interaction.at_rest():
-                self.state.add(arrays)
-        self.state.progress[SIZE] = model.solver.initial_increment
+        self.state = self.at_rest()
         self._start, self._lets_go = self.state, False
         if before:
             self.initial_volume: float = before.initial_volume
             return
-        tools.contact.begin(self.state, self.interactions.supports.fixed(0))
+        self.interactions.tools.contact.begin(self.state, self.interactions.supports.fixed(0))
         self._check_held()
-        self.mechanics.evaluate(self.state, self.state, self.state.increment, with_stiffness=False)
+        self.mechanics.evaluate(self.state, self.state, self.state.nodes.increment, with_stiffness=False)
         self.initial_volume = self.volume()
+
+    def at_rest(self) -> State:
+        """Return the State before the first increment."""
+        state = self.mechanics.at_rest()
+        state.add(Progress(next_size=self.model.solver.initial_increment), Work())
+        for interaction in self.interactions.all:
+            state.add(*interaction.at_rest())
+        return state
 
     def _check_held(self) -> None:
         """Refuse bodies that the first increment would push away."""
@@ -135,7 +139,7 @@ class ImplicitProcedure:
         pushed = tools.floating.pushed(0)
         own = np.isin(tools.contact.nodes, body.points)
         for t, tool in enumerate(self.model.plane_tools):
-            face, place = np.nonzero(self.state.contact[2 * t : 2 * t + 2] * own)
+            face, place = np.nonzero(self.state[ContactArrays].status[2 * t : 2 * t + 2] * own)
             along = tools.contact.normal[2 * t + face, place]
             if tool.friction.law != "frictionless":
                 along = np.concatenate([along, along[:, ::-1] * (-1, 1)])
@@ -148,7 +152,7 @@ class ImplicitProcedure:
     def _check_pushed(self, state: State, stage: int) -> None:
         """Refuse a tool that a force pushes at nothing when a stage begins with this state."""
         for t, (direction, _) in self.interactions.tools.floating.pushed(stage).items():
-            face, place = np.nonzero(state.contact[2 * t : 2 * t + 2])
+            face, place = np.nonzero(state[ContactArrays].status[2 * t : 2 * t + 2])
             if not (self.interactions.tools.contact.normal[2 * t + face, place] @ direction > 0.1).any():
                 name, where = self.model.plane_tools[t].name, self.model.stages[stage].name
                 raise NotHeldError(
@@ -161,13 +165,9 @@ class ImplicitProcedure:
         """Return what the first body of each contact does to the second (2,) [N], as modelled."""
         return self.interactions.bodies.total_forces(self.state)
 
-    def interface_stress(self) -> tuple[FloatArray, FloatArray] | None:
-        """Return pressure and shear of the bodies on each other (n_points,) [MPa], if bodies touch each other."""
-        return self.interactions.bodies.nodal_stress(self.state) if self.model.contacts else None
-
     def volume(self) -> float:
         """Volume of the workpiece as modelled [mm3]."""
-        return float(sum(v.sum() for v in self.state.volume))
+        return float(sum(v.sum() for v in self.state.cells.volume))
 
     def save_points(self, stage: int) -> FloatArray:
         """Stage fractions at which an increment must end and fields are saved; the last is 1.
@@ -183,26 +183,28 @@ class ImplicitProcedure:
 
     def remaining(self) -> float:
         """Part of the whole process still to be computed, counted in stage durations."""
-        stage, fraction = int(self.state.progress[STAGE]), self.state.progress[FRACTION]
+        stage, fraction = self.state[Progress].stage, self.state[Progress].fraction
         durations = np.array([s.duration for s in self.model.stages])
         done = durations[:stage].sum() + (durations[stage] * fraction if stage < len(durations) else 0.0)
         return float(1.0 - done / durations.sum())
 
     def advance(self) -> Iterator[IncrementReport]:
         """Compute increment after increment; self.state is converged at each yield. Raises GaveUpError."""
-        while int(self.state.progress[STAGE]) < len(self.model.stages):
+        while self.state[Progress].stage < len(self.model.stages):
             yield self._next_increment()
 
     def present_step(self) -> Step:
         """Return the step of no length at which the converged state is."""
-        stage, fraction = int(self.state.progress[STAGE]), float(self.state.progress[FRACTION])
-        return Step(stage - 1, 1.0, 1.0) if fraction == 0.0 and stage > 0 else Step(stage, fraction, fraction)
+        stage, fraction = self.state[Progress].stage, self.state[Progress].fraction
+        return (
+            self._step(stage - 1, 1.0, 1.0) if fraction == 0.0 and stage > 0 else self._step(stage, fraction, fraction)
+        )
 
     def balance_at_rest(self) -> Converged | Failed:
         """Find equilibrium of a State that comes from another mesh, with tools and loads as they are."""
         step, state_n = self.present_step(), self.state
         trial = state_n.duplicate()
-        outcome = self.equilibrium.solve(state_n, trial, step, np.zeros_like(state_n.increment))
+        outcome = self.equilibrium.solve(state_n, trial, step, np.zeros_like(state_n.nodes.increment))
         if isinstance(outcome, Failed):
             return outcome
         self.mechanics.settle(state_n, trial)
@@ -210,19 +212,19 @@ class ImplicitProcedure:
             interaction.commit(state_n, trial, step)
         for interaction in self.interactions.all:
             add_work(trial, interaction.work(state_n, trial))
-        trial.work[PLASTIC] += self.mechanics.plastic_work(state_n, trial, 0.0)
-        trial.progress[ITERATIONS] += len(outcome.log)
-        trial.increment = state_n.increment
+        trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, 0.0)
+        trial[Progress].iterations += len(outcome.log)
+        trial.nodes.increment = state_n.nodes.increment
         self.state = trial
         return outcome
 
     def _next_increment(self) -> IncrementReport:
-        progress = self.state.progress
-        stage, fraction_n = int(progress[STAGE]), float(progress[FRACTION])
+        progress = self.state[Progress]
+        stage, fraction_n = progress.stage, progress.fraction
         settings = self.model.solver
         points = self.save_points(stage)
         target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
-        size = float(progress[SIZE])
+        size = progress.next_size
         cutbacks: list[str] = []
         self._start, self._lets_go = self.state, False
         if fraction_n == 0.0 and stage > 0:
@@ -256,10 +258,10 @@ class ImplicitProcedure:
                 )
         self._commit(trial, stage, fraction_n, fraction, size, outcome.log, len(cutbacks))
         return IncrementReport(
-            number=int(self.state.progress[INCREMENTS]),
+            number=self.state[Progress].increments,
             stage=self.model.stages[stage].name,
             fraction=fraction,
-            time=float(self.state.progress[TIME]),
+            time=self.state[Progress].time,
             log=outcome.log,
             cutbacks=cutbacks,
             is_save_point=self._is_save_point(fraction_n, fraction, fraction == target),
@@ -269,7 +271,7 @@ class ImplicitProcedure:
         """Say whether an increment of a stage is saved: every so many, or what passes one of the equal steps."""
         output = self.model.output
         if output.every:
-            return at_target or int(self.state.progress[INCREMENTS]) % output.every == 0
+            return at_target or self.state[Progress].increments % output.every == 0
         before, now = (np.floor(f * output.steps * (1 + 1e-12)) for f in (fraction_n, fraction))
         return at_target or bool(now != before)
 
@@ -279,21 +281,26 @@ class ImplicitProcedure:
 
         Between tools contact leads the sheet, and another start has not been seen to help.
         """
-        return self.model.analysis == "shell" and not self.model.sheet_tools and bool(self.state.increment.any())
+        return self.model.analysis == "shell" and not self.model.sheet_tools and bool(self.state.nodes.increment.any())
 
     def _attempt(
         self, stage: int, fraction_n: float, fraction: float, *, gently: bool = False, from_rest: bool = False
     ) -> tuple[State, Converged | Failed]:
         """Try an increment, from the last one scaled or from where the sheet is (from_rest)."""
         state_n, trial = self._start, self._start.duplicate()
-        last = float(state_n.progress[LAST])
+        last = state_n[Progress].last_size
         ratio = (fraction - fraction_n) / last if last > 0 and not from_rest else 0.0
-        step = Step(stage, fraction_n, fraction)
+        step = self._step(stage, fraction_n, fraction)
         for interaction in self.interactions.all:
             interaction.place(state_n, trial, step, ratio)
-        guess = state_n.increment * (-BACK if self._lets_go else ratio)
+        guess = state_n.nodes.increment * (-BACK if self._lets_go else ratio)
         outcome = self.equilibrium.solve(state_n, trial, step, guess, gently=gently)
         return trial, outcome
+
+    def _step(self, stage: int, fraction_n: float, fraction: float) -> Step:
+        """Return where the next increment leads."""
+        now = self.state[Progress]
+        return Step(stage, fraction_n, fraction, now.increments + 1, now.time)
 
     def _commit(
         self,
@@ -307,7 +314,7 @@ class ImplicitProcedure:
     ) -> None:
         """Make the trial state the converged one."""
         settings = self.model.solver
-        step = Step(stage, fraction_n, fraction)
+        step = self._step(stage, fraction_n, fraction)
         state_n = self._start
         self.mechanics.settle(state_n, trial)
         for interaction in self.interactions.all:
@@ -318,31 +325,31 @@ class ImplicitProcedure:
         add_external_work(state_n, trial, supports.fixed(stage_n), supports.fixed(stage))
         for interaction in self.interactions.all:
             add_work(trial, interaction.work(state_n, trial))
-        trial.work[PLASTIC] += self.mechanics.plastic_work(state_n, trial, dt)
-        p = trial.progress
-        p[TIME] += dt
-        p[INCREMENTS] += 1
-        p[ITERATIONS] += len(log)
-        p[CUTBACKS] += cutbacks
-        p[LAST] = fraction - fraction_n
+        trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, dt)
+        p = trial[Progress]
+        p.time += dt
+        p.increments += 1
+        p.iterations += len(log)
+        p.cutbacks += cutbacks
+        p.last_size = fraction - fraction_n
         if len(log) <= settings.target_iterations and not cutbacks:
             size = min(size * GROWTH, settings.max_increment)
         elif log.smooth_iterations > settings.target_iterations + 4:
             size = max(0.7 * size, SMALLEST * settings.min_increment)
-        p[SIZE] = size
-        p[STAGE], p[FRACTION] = stage, fraction
+        p.next_size = size
+        p.stage, p.fraction = stage, fraction
         if fraction == 1.0:
-            p[STAGE], p[FRACTION], p[LAST] = stage + 1, 0.0, 0.0
+            p.stage, p.fraction, p.last_size = stage + 1, 0.0, 0.0
             if stage + 1 < len(self.model.stages):
                 self._end_stage(trial, stage + 1)
-            p[SIZE] = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
+            p.next_size = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
         self.state = trial
 
     def _end_stage(self, state: State, next_stage: int) -> None:
         """Prepare a converged state for the next stage."""
 
         def internal() -> FloatArray:
-            nothing = np.zeros_like(state.displacement)
+            nothing = np.zeros_like(state.nodes.displacement)
             force = self.mechanics.evaluate(state, state.duplicate(), nothing, with_stiffness=False)
             assert not isinstance(force, BadGuess), "a converged state can be evaluated"
             return force
@@ -352,4 +359,5 @@ class ImplicitProcedure:
 
     def energy_balance(self) -> dict[str, float]:
         """Return what energy.balance says of the converged state [N mm, per cent]."""
-        return balance(self.state, self.mechanics.elastic_energy(self.state))
+        stored = sum(i.stored(self.state) for i in self.interactions.all)
+        return balance(self.state, self.mechanics.elastic_energy(self.state), stored)

@@ -13,6 +13,7 @@ return mapping. The kernels are in cpp/contact; docs/theory/contact.md has the f
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,11 +21,12 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.contract import Cells
-from presswork.interaction.body_interface import MARGIN, REACH, TOUCHING, Interface
+from presswork.fields.contact_stress import BodyTraction
+from presswork.interaction.body_interface import MARGIN, REACH, TOUCHING, Interface, InterfaceArrays
 from presswork.interaction.contract import Forces, Guess, Interaction, Point
 from presswork.model import BodyContact, FloatArray, MaskArray, Model
 from presswork.outcome import PassedThrough, Step
-from presswork.state import FRICTION, State
+from presswork.state import Arrays, State
 
 PENETRATION = 1e-3
 """Of the slave edge's length: more than that of gap or slip at nodes that push or stick takes another iteration."""
@@ -75,24 +77,31 @@ class BodyContacts(Interaction):
         self.n_unsettled = 0
         """Slots that may change no more in this increment, and pull."""
 
+    def at_rest(self) -> tuple[Arrays, ...]:
+        """Return the arrays of bodies that do not push each other."""
+        slots = [np.zeros(self.n_slots) for _ in range(3)]
+        return (InterfaceArrays(*slots, *(np.zeros(self._model.mesh.points.shape) for _ in range(3))),)
+
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Take contact and shear flow stress [MPa] as they are at the start of the increment."""
+        kept_n = state_n[InterfaceArrays]
         self.n_unsettled = 0
-        self._held = np.where(state_n.interface_pressure > 0, KEEPS_HOLD, BY_GAP).astype(np.uint8)
-        self._believed = state_n.interface_pressure.copy()
+        self._held = np.where(kept_n.pressure > 0, KEEPS_HOLD, BY_GAP).astype(np.uint8)
+        self._believed = kept_n.pressure.copy()
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
         if any(i.contact.contact in ("shear", "coulomb_capped") for i in self.interfaces):
             self._shear_flow = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0)
 
     def _follow(self, trial: State, displacement: FloatArray) -> None:
         """Look for candidates again where nodes have moved too far since; they depend on trial alone."""
-        moved = np.abs(displacement[self._nodes] - trial.search_displacement[self._nodes]).max(initial=0.0)
+        kept = trial[InterfaceArrays]
+        moved = np.abs(displacement[self._nodes] - kept.search_displacement[self._nodes]).max(initial=0.0)
         if moved > self._budget:
-            trial.search_displacement = displacement.copy()
-        if self._searched_at is not None and np.array_equal(self._searched_at, trial.search_displacement):
+            kept.search_displacement = displacement.copy()
+        if self._searched_at is not None and np.array_equal(self._searched_at, kept.search_displacement):
             return
-        self._searched_at = trial.search_displacement.copy()
-        points = np.ascontiguousarray(self._model.mesh.points + trial.search_displacement)
+        self._searched_at = kept.search_displacement.copy()
+        points = np.ascontiguousarray(self._model.mesh.points + kept.search_displacement)
         couplings = np.concatenate([interface.search(points) for interface in self.interfaces])
         self._cells.couple(np.ascontiguousarray(np.unique(couplings, axis=0), dtype=np.int32))
 
@@ -104,7 +113,7 @@ class BodyContacts(Interaction):
         """Return the forces of the bodies on each other with the nodes displaced by `displacement` (n_points, 2)."""
         self._follow(trial, displacement)
         points = self._model.mesh.points
-        x, x_n = points + displacement, points + state_n.displacement
+        x, x_n = points + displacement, points + state_n.nodes.displacement
         results = []
         for interface in self.interfaces:
             found = interface.evaluate(state_n, trial, x_n, x, self._shear_flow, self._held, self._believed)
@@ -155,7 +164,7 @@ class BodyContacts(Interaction):
         """Return each contact whose surfaces touch, with the directions (n, 2) in which they hold each other."""
         if not self.interfaces:
             return []
-        found = self.at(state, state, state.displacement)
+        found = self.at(state, state, state.nodes.displacement)
         assert isinstance(found, BodyForces)  # nothing has moved
         held = []
         for interface, result in zip(self.interfaces, found.details, strict=True):
@@ -172,8 +181,8 @@ class BodyContacts(Interaction):
         """Return what a converged state's multipliers do, gaps and slips left out."""
         if not self.interfaces:
             return ()
-        points = self._model.mesh.points + state.displacement
-        self._follow(state, state.displacement)
+        points = self._model.mesh.points + state.nodes.displacement
+        self._follow(state, state.nodes.displacement)
         return tuple(interface.apply(state, points) for interface in self.interfaces)
 
     def total_forces(self, state: State) -> dict[str, FloatArray]:
@@ -184,13 +193,15 @@ class BodyContacts(Interaction):
             forces[contact.name] = np.array(result.master_force) * (1 if contact.slave == contact.between[0] else -1)
         return forces
 
-    def nodal_stress(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return pressure and shear (n_points,) [MPa], as those of tools: shear along the boundary, body on the right.
+    def traction(self, state: State) -> BodyTraction | None:
+        """Return pressure, shear and force at the nodes, as those of tools; None if no bodies may touch.
 
         At the ends of slave edges they are those of the slots, at their mid-sides the mean of the ends; at the master's
         nodes the nodal force over the node's share of the surface in contact.
         """
-        n = len(self._model.mesh.points)
+        if not self.interfaces:
+            return None
+        n, own_arrays = len(self._model.mesh.points), state[InterfaceArrays]
         pressure, shear = np.zeros(n), np.zeros(n)
         for interface, result in zip(self.interfaces, self._at_rest(state), strict=True):
             area = np.asarray(result.area)
@@ -198,7 +209,7 @@ class BodyContacts(Interaction):
             safe = np.where(area > 1e-9 * area.max(initial=0.0), area, np.inf)
             pressure[touched] = (np.asarray(result.push) / safe)[touched]
             shear[touched] = -(np.asarray(result.drag) / safe)[touched]
-            own, own_shear = state.interface_pressure[interface.places], state.interface_shear[interface.places]
+            own, own_shear = own_arrays.pressure[interface.places], own_arrays.shear[interface.places]
             pushes = own > 0
             pressure[interface.nodes[pushes]], shear[interface.nodes[pushes]] = own[pushes], -own_shear[pushes]
             if interface.slave.shape[1] == 3:
@@ -206,7 +217,7 @@ class BodyContacts(Interaction):
                 both = pushes[interface.slots].any(axis=1)
                 pressure[middle[both]] = own[interface.slots].mean(axis=1)[both]
                 shear[middle[both]] = -own_shear[interface.slots].mean(axis=1)[both]
-        return pressure, shear
+        return BodyTraction(pressure, shear, own_arrays.force)
 
     def augment(self, trial: State, own: Any) -> bool:
         """Take over the multipliers if bodies penetrate, or slip where they stick, by more than is allowed."""
@@ -217,16 +228,21 @@ class BodyContacts(Interaction):
         )
         if excess <= PENETRATION:
             return False
-        trial.interface_pressure, trial.interface_shear = own.pressure, own.shear
+        kept = trial[InterfaceArrays]
+        kept.pressure, kept.shear = own.pressure, own.shear
         return True
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
-        """Keep what the next increment starts from, and add the work that friction has taken."""
-        trial.interface_pressure, trial.interface_shear = own.pressure, own.shear
-        trial.interface_slip = np.where(own.status == STICKS, own.slip, 0.0)
-        trial.interface_force = own.force
+        """Keep what the next increment starts from."""
+        kept = trial[InterfaceArrays]
+        kept.pressure, kept.shear = own.pressure, own.shear
+        kept.slip = np.where(own.status == STICKS, own.slip, 0.0)
+        kept.force = own.force
         if any(i.contact.contact != "frictionless" for i in self.interfaces):
-            points = self._model.mesh.points + trial.displacement
-            trial.interface_friction = own.force - sum(i.push(trial, points) for i in self.interfaces)
-            friction = state_n.interface_friction + trial.interface_friction
-            trial.work[FRICTION] -= 0.5 * float((friction * trial.increment).sum())
+            points = self._model.mesh.points + trial.nodes.displacement
+            kept.friction = own.force - sum(i.push(trial, points) for i in self.interfaces)
+
+    def work(self, state_n: State, trial: State) -> Mapping[str, float]:
+        """Return what friction between the bodies takes [N mm]."""
+        friction = state_n[InterfaceArrays].friction + trial[InterfaceArrays].friction
+        return {"friction_work": -0.5 * float((friction * trial.nodes.increment).sum())}

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from presswork import _core
 from presswork.mesh.topology import chain_edges, count_corners, edge_keys, list_cell_edges
 from presswork.model import BodyContact, FloatArray, IndexArray, IntArray, MaskArray, Model
-from presswork.state import State
+from presswork.state import Arrays, State
 
 STIFFNESS = 100.0
 """Of the contact: times Young's modulus of the softer body over the length of the slave edges."""
@@ -30,6 +32,25 @@ TOUCHING = 1e-6
 """Gaps below this times the mean edge count as contact in the tangent."""
 CREDIBLE = 0.05
 """Largest pressure, over Young's modulus, with which a slot is taken hold of that a guess has pushed in."""
+
+
+@dataclass
+class InterfaceArrays(Arrays):
+    """What the contacts of deformable bodies with each other keep; slots are those of all contacts in a row."""
+
+    owner = "body_contact"
+    pressure: FloatArray
+    """Between bodies, per slave node of each contact (n_slots,) [MPa]."""
+    shear: FloatArray
+    """Along the slave edge (n_slots,) [MPa]."""
+    slip: FloatArray
+    """Elastic slip of nodes that stick, still to be undone (n_slots,) [mm]."""
+    force: FloatArray
+    """Of the bodies on each other, at the nodes (n_points, 2) [N]."""
+    friction: FloatArray
+    """The part of it that friction makes, in the same form."""
+    search_displacement: FloatArray
+    """At which edges that may touch were last looked for (n_points, 2) [mm]."""
 
 
 class Interface:
@@ -106,22 +127,23 @@ class Interface:
         law = self.contact.contact
         with_shear = law in ("shear", "coulomb_capped")
         limit = self.contact.m * shear_flow[self.nodes] if with_shear else np.full(len(self.nodes), np.inf)
-        shear, slip = trial.interface_shear, state_n.interface_slip
+        shear, slip = trial[InterfaceArrays].shear, state_n[InterfaceArrays].slip
         return self._call(trial, shear, slip, x_n, x, held[self.places], believed[self.places], self.stiffness, limit)
 
     def apply(self, state: State, x: FloatArray) -> _core.InterfaceResult:
         """Return the forces of a converged state's pressure and shear, as they are."""
-        return self._apply(state, x, state.interface_shear)
+        return self._apply(state, x, state[InterfaceArrays].shear)
 
     def push(self, state: State, x: FloatArray) -> FloatArray:
         """Return the part of these forces that the pressure alone makes (n_points, 2) [N]."""
-        return np.asarray(self._apply(state, x, np.zeros_like(state.interface_shear)).force)
+        return np.asarray(self._apply(state, x, np.zeros_like(state[InterfaceArrays].shear)).force)
 
     def _apply(self, state: State, x: FloatArray, shear: FloatArray) -> _core.InterfaceResult:
+        kept = state[InterfaceArrays]
         n = len(self.nodes)
         held, unlimited = np.ones(n, dtype=np.uint8), np.full(n, np.inf)
-        pressure = state.interface_pressure[self.places]
-        slip = state.interface_slip
+        pressure = kept.pressure[self.places]
+        slip = kept.slip
         return self._call(state, shear, slip, x, x, held, pressure, np.zeros(n), unlimited, tangent=False)
 
     def _call(
@@ -139,7 +161,7 @@ class Interface:
             slave_depth=self._depth[0],
             master_depth=self._depth[1],
             held=held,
-            pressure=state.interface_pressure[self.places],
+            pressure=state[InterfaceArrays].pressure[self.places],
             shear=shear[self.places],
             slip=slip[self.places],
             believed=believed,

@@ -15,6 +15,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
     settle            the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
+    stored            energy that is stored in it [N mm]
 
 An interaction overrides what it needs and inherits the rest, which does nothing. Whatever persists lies in the State,
 in Arrays that the interaction declares and returns from at_rest(): `state[InertiaArrays].velocity`.
@@ -232,6 +233,10 @@ class Interaction:
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return the work done in an increment by the names of energy.balance [N mm]."""
         return {}
+
+    def stored(self, state: State) -> float:
+        """Return the energy that a converged state stores in it [N mm]: contact_energy of energy.balance."""
+        return 0.0
 
 
 def turn(constraints: Constraints, vector: FloatArray) -> FloatArray:

@@ -17,12 +17,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
+from presswork.interaction.tool_arrays import SheetToolArrays
 from presswork.mesh.topology import count_corners
 from presswork.model import BoolArray, Drawbead, FloatArray, IndexArray, IntArray, Model
-from presswork.state import State
+from presswork.state import Arrays, State
 
 SLIP = 0.01
 """Of the sheet's thickness: slip at which the whole force is reached."""
+
+
+@dataclass
+class BeadArrays(Arrays):
+    """What drawbeads keep at the points of their lines."""
+
+    owner = "drawbeads"
+    force: FloatArray
+    """On the sheet across the line (n_bead_points,) [N]."""
+    cell: IntArray
+    """The cell found beneath it last; -1: none yet (n_bead_points,)."""
 
 
 @dataclass(frozen=True)
@@ -61,12 +73,18 @@ class SheetBeads:
         self._nodes: IntArray = np.zeros((n, 4), dtype=np.int32)
         self._weight, self._direction = np.zeros((n, 4)), np.zeros((n, 3))
 
+    def at_rest(self) -> BeadArrays:
+        """Return the arrays of beads that hold nothing."""
+        return BeadArrays(np.zeros(len(self._place)), np.full(len(self._place), -1, dtype=np.int32))
+
     def begin_increment(self, state_n: State) -> None:
         """Look what lies beneath when the increment begins."""
         if not len(self._place):
             return
-        x = np.ascontiguousarray(self._model.mesh.points + state_n.displacement[:, :3])
-        self._cell, inside, self._nodes, self._weight, normal = self._sheet.find(self._place, x, state_n.bead_cell)
+        x = np.ascontiguousarray(self._model.mesh.points + state_n.nodes.displacement[:, :3])
+        self._cell, inside, self._nodes, self._weight, normal = self._sheet.find(
+            self._place, x, state_n[BeadArrays].cell
+        )
         self._inside = inside.astype(bool)
         normal[~self._inside] = (0.0, 0.0, 1.0)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -77,9 +95,9 @@ class SheetBeads:
     def evaluate(self, state_n: State, trial: State, displacement: FloatArray, share: FloatArray) -> BeadForces:
         """Return the forces of the beads at a guess; share (n_beads,): of their force."""
         n = len(displacement)
-        slip = self._slips(state_n, trial, displacement[:, :3] - state_n.displacement[:, :3])
+        slip = self._slips(state_n, trial, displacement[:, :3] - state_n.nodes.displacement[:, :3])
         stiffness = self._limit / self._slip
-        pulled = state_n.bead_force - stiffness * slip
+        pulled = state_n[BeadArrays].force - stiffness * slip
         limit = self._limit * share[self._of]
         tension = np.where(self._inside, np.clip(pulled, -limit, limit), 0.0)
         sticks = self._inside & (np.abs(pulled) < limit)
@@ -98,7 +116,9 @@ class SheetBeads:
 
     def _carried(self, state_n: State, trial: State) -> FloatArray:
         """Return how far tools have carried the lines in the increment (n_bead_points, 3) [mm]."""
-        of_tool = np.vstack([trial.sheet_tool_move - state_n.sheet_tool_move, np.zeros((1, 3))])  # last: none
+        of_tool = np.vstack(
+            [trial[SheetToolArrays].displacement - state_n[SheetToolArrays].displacement, np.zeros((1, 3))]
+        )  # last: none
         return np.asarray(of_tool[np.array(self._tool, dtype=int)][self._of], dtype=np.float64)
 
     def share(self, stage: int, fraction: float) -> FloatArray:
@@ -117,16 +137,17 @@ class SheetBeads:
 
     def settle(self, trial: State, found: BeadForces) -> None:
         """Keep what an increment has found."""
-        trial.bead_force, trial.bead_cell = found.tension, self._cell
+        kept = trial[BeadArrays]
+        kept.force, kept.cell = found.tension, self._cell
 
     def work(self, state_n: State, trial: State) -> tuple[float, float]:
         """Return the work of the tools that carry the beads in an increment, and what the beads take [N mm]."""
-        slip = self._slips(state_n, trial, trial.increment[:, :3])
-        tension = 0.5 * (state_n.bead_force + trial.bead_force)
+        slip = self._slips(state_n, trial, trial.nodes.increment[:, :3])
+        tension = 0.5 * (state_n[BeadArrays].force + trial[BeadArrays].force)
         along = np.einsum("ni,ni->n", self._direction, self._carried(state_n, trial))
         return float(tension @ along), -float(tension @ slip)
 
     def restraints(self, state: State) -> list[float]:
         """Return the restraining force of each bead, summed along its line [N], of what is modelled."""
-        sums = np.bincount(self._of, np.abs(state.bead_force), minlength=len(self._beads))
+        sums = np.bincount(self._of, np.abs(state[BeadArrays].force), minlength=len(self._beads))
         return [float(s) for s in sums[: len(self._beads)]]

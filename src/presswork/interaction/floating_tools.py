@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tools whose place follows from a force: pushed with a given force, or resting on a spring.
 
-Each has one freedom more, its travel q along a direction d, and one equation more: the workpiece's force P on the tool,
+The workpiece's force P on a tool is, along the direction d of its travel q,
 
     P . d = -F (force-controlled),    P . d = preload + stiffness q (on a spring, when off its stop at q = 0).
 
-The nodes that the tool holds follow it: u = u_a + V q, V the motion that contact prescribes for each mm of travel. The
-matrix of the workpiece is factorised as ever; the response b to V costs one substitution for each such tool, and a
-system of as many equations as there are such tools couples them (a bordered system, solved by its Schur complement).
+The nodes that the tool holds follow it: u = u_a + V q, V the motion that contact prescribes for each mm of travel.
+placing.py solves for q.
 """
 
 from __future__ import annotations
@@ -20,6 +19,8 @@ import numpy as np
 
 from presswork.interaction.contract import Constraints
 from presswork.interaction.friction import FrictionForces
+from presswork.interaction.placing import Border, LostWorkpieceError, Placed
+from presswork.interaction.tool_arrays import ToolArrays
 from presswork.interaction.tool_contact import Contact
 from presswork.model import FloatArray, Model
 from presswork.state import State
@@ -32,31 +33,17 @@ MAX_CHANGES = 4
 
 
 @dataclass(frozen=True)
-class Floating:
-    """The tools that float at a guess, and what each lacks for equilibrium."""
+class Floating(Placed):
+    """The tools that float at a guess."""
 
-    tools: list[int]
-    directions: FloatArray
-    """Unit vectors (n, 2)."""
-    missing: FloatArray
-    """P . d minus what it must be, as modelled (n,) [N]."""
     stiffness: FloatArray
     """Of their springs (n,) [N/mm]."""
     motions: list[Constraints]
     """What the held nodes do for each mm of travel."""
 
-    @property
-    def is_open(self) -> bool:
-        """Whether any tool floats."""
-        return len(self.tools) > 0
-
-
-class LostWorkpieceError(Exception):
-    """A tool that a force pushes touches nothing: nothing balances the force."""
-
 
 class FloatingTools:
-    """The floating tools of one run; what persists is State.tool_travel and State.tool_gives."""
+    """The floating tools of one run; what persists is ToolArrays.travel and ToolArrays.gives."""
 
     def __init__(self, model: Model, contact: Contact) -> None:
         self._model = model
@@ -90,6 +77,7 @@ class FloatingTools:
 
         `reaction` (n_points, 2) [N] on the nodes; the nodes' constraints are taken from the contact of `trial`.
         """
+        placed = trial[ToolArrays]
         tools: list[int] = []
         directions, missing, stiffness, motions = [], [], [], []
         changes = 0
@@ -97,19 +85,19 @@ class FloatingTools:
         for t, tool in enumerate(self._model.plane_tools):
             if t in pushed:
                 direction, rows = pushed[t]
-                start = -float(trial.tool_force_start[t] @ direction)
+                start = -float(placed.force_start[t] @ direction)
                 demand, k = -_force_at(rows, start, fraction), 0.0
             elif tool.spring is not None:
                 direction = np.asarray(tool.spring.direction)
                 k = tool.spring.stiffness * float(self._share[t])
-                demand = tool.spring.preload * float(self._share[t]) + k * float(trial.tool_travel[t] @ direction)
+                demand = tool.spring.preload * float(self._share[t]) + k * float(placed.travel[t] @ direction)
             else:
                 continue
             motion = self._contact.follow(trial, t, direction, supports)
             lacks = self._force_along(t, direction, motion, reaction, friction) - demand
             if t not in pushed:
                 changes += self._leave_or_reach_stop(trial, t, direction, lacks, near=near)
-                if not trial.tool_gives[t]:
+                if not placed.gives[t]:
                     continue
             tools.append(t)
             directions.append(direction)
@@ -133,15 +121,16 @@ class FloatingTools:
 
     def _leave_or_reach_stop(self, trial: State, t: int, direction: FloatArray, lacks: float, *, near: bool) -> int:
         """Let a spring give when it is pushed with more than its preload, and stop it where it began."""
-        travel = float(trial.tool_travel[t] @ direction)
+        placed = trial[ToolArrays]
+        travel = float(placed.travel[t] @ direction)
         if not near or self._changes[t] >= MAX_CHANGES:
             return 0
-        if trial.tool_gives[t] and travel < 0.0:
-            trial.tool_displacement[t] -= travel * direction
-            trial.tool_travel[t] -= travel * direction
-            trial.tool_gives[t] = 0
-        elif not trial.tool_gives[t] and lacks > 0.0:
-            trial.tool_gives[t] = 1
+        if placed.gives[t] and travel < 0.0:
+            placed.displacement[t] -= travel * direction
+            placed.travel[t] -= travel * direction
+            placed.gives[t] = 0
+        elif not placed.gives[t] and lacks > 0.0:
+            placed.gives[t] = 1
         else:
             return 0
         self._changes[t] += 1
@@ -157,39 +146,25 @@ class FloatingTools:
         constraints. respond: solves for prescribed values (n_points, 2) and a right-hand side (n_points, 2).
         Raises LostWorkpieceError if no travel can balance a tool.
         """
-        n = len(floating.tools)
-        responses, pulls = [], []
-        for t, direction, motion in zip(floating.tools, floating.directions, floating.motions, strict=True):
+        responses, rows, own = [], [], floating.stiffness.copy()
+        for i, (t, direction, motion) in enumerate(
+            zip(floating.tools, floating.directions, floating.motions, strict=True)
+        ):
             pull = np.zeros_like(correction)  # d (friction on the nodes) / d travel
             if friction is not None:
-                own = friction.tools == t
-                pull[friction.nodes[own], 1] = friction.stiffness[own] * (friction.tangent[own] @ direction)
-            pulls.append(pull)
+                rubs = friction.tools == t
+                along = friction.tangent[rubs] @ direction
+                pull[friction.nodes[rubs], 1] = friction.stiffness[rubs] * along
+                own[i] += float((friction.stiffness[rubs] * along**2).sum())
+            rows.append(np.asarray(matrix.T @ motion.value.ravel()).reshape(-1, 2) - pull)
             responses.append(respond(motion.value, pull))
-        schur, rest = np.zeros((n, n)), np.zeros(n)
-        for i, motion in enumerate(floating.motions):
-            row = np.asarray(matrix.T @ motion.value.ravel()).reshape(-1, 2) - pulls[i]
-            rest[i] = floating.missing[i] - float((row * correction).sum())
-            for j in range(n):
-                schur[i, j] = float((row * responses[j]).sum())
-            schur[i, i] += floating.stiffness[i]
-            if friction is not None:
-                own = friction.tools == floating.tools[i]
-                along = friction.tangent[own] @ floating.directions[i]
-                schur[i, i] += float((friction.stiffness[own] * along**2).sum())
-        if n and np.abs(np.diag(schur)).min() == 0.0:
-            lost = self._model.plane_tools[floating.tools[int(np.abs(np.diag(schur)).argmin())]].name
+        border = Border(rows, own, responses)
+        diagonal = np.abs(np.diag(border.matrix()))
+        if diagonal.min() == 0.0:
+            lost = self._model.plane_tools[floating.tools[int(diagonal.argmin())]].name
             raise LostWorkpieceError(f"the tool {lost!r} is pushed by a force, but touches nothing that would hold it")
-        travel = np.asarray(np.linalg.solve(schur, rest), dtype=np.float64)
-        for response, q in zip(responses, travel, strict=True):
-            correction = correction + q * response
-        return correction, travel
-
-    def move(self, trial: State, floating: Floating, travel: FloatArray) -> None:
-        """Move the floating tools."""
-        for t, direction, q in zip(floating.tools, floating.directions, travel, strict=True):
-            trial.tool_travel[t] += q * direction
-            trial.tool_displacement[t] += q * direction
+        travel = border.find_travel(floating.missing, correction)
+        return border.carry(correction, travel), travel
 
 
 def _force_at(rows: FloatArray, start: float, fraction: float) -> float:

@@ -30,9 +30,10 @@ from presswork import _core
 from presswork.fields.contact_stress import edge_shares
 from presswork.interaction.contract import Constraints
 from presswork.interaction.grazing import Drag
+from presswork.interaction.tool_arrays import SLIDING, ContactArrays
 from presswork.interaction.tool_contact import Contact
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
-from presswork.state import FRICTION, SLIDING, State
+from presswork.state import State
 
 ELASTIC_SLIP = 2e-3
 """Slip at which the spring reaches k A, as a part of the shortest boundary edge."""
@@ -93,7 +94,7 @@ def _pad(by_tool: list[FloatArray]) -> FloatArray:
 
 
 class Friction:
-    """The friction of one run; what persists is State.drag."""
+    """The friction of one run; what persists is ContactArrays.drag."""
 
     def __init__(self, model: Model, contact: Contact) -> None:
         self._model = model
@@ -109,6 +110,8 @@ class Friction:
         self._has_friction = np.array([law not in ("frictionless", "sticking") for law in laws], dtype=bool)
         self.softness = 1.0
         """How many times softer than they are the springs are taken, on the way to equilibrium."""
+        self.lost = 0.0
+        """What friction has taken in the last converged increment [N mm]."""
         self._shear_flow = np.zeros(len(contact.nodes))
         self._bond = np.zeros(len(contact.nodes))
         self._slip_before = np.zeros(len(contact.nodes))  # in the last iteration of this increment
@@ -125,12 +128,12 @@ class Friction:
         self._slip_before[:], self._force_before[:], self._used[:] = 0.0, 0.0, 1.0
         if self.is_needed:
             self._shear_flow = flow_stress[self._contact.nodes] / np.sqrt(3.0)
-            slip = np.abs(state_n.increment[self._contact.nodes]).max(axis=1)
+            slip = np.abs(state_n.nodes.increment[self._contact.nodes]).max(axis=1)
             self._bond = BOND_SOFTENING / np.maximum(slip, self._slip)
 
     def _places(self, trial: State, held_alone: BoolArray) -> tuple[IndexArray, IndexArray]:
         """Return places among the candidates, and tools, of the nodes that friction acts on."""
-        face, place = np.nonzero((trial.contact == SLIDING) & held_alone)
+        face, place = np.nonzero((trial[ContactArrays].status == SLIDING) & held_alone)
         rough = self._has_friction[face // 2]
         return place[rough], face[rough]
 
@@ -138,6 +141,7 @@ class Friction:
         self, state_n: State, trial: State, displacement: FloatArray, reaction: FloatArray, free: BoolArray
     ) -> FrictionForces:
         """Return the friction at a guess; `free` marks nodes (n_points,) whose tangential freedom is not prescribed."""
+        touch = trial[ContactArrays]
         contact = self._contact
         place, face = self._places(trial, free[contact.nodes])
         tool, nodes = face // 2, contact.nodes[place]
@@ -145,17 +149,17 @@ class Friction:
         tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
         points = self._model.mesh.points
         # 1. slip since the start of the increment
-        moved = displacement[nodes] - state_n.displacement[nodes]
-        carried = contact.carry(state_n, trial, tool, points[nodes] + state_n.displacement[nodes])
+        moved = displacement[nodes] - state_n.nodes.displacement[nodes]
+        carried = contact.carry(state_n, trial, tool, points[nodes] + state_n.nodes.displacement[nodes])
         slip = np.einsum("ni,ni->n", tangent, moved - carried)
         # 2. what the law allows
         held = np.zeros(len(displacement), dtype=bool)
-        held[contact.nodes[(trial.contact > 0).any(axis=0)]] = True
+        held[contact.nodes[(touch.status > 0).any(axis=0)]] = True
         edges = self._model.mesh.boundary_edges
         deformed = points + displacement
         touching = edges[held[edges].all(axis=1)]
         part = np.ones(len(displacement))
-        part[contact.nodes] = trial.shear_part
+        part[contact.nodes] = touch.shear_part
         area = edge_shares(self._model, deformed, touching, part[touching].min(axis=1))[nodes]
         beside = edge_shares(self._model, deformed, edges)[nodes]
         push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
@@ -166,7 +170,7 @@ class Friction:
         limit = np.minimum(by_shear, by_push)
         # 3. hang or slide
         stiffness = self._shear_flow[place] * beside / (self._slip * self.softness)
-        spring = state_n.drag[place] - stiffness * slip
+        spring = state_n[ContactArrays].drag[place] - stiffness * slip
         slides = np.abs(spring) > limit
         force = np.where(slides, limit * np.sign(spring), spring)
         follows_push = slides & (by_push < by_shear) & (push > 0)
@@ -193,9 +197,11 @@ class Friction:
 
     def settle(self, state_n: State, trial: State, free: BoolArray) -> None:
         """Keep the friction of a converged state for the next increment."""
-        trial.drag[:] = 0.0
+        touch = trial[ContactArrays]
+        self.lost = 0.0
+        touch.drag[:] = 0.0
         if self.is_needed:
             place, _ = self._places(trial, free[self._contact.nodes])
-            rubs = self.evaluate(state_n, trial, trial.displacement, trial.reaction, free)
-            trial.drag[place] = rubs.force
-            trial.work[FRICTION] -= 0.5 * float((state_n.drag[place] + rubs.force) @ rubs.slip)
+            rubs = self.evaluate(state_n, trial, trial.nodes.displacement, trial.nodes.reaction, free)
+            touch.drag[place] = rubs.force
+            self.lost = -0.5 * float((state_n[ContactArrays].drag[place] + rubs.force) @ rubs.slip)

@@ -5,7 +5,7 @@ Constant shear m k acts where a node is in contact and nowhere else, whatever th
 held, its shear and that of the edges beside it drag it off the tool; let go, without that shear, it comes back. The
 equilibrium lies between, on the vertical branch of the law: the node touches, its normal force is zero, and a part of
 the shear between 0 and 1 acts on the edges beside it. The part is looked for between two that have been tried (rule of
-Illinois), and is kept in State.shear_part, from which the next increment starts.
+Illinois), and is kept in ContactArrays.shear_part, from which the next increment starts.
 """
 
 from __future__ import annotations

@@ -83,7 +83,7 @@ class Inertia(Interaction):
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return the work against inertia and damping [N mm]."""
         resistance = state_n[InertiaArrays].force + trial[InertiaArrays].force
-        moved = trial.increment[:, : resistance.shape[1]]
+        moved = trial.nodes.increment[:, : resistance.shape[1]]
         return {"inertia_work": 0.5 * float((resistance * moved).sum())}
 
 

@@ -28,13 +28,13 @@ class Loads(Interaction):
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the loads of a converged state."""
-        trial.external_force = own.force
+        trial.nodes.external_force = own.force
 
     def at(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> Forces:
         """Return the loads at a fraction of a stage, `increment` (n_points, 2) after state_n."""
         points, settings = self._model.mesh.points, self._model.solver
         if not settings.is_small:
-            points = points + (state_n.displacement + increment)
+            points = points + (state_n.nodes.displacement + increment)
         found = evaluate_loads(self._model, points, stage, fraction)
         if settings.is_small or not settings.pressure_stiffness:
             return Forces(found.force, found.pairs[:0], found.blocks[:0])

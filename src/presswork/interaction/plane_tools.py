@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,11 +14,13 @@ from presswork.geometry.segments import find_touch
 from presswork.interaction.contract import Constraints, Factors, Forces, Interaction, Point
 from presswork.interaction.floating_tools import Floating, FloatingTools
 from presswork.interaction.friction import Friction, FrictionForces
+from presswork.interaction.placing import move_tools
 from presswork.interaction.supports import Supports
+from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.interaction.tool_contact import Contact
 from presswork.model import FloatArray, Model, Stage, ToolMotion
 from presswork.outcome import GaveUpError, Step
-from presswork.state import State
+from presswork.state import Arrays, State
 
 TOO_DEEP = 1e-3
 """Of the workpiece's size: how deep a stage may put a tool into it."""
@@ -60,6 +62,11 @@ class PlaneTools(Interaction):
         """Nodes that may change no more in this increment, and pull."""
         return self.contact.n_unsettled
 
+    def at_rest(self) -> tuple[Arrays, ...]:
+        """Return the arrays of tools that have not moved and touch nothing."""
+        n_tools = len(self._model.plane_tools)
+        return ToolArrays.at_rest(n_tools), ContactArrays.at_rest(n_tools, len(self.contact.nodes))
+
     def base(self, stage: int) -> FloatArray:
         """Prescribed displacement [mm] and angle [rad] of the tools at the start of a stage (n_tools, 3)."""
         base = np.zeros((len(self._model.plane_tools), 3))
@@ -73,41 +80,43 @@ class PlaneTools(Interaction):
 
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
         """Move the tools by their strokes; those that float go on as before."""
+        placed = trial[ToolArrays]
         pose = self.base(step.stage) + step.fraction * self._motion(self._model.stages[step.stage])
-        floats = (trial.tool_gives > 0) | np.isin(np.arange(len(pose)), list(self.floating.pushed(step.stage)))
-        trial.tool_travel += ratio * state_n.tool_travel_increment * floats[:, None]
-        trial.tool_displacement, trial.tool_angle = pose[:, :2] + trial.tool_restart + trial.tool_travel, pose[:, 2]
+        floats = (placed.gives > 0) | np.isin(np.arange(len(pose)), list(self.floating.pushed(step.stage)))
+        placed.travel += ratio * state_n[ToolArrays].travel_increment * floats[:, None]
+        placed.displacement, placed.angle = pose[:, :2] + placed.restart + placed.travel, pose[:, 2]
 
     def begin_stage(self, state: State, stage: int) -> bool:
         """Place the tools that a stage places anew; what they held is let go over the first increment."""
+        placed, held = state[ToolArrays], state[ContactArrays]
         lets_go = False
         for t, tool in enumerate(self._model.plane_tools):
             motion = self._model.stages[stage].tool_motion.get(tool.name, ToolMotion())
             if motion.start is None:
                 continue
             if motion.start == "touch":
-                target = state.tool_displacement[t] + self._way_to_touch(state, t, motion)
+                target = placed.displacement[t] + self._way_to_touch(state, t, motion)
             else:
                 target = np.subtract(motion.start, tool.position[:2])
-            jump = target - state.tool_displacement[t]
+            jump = target - placed.displacement[t]
             if not jump.any():
                 continue
             faces = slice(2 * t, 2 * t + 2)
             forces = self.contact.forces(state, self._supports.fixed(stage - 1))
             own = forces.tool == t
             nodes = forces.nodes[own]
-            state.external_force[nodes] += forces.force[own]
-            state.contact[faces], state.drag[np.isin(self.contact.nodes, nodes)] = 0, 0.0
-            state.tool_force[t], state.tool_force_start[t] = 0.0, 0.0
-            state.tool_restart[t] += jump
-            state.tool_displacement[t] = target
+            state.nodes.external_force[nodes] += forces.force[own]
+            held.status[faces], held.drag[np.isin(self.contact.nodes, nodes)] = 0, 0.0
+            placed.force[t], placed.force_start[t] = 0.0, 0.0
+            placed.restart[t] += jump
+            placed.displacement[t] = target
             self._check_clear(state, t)
             lets_go |= len(nodes) > 0
         return lets_go
 
     def _check_clear(self, state: State, t: int) -> None:
         """Refuse a tool that a stage has put into the workpiece."""
-        nodes = self._model.mesh.points[self.contact.nodes] + state.displacement[self.contact.nodes]
+        nodes = self._model.mesh.points[self.contact.nodes] + state.nodes.displacement[self.contact.nodes]
         depth = -float(self.contact.find_gaps(state, nodes)[t].min(initial=np.inf))
         if depth > TOO_DEEP * float(np.ptp(nodes, axis=0).max()):
             raise GaveUpError(
@@ -117,13 +126,14 @@ class PlaneTools(Interaction):
 
     def _way_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
         """Return how far a tool goes along its way until it touches the workpiece (2,) [mm]."""
-        if (state.contact[2 * t : 2 * t + 2] > 0).any():
+        if (state[ContactArrays].status[2 * t : 2 * t + 2] > 0).any():
             return np.zeros(2)
+        placed = state[ToolArrays]
         tool = self._model.plane_tools[t]
         way = np.asarray(motion.push.direction if motion.push else motion.move[:2], dtype=np.float64)
         way = way / np.linalg.norm(way)
-        nodes = self._model.mesh.points[self.contact.nodes] + state.displacement[self.contact.nodes]
-        pose = ToolPose(start_centre(tool), state.tool_displacement[t], float(state.tool_angle[t]))
+        nodes = self._model.mesh.points[self.contact.nodes] + state.nodes.displacement[self.contact.nodes]
+        pose = ToolPose(start_centre(tool), placed.displacement[t], float(placed.angle[t]))
         gone = find_touch(to_tool_frame(nodes, pose), start_profile(tool), turn_vectors(way, -pose.angle))
         if gone is None:
             raise GaveUpError(
@@ -182,7 +192,7 @@ class PlaneTools(Interaction):
 
     def move(self, trial: State, border: Floating, travel: FloatArray) -> None:
         """Move the floating tools by their travel [mm]."""
-        self.floating.move(trial, border, travel)
+        move_tools(trial[ToolArrays], border, travel)
 
     def settle(self, state_n: State, trial: State, own: Forces | None, constraints: Constraints) -> None:
         """Keep the friction of a converged state."""
@@ -190,11 +200,22 @@ class PlaneTools(Interaction):
 
     def commit(self, state_n: State, trial: State, step: Step) -> None:
         """Let nodes on sticking tools stick; keep the tools' forces and travel."""
+        placed = trial[ToolArrays]
         self.contact.settle(trial)
-        trial.tool_travel_increment = trial.tool_travel - state_n.tool_travel
+        placed.travel_increment = placed.travel - state_n[ToolArrays].travel
         forces, torques = self.contact.tool_forces(trial, self._supports.fixed(step.stage))
-        trial.tool_force = np.column_stack([forces, torques])
+        placed.force = np.column_stack([forces, torques])
+
+    def work(self, state_n: State, trial: State) -> Mapping[str, float]:
+        """Return the work of the tools by their own motion, and what friction takes [N mm]."""
+        before, now = state_n[ToolArrays], trial[ToolArrays]
+        moved = np.column_stack([now.displacement - before.displacement, now.angle - before.angle])
+        return {
+            "external_work": -0.5 * float(((before.force + now.force) * moved).sum()),
+            "friction_work": self.friction.lost,
+        }
 
     def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
         """Keep the force on each tool from which a push of the next stage begins."""
-        state.tool_force_start = state.tool_force[:, :2].copy()
+        placed = state[ToolArrays]
+        placed.force_start = placed.force[:, :2].copy()

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tools in space that forces place, such as blank holders: one freedom more for each, by a bordered system.
+"""Tools in space that forces place, such as blank holders.
 
-The tool's travel q along its direction w is found with the nodes' displacements. Contact depends on where a node is in
-the tool's frame alone, so with K_i = -d f_i/d x_i of each node that it touches
+Contact depends on where a node is in the tool's frame alone. With K_i = -d f_i/d x_i of each node that the tool
+touches, f_i the tool's force on the node, w the direction of its travel q and F the force that pushes it,
 
-    K dx - sum K_i w dq = r,        sum w K_i w dq - sum w K_i dx_i = F - sum w f_i,
+    sum w K_i w dq - sum w K_i dx_i = F - sum w f_i.
 
-F the force that pushes, f_i the tool's force on the node. The first line is solved for both of its right-hand sides
-with the factors that there are, the second then gives dq. A tool goes no further than to its stop, another tool. While
-it stands there and the sheet bears less than F, the other bears the rest.
+placing.py solves for q. A tool goes no further than to its stop, another tool. While it stands there and the sheet
+bears less than F, the other bears the rest.
 """
 
 from __future__ import annotations
@@ -19,8 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.interaction.floating_tools import LostWorkpieceError
+from presswork.interaction.placing import Border, LostWorkpieceError, Placed
 from presswork.interaction.sheet_contact import SheetForces
+from presswork.interaction.tool_arrays import SheetToolArrays
 from presswork.model import BoolArray, FloatArray, Model, Push
 from presswork.state import State
 
@@ -29,23 +29,13 @@ STANDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Pushed:
-    """The pushed tools of a stage at a guess."""
+class Pushed(Placed):
+    """The pushed tools of a stage at a guess; one that stands on its stop lacks nothing."""
 
-    tools: list[int]
-    directions: FloatArray
-    """Unit vectors (n, 3)."""
-    missing: FloatArray
-    """What the sheet's resistance lacks of the force (n,) [N]; nothing of a tool that stands on its stop."""
     room: FloatArray
     """Way that is left to its stop (n,) [mm]."""
     stands: BoolArray
     """Whether its stop holds it (n,)."""
-
-    @property
-    def is_open(self) -> bool:
-        """Whether any tool is pushed."""
-        return len(self.tools) > 0
 
 
 class PushedSheetTools:
@@ -77,8 +67,9 @@ class PushedSheetTools:
     def _room(self, trial: State, tool: int, push: Push) -> float:
         if not push.stop:
             return math.inf
+        placed = trial[SheetToolArrays]
         other = [t.name for t in self._model.sheet_tools].index(push.stop)
-        way = trial.sheet_tool_move[tool] - trial.sheet_tool_move[other]
+        way = placed.displacement[tool] - placed.displacement[other]
         return push.clearance - float(way @ np.array(push.direction))
 
     def correct(
@@ -89,36 +80,24 @@ class PushedSheetTools:
         correction: with the tools held fast (n_points, 6), in the global frame. respond: solves for forces (n_points,
         6). Raises LostWorkpieceError for a tool that touches nothing and has no stop to fall on.
         """
-        n = len(pushed.tools)
         rows, responses = [], []
-        schur, rest = np.zeros((n, n)), pushed.missing.copy()
+        own_slope, missing = np.zeros(len(pushed.tools)), pushed.missing.copy()
         for i, (t, w) in enumerate(zip(pushed.tools, pushed.directions, strict=True)):
             own = sheet.tool == t
             nodes, k = sheet.pairs[own, 0], sheet.blocks[own, :3, :3]
             column, row = np.zeros_like(correction), np.zeros_like(correction)
-            column[nodes, :3], row[nodes, :3] = k @ w, w @ k
+            column[nodes, :3] = k @ w
             falls = not column.any()
             if falls and math.isinf(pushed.room[i]):
                 name = self._model.sheet_tools[t].name
                 raise LostWorkpieceError(f"the tool {name!r} is pushed by a force, but touches nothing that holds it")
-            responses.append(respond(column))
             if falls or pushed.stands[i]:
-                rows.append(np.zeros_like(row))
-                schur[i, i], rest[i] = 1.0, pushed.room[i]
-                continue
+                own_slope[i], missing[i] = 1.0, pushed.room[i]
+            else:
+                row[nodes, :3] = -(w @ k)
+                own_slope[i] = float((column[:, :3] @ w).sum())
+            responses.append(respond(column))
             rows.append(row)
-            schur[i, i] = float((column[:, :3] @ w).sum())
-            rest[i] += float((row * correction).sum())
-        for i, row in enumerate(rows):
-            for j, response in enumerate(responses):
-                schur[i, j] -= float((row * response).sum())
-        travel = np.minimum(np.linalg.solve(schur, rest), pushed.room)
-        for response, q in zip(responses, travel, strict=True):
-            correction = correction + q * response
-        return correction, np.asarray(travel, dtype=np.float64)
-
-    def move(self, trial: State, pushed: Pushed, travel: FloatArray) -> None:
-        """Move the tools by their travel (n,) [mm]."""
-        for t, direction, q in zip(pushed.tools, pushed.directions, travel, strict=True):
-            trial.sheet_tool_travel[t] += q * direction
-            trial.sheet_tool_move[t] += q * direction
+        border = Border(rows, own_slope, responses)
+        travel = np.minimum(border.find_travel(missing, correction), pushed.room)
+        return border.carry(correction, travel), travel

@@ -19,12 +19,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
+from presswork.body.shell_arrays import ShellArrays
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.contract import Forces
 from presswork.interaction.drawbeads import BeadForces, SheetBeads
+from presswork.interaction.tool_arrays import SheetToolArrays
 from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model, Stage, ToolMotion
-from presswork.state import CONTACT, State
+from presswork.state import State
 
 TANGENTIAL = 0.1
 """Of the spring that a sticking node hangs on, over the contact's."""
@@ -150,7 +152,7 @@ class SheetContact:
     def begin_increment(self, state_n: State) -> None:
         """Take the thickness at the nodes as it is when the increment begins."""
         total = np.zeros_like(self._cells)
-        for block, thickness in zip(self._model.mesh.blocks, state_n.shells.thickness, strict=True):
+        for block, thickness in zip(self._model.mesh.blocks, state_n[ShellArrays].thickness, strict=True):
             np.add.at(total, block.connectivity, thickness.mean(axis=1)[:, None])
         self._thickness = total / np.maximum(self._cells, 1.0)
         self.beads.begin_increment(state_n)
@@ -159,16 +161,17 @@ class SheetContact:
         self, state_n: State, trial: State, displacement: FloatArray, stage: int = 0, fraction: float = 0.0
     ) -> SheetForces:
         """Return the forces of tools and beads at a guess; tools stand where the trial state has them."""
+        placed, placed_n = trial[SheetToolArrays], state_n[SheetToolArrays]
         n, tools = len(displacement), self._model.sheet_tools
         sheet = SheetNodes(self._area, self._thickness, self._stiffness)
         x = self._model.mesh.points + displacement[:, :3]
-        moved = displacement[:, :3] - state_n.displacement[:, :3]
+        moved = displacement[:, :3] - state_n.nodes.displacement[:, :3]
         by_tool, friction = np.zeros((len(tools), n, 3)), np.zeros((len(tools), n, 3))
         nodes, blocks, owners, energy = [], [], [], 0.0
         for t, tool in enumerate(tools):
-            place = x - np.array(tool.position) - trial.sheet_tool_move[t]
-            way = moved - (trial.sheet_tool_move[t] - state_n.sheet_tool_move[t])
-            found = touch_tool(self._surfaces[t], float(tool.friction.mu), sheet, place, way, state_n.sheet_friction[t])
+            place = x - np.array(tool.position) - placed.displacement[t]
+            way = moved - (placed.displacement[t] - placed_n.displacement[t])
+            found = touch_tool(self._surfaces[t], float(tool.friction.mu), sheet, place, way, placed_n.friction[t])
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
             block = np.zeros((len(found.nodes), 6, 6))
             block[:, :3, :3] = found.stiffness
@@ -196,14 +199,14 @@ class SheetContact:
 
     def settle(self, trial: State, found: SheetForces) -> None:
         """Keep what an increment has found."""
-        trial.sheet_tool_force, trial.sheet_friction = found.by_tool, found.friction
-        trial.work[CONTACT] = found.energy
+        kept = trial[SheetToolArrays]
+        kept.force, kept.friction, kept.energy = found.by_tool, found.friction, found.energy
         self.beads.settle(trial, found.beads)
 
     def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and unit vectors (n, 3) along which beads and tools hold them; rough tools in all three."""
         self.begin_increment(state)
-        found = self.evaluate(state, state, state.displacement)
+        found = self.evaluate(state, state, state.nodes.displacement)
         beneath, across = self.beads.held_directions()
         nodes, directions = [beneath], [across]
         for tool, force in zip(self._model.sheet_tools, found.by_tool, strict=True):
@@ -218,29 +221,30 @@ class SheetContact:
 
     def work(self, state_n: State, trial: State) -> tuple[float, float]:
         """Return the work of tools and beads in an increment, by their own motion, and what friction takes [N mm]."""
-        moved = trial.sheet_tool_move - state_n.sheet_tool_move
-        forces = (state_n.sheet_tool_force + trial.sheet_tool_force).sum(axis=1)
-        way = trial.increment[None, :, :3] - moved[:, None]
-        lost = -0.5 * float(((state_n.sheet_friction + trial.sheet_friction) * way).sum())
+        placed, placed_n = trial[SheetToolArrays], state_n[SheetToolArrays]
+        moved = placed.displacement - placed_n.displacement
+        forces = (placed_n.force + placed.force).sum(axis=1)
+        way = trial.nodes.increment[None, :, :3] - moved[:, None]
+        lost = -0.5 * float(((placed_n.friction + placed.friction) * way).sum())
         carried, restrained = self.beads.work(state_n, trial)
         return 0.5 * float((forces * moved).sum()) + carried, lost + restrained
 
     def depths(self, state: State) -> FloatArray:
         """Return how deep the sheet's surface is in each tool at a converged state (n_tools,) [mm]."""
         self.begin_increment(state)
-        x = self._model.mesh.points + state.displacement[:, :3]
+        x = self._model.mesh.points + state.nodes.displacement[:, :3]
         half = 0.5 * self._thickness
         found = np.zeros(len(self._model.sheet_tools))
         for t, tool in enumerate(self._model.sheet_tools):
             gap, *_ = self._surfaces[t].nearest(
-                x - np.array(tool.position) - state.sheet_tool_move[t], float(half.max())
+                x - np.array(tool.position) - state[SheetToolArrays].displacement[t], float(half.max())
             )
             found[t] = max(0.0, -float((gap - half).min()))
         return found
 
     def tool_forces(self, state: State) -> FloatArray:
         """Return the force of the sheet on each tool (n_tools, 3) [N], as modelled."""
-        return np.asarray(-state.sheet_tool_force.sum(axis=1))
+        return np.asarray(-state[SheetToolArrays].force.sum(axis=1))
 
 
 def share_surface(points: FloatArray, connectivity: IntArray) -> FloatArray:

@@ -7,25 +7,34 @@ from collections.abc import Mapping
 from typing import Any
 
 from presswork.interaction.contract import Factors, Guess, Interaction, Point, turn, turn_back
+from presswork.interaction.placing import move_tools
 from presswork.interaction.pushed_sheet_tools import Pushed, PushedSheetTools
 from presswork.interaction.sheet_contact import SheetContact, SheetForces
+from presswork.interaction.tool_arrays import SheetToolArrays
 from presswork.model import FloatArray, Model
 from presswork.outcome import Step
-from presswork.state import State
+from presswork.state import Arrays, State
 
 
 class SheetTools(Interaction):
     """Contact of a shell's nodes with tools in space."""
 
     def __init__(self, model: Model) -> None:
+        self._model = model
         self.contact = SheetContact(model)
         self.pushed = PushedSheetTools(model)
 
+    def at_rest(self) -> tuple[Arrays, ...]:
+        """Return the arrays of tools and beads that have not moved and touch nothing."""
+        tools = SheetToolArrays.at_rest(len(self._model.sheet_tools), len(self._model.mesh.points))
+        return tools, self.contact.beads.at_rest()
+
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
         """Move the tools by their strokes; those that forces push go on as before."""
+        placed = trial[SheetToolArrays]
         pushed = self.pushed.numbers(step.stage)
-        trial.sheet_tool_travel[pushed] += ratio * state_n.sheet_tool_travel_increment[pushed]
-        trial.sheet_tool_move = self.contact.move(step.stage, step.fraction) + trial.sheet_tool_travel
+        placed.travel[pushed] += ratio * state_n[SheetToolArrays].travel_increment[pushed]
+        placed.displacement = self.contact.move(step.stage, step.fraction) + placed.travel
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Take the thickness at the nodes as it is when the increment begins."""
@@ -33,8 +42,9 @@ class SheetTools(Interaction):
 
     def give_up_guess(self, state_n: State, trial: State) -> None:
         """Put the pushed tools back to where the increment began."""
-        trial.sheet_tool_move -= trial.sheet_tool_travel - state_n.sheet_tool_travel
-        trial.sheet_tool_travel = state_n.sheet_tool_travel.copy()
+        placed, placed_n = trial[SheetToolArrays], state_n[SheetToolArrays]
+        placed.displacement -= placed.travel - placed_n.travel
+        placed.travel = placed_n.travel.copy()
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> SheetForces:
         """Return the forces of tools and beads on the nodes."""
@@ -58,7 +68,7 @@ class SheetTools(Interaction):
 
     def move(self, trial: State, border: Pushed, travel: FloatArray) -> None:
         """Move the pushed tools by their travel [mm]."""
-        self.pushed.move(trial, border, travel)
+        move_tools(trial[SheetToolArrays], border, travel)
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the forces of tools and beads."""
@@ -66,9 +76,14 @@ class SheetTools(Interaction):
 
     def commit(self, state_n: State, trial: State, step: Step) -> None:
         """Keep the travel of the increment."""
-        trial.sheet_tool_travel_increment = trial.sheet_tool_travel - state_n.sheet_tool_travel
+        placed = trial[SheetToolArrays]
+        placed.travel_increment = placed.travel - state_n[SheetToolArrays].travel
 
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return the work of tools and beads by their own motion, and what friction takes [N mm]."""
         of_tools, lost = self.contact.work(state_n, trial)
         return {"external_work": of_tools, "friction_work": lost}
+
+    def stored(self, state: State) -> float:
+        """Return the energy of the normal forces [N mm]."""
+        return state[SheetToolArrays].energy

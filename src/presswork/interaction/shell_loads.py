@@ -4,18 +4,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from presswork import _core
+from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import measure_shells
 from presswork.interaction.contract import Forces, Guess, Interaction
 from presswork.interaction.supports import Supports
 from presswork.mesh.directors import Directors
 from presswork.mesh.edges import GAUSS_3, edge_shape_functions
 from presswork.model import FloatArray, IndexArray, IntArray, Model
-from presswork.state import State
+from presswork.state import Arrays, State
 
 
 def _skew(v: FloatArray) -> FloatArray:
@@ -24,6 +26,15 @@ def _skew(v: FloatArray) -> FloatArray:
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         matrix[..., i, j], matrix[..., j, i] = -v[..., k], v[..., k]
     return matrix
+
+
+@dataclass
+class FadingLoads(Arrays):
+    """What is left of the stage before."""
+
+    owner = "fading_loads"
+    force: FloatArray
+    """Forces left from the previous stage; they fade to zero over this stage (n_points, 6) [N, N mm]."""
 
 
 class ShellLoads(Interaction):
@@ -42,6 +53,10 @@ class ShellLoads(Interaction):
             thickness = block.section.thickness if block.section else 0.0
             np.add.at(self.nodal_volume, block.connectivity, thickness * area @ N)
         self._dead = [self._dead_loads(s) for s in range(len(model.stages))]
+
+    def at_rest(self) -> tuple[Arrays, ...]:
+        """Return no forces left."""
+        return (FadingLoads(np.zeros((len(self._model.mesh.points), 6))),)
 
     def _dead_loads(self, stage: int) -> FloatArray:
         """Return the forces and moments of a whole stage that keep their direction (n_points, 6)."""
@@ -70,11 +85,11 @@ class ShellLoads(Interaction):
         """Keep what holds a converged state in balance where the next stage holds nothing: it fades over that stage."""
         force = internal()
         force[self._supports.fixed(next_stage)] = 0.0
-        state.shells.fading = force
+        state[FadingLoads].force = force
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the loads of a converged state."""
-        trial.external_force = own.force
+        trial.nodes.external_force = own.force
 
     def at(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> Forces:
         """Return the loads at a fraction of a stage, `increment` (n_points, 6) after state_n.
@@ -83,7 +98,7 @@ class ShellLoads(Interaction):
         A moment does work on the spin of its node: on the rotation vector of the increment it acts through the
         rotation's tangent. What of it lies along the director of a smooth node does nothing.
         """
-        force = fraction * self._dead[stage] + (1.0 - fraction) * state_n.shells.fading
+        force = fraction * self._dead[stage] + (1.0 - fraction) * state_n[FadingLoads].force
         is_small = self._model.solver.is_small
         if is_small:
             increment = np.zeros_like(increment)
@@ -94,7 +109,7 @@ class ShellLoads(Interaction):
         pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 6, 6))]
         points = self._model.mesh.points
         if not is_small:
-            points = points + state_n.displacement[:, :3] + increment[:, :3]
+            points = points + state_n.nodes.displacement[:, :3] + increment[:, :3]
         for pressure in self._model.stages[stage].shell_pressures:
             inside = np.zeros(len(points), dtype=bool)
             inside[self._model.mesh.node_sets[pressure.node_set]] = True
@@ -121,7 +136,7 @@ class ShellLoads(Interaction):
         rotation = np.eye(3) + np.sinc(angle / np.pi) * skew + b * skew @ skew
         which = np.full(len(self._directors.smooth), -1)
         which[self._directors.node] = np.arange(len(self._directors.node))
-        director = np.einsum("nij,nj->ni", rotation, state_n.shells.director[which[nodes]])
+        director = np.einsum("nij,nj->ni", rotation, state_n[ShellArrays].director[which[nodes]])
         along = (director * moment).sum(axis=1, keepdims=True) * self._directors.smooth[nodes, None]
         result: FloatArray = np.einsum("nji,nj->ni", tangent, moment - along * director)
         return result

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from presswork.body.shell_arrays import ShellArrays
 from presswork.interaction.contract import Constraints, Interaction, Point
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.outcome import StartError
@@ -115,7 +116,7 @@ class Supports(Interaction):
             value = np.where(mask, target - increment, 0.0)
             return Constraints(mask, value, np.zeros(len(mask), dtype=np.uint8), self._identity)
         if self._frames_of is None or self._frames_of[0] is not state_n or self._frames_of[1] != stage:
-            self._frames, self._held = self._rotation_frames(fixed[:, 3:], state_n.shells.director)
+            self._frames, self._held = self._rotation_frames(fixed[:, 3:], state_n[ShellArrays].director)
             self._frames_of = (state_n, stage)
         frames = self._frames
         mask[:, 3:] = self._held

@@ -24,8 +24,9 @@ from presswork.fields.contact_stress import ContactForces
 from presswork.geometry.pose import ToolPose, place_points, start_centre, start_profile, to_tool_frame, turn_vectors
 from presswork.interaction.contract import Constraints
 from presswork.interaction.grazing import Drag, Grazing
+from presswork.interaction.tool_arrays import SLIDING, STUCK, ContactArrays, StatusArray, ToolArrays
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
-from presswork.state import SLIDING, STUCK, ContactArray, State
+from presswork.state import State
 
 MAX_CHANGES = 4
 """Changes after which a node keeps contact until the increment ends."""
@@ -96,16 +97,18 @@ class Contact:
             gap, normal, second_gap, second_normal, segment, second_segment = _core.touch_profile(segments, local)
             self.segment[2 * t], self.segment[2 * t + 1] = segment, second_segment
             self.gap[2 * t], self.gap[2 * t + 1] = gap, second_gap
-            angle = float(state.tool_angle[t])
+            angle = float(state[ToolArrays].angle[t])
             self.normal[2 * t], self.normal[2 * t + 1] = turn_vectors(normal, angle), turn_vectors(second_normal, angle)
 
     def _pose(self, state: State, tool: int) -> ToolPose:
-        return ToolPose(self._centres[tool], state.tool_displacement[tool], float(state.tool_angle[tool]))
+        placed = state[ToolArrays]
+        return ToolPose(self._centres[tool], placed.displacement[tool], float(placed.angle[tool]))
 
     def carry(self, state_n: State, state: State, tools: IndexArray, points: FloatArray) -> FloatArray:
         """Return how far the tools have carried points (n, 2) of theirs, given at state_n, since then (n, 2) [mm]."""
-        carried = state.tool_displacement[tools] - state_n.tool_displacement[tools]
-        for t in np.unique(tools[state.tool_angle[tools] != state_n.tool_angle[tools]]):
+        placed, placed_n = state[ToolArrays], state_n[ToolArrays]
+        carried = placed.displacement[tools] - placed_n.displacement[tools]
+        for t in np.unique(tools[placed.angle[tools] != placed_n.angle[tools]]):
             own = tools == t
             local = to_tool_frame(points[own], self._pose(state_n, t))
             carried[own] = place_points(local, self._pose(state, t)) - points[own]
@@ -126,9 +129,10 @@ class Contact:
         """
         if not len(self.nodes):
             return
-        self.search(state, state.displacement)
-        state.contact[(self.gap <= self.tolerance) & self._free(fixed)] = SLIDING
-        self._limit_faces(state.contact)
+        touch = state[ContactArrays]
+        self.search(state, state.nodes.displacement)
+        touch.status[(self.gap <= self.tolerance) & self._free(fixed)] = SLIDING
+        self._limit_faces(touch.status)
         self.settle(state)
 
     def begin_increment(self) -> None:
@@ -140,17 +144,18 @@ class Contact:
         """At a converged state: nodes that slide on a sticking tool are stuck from now on, where they are."""
         if not len(self.nodes):
             return
-        held = (state.contact > 0) & self._sticking.repeat(2)[:, None]
-        fresh = held & (state.contact == SLIDING)
-        state.contact[held] = STUCK
-        state.shear_part[~((state.contact > 0) & self._by_shear[:, None]).any(axis=0)] = 1.0
+        touch = state[ContactArrays]
+        held = (touch.status > 0) & self._sticking.repeat(2)[:, None]
+        fresh = held & (touch.status == SLIDING)
+        touch.status[held] = STUCK
+        touch.shear_part[~((touch.status > 0) & self._by_shear[:, None]).any(axis=0)] = 1.0
         face, node = np.nonzero(fresh)
-        position = self._model.mesh.points[self.nodes[node]] + state.displacement[self.nodes[node]]
+        position = self._model.mesh.points[self.nodes[node]] + state.nodes.displacement[self.nodes[node]]
         for t in np.unique(face // 2):
             own = face // 2 == t
-            state.anchor[node[own]] = to_tool_frame(position[own], self._pose(state, t))
+            touch.anchor[node[own]] = to_tool_frame(position[own], self._pose(state, t))
 
-    def _limit_faces(self, contact: ContactArray, before: ContactArray | None = None) -> None:
+    def _limit_faces(self, contact: StatusArray, before: StatusArray | None = None) -> None:
         """Keep at most two faces a node: those held before, then those it is deepest in; one where both are flush."""
         crowded = np.nonzero((contact > 0).sum(axis=0) > 1)[0]
         for node in crowded:
@@ -169,33 +174,35 @@ class Contact:
         """
         if not len(self.nodes):
             return 0
+        touch = trial[ContactArrays]
         self.n_unsettled = 0
-        before = trial.contact.copy()
-        lost = (trial.contact == SLIDING) & ~np.isfinite(self.gap)  # slid off the end of a profile, or out of a corner
-        trial.contact[lost] = 0
+        before = touch.status.copy()
+        lost = (touch.status == SLIDING) & ~np.isfinite(self.gap)  # slid off the end of a profile, or out of a corner
+        touch.status[lost] = 0
         limit = np.where(lost.any(axis=0), self.tolerance, -self.tolerance)  # where tools adjoin, the next one takes it
-        trial.contact[(self.gap < limit) & (trial.contact == 0) & self._free(fixed)] = SLIDING
-        self._limit_faces(trial.contact, before)
+        touch.status[(self.gap < limit) & (touch.status == 0) & self._free(fixed)] = SLIDING
+        self._limit_faces(touch.status, before)
         if near:
             self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), drag, tolerance)
-        changed = (before != trial.contact).any(axis=0)
+        changed = (before != touch.status).any(axis=0)
         self._changes[changed] += 1
         return int(changed.sum())
 
-    def _let_go(self, trial: State, before: ContactArray, push: FloatArray, drag: Drag, tolerance: float) -> None:
+    def _let_go(self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, tolerance: float) -> None:
         """Let go of nodes that pull, but for those that their shear may drag off the tool."""
-        held = (before > 0) & (trial.contact > 0)
+        touch = trial[ContactArrays]
+        held = (before > 0) & (touch.status > 0)
         judged = np.where(held, self._judge(push), 0.0)
         pulls = judged < -tolerance
         by_shear = (self._changes >= 2) | (-judged.min(axis=0, initial=0.0) < drag.force)
-        self._grazes = self._on_shear(trial) & (pulls.any(axis=0) & by_shear | (trial.shear_part < 1.0))
-        pulls &= ~(self._grazes & (trial.shear_part > 0.0))
-        trial.contact[pulls & (self._changes < MAX_CHANGES)] = 0
+        self._grazes = self._on_shear(trial) & (pulls.any(axis=0) & by_shear | (touch.shear_part < 1.0))
+        pulls &= ~(self._grazes & (touch.shear_part > 0.0))
+        touch.status[pulls & (self._changes < MAX_CHANGES)] = 0
         self.n_unsettled = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
 
     def _on_shear(self, trial: State) -> BoolArray:
         """Mark nodes that one face alone holds, with constant shear (n_candidates,)."""
-        held = trial.contact > 0
+        held = trial[ContactArrays].status > 0
         return np.asarray((held & self._by_shear[:, None]).any(axis=0) & (held.sum(axis=0) == 1))
 
     def graze(
@@ -206,14 +213,15 @@ class Contact:
 
         After update() of the same iterate, near equilibrium. tolerance, credible: as in Grazing.update [N].
         """
+        touch = trial[ContactArrays]
         grazes = self._grazes & self._on_shear(trial)
         if not grazes.any():
             return 0
         push = self.normal_forces(trial, reaction, fixed)
-        own = np.where(trial.contact > 0, self._judge(push), 0.0).sum(axis=0)
+        own = np.where(touch.status > 0, self._judge(push), 0.0).sum(axis=0)
         largest = float(np.abs(push).max())
         return self._grazing.update(
-            trial.shear_part, grazes, own, drag, tolerance=tolerance, credible=credible, largest=largest
+            touch.shear_part, grazes, own, drag, tolerance=tolerance, credible=credible, largest=largest
         )
 
     def _free(self, fixed: BoolArray) -> BoolArray:
@@ -226,7 +234,7 @@ class Contact:
         push = np.zeros(self.gap.shape)
         if not len(self.nodes):
             return push
-        held = state.contact > 0
+        held = state[ContactArrays].status > 0
         count = held.sum(axis=0)
         force = reaction[self.nodes] * ~fixed[self.nodes]
         direction = self.normal * ~fixed[self.nodes]
@@ -250,39 +258,40 @@ class Contact:
         forces, torques = np.zeros((n_tools, 2)), np.zeros(n_tools)
         if not n_tools:
             return forces, torques
-        by_tool: BoolArray = np.asarray((state.contact > 0).reshape(n_tools, 2, -1).any(axis=1))
+        by_tool: BoolArray = np.asarray((state[ContactArrays].status > 0).reshape(n_tools, 2, -1).any(axis=1))
         shared: BoolArray = np.asarray(by_tool.sum(axis=0) > 1)
-        push = self.normal_forces(state, state.reaction, fixed) if shared.any() else None
-        at = self._model.mesh.points[self.nodes] + state.displacement[self.nodes]
+        push = self.normal_forces(state, state.nodes.reaction, fixed) if shared.any() else None
+        at = self._model.mesh.points[self.nodes] + state.nodes.displacement[self.nodes]
         for t in range(n_tools):
-            force = -state.reaction[self.nodes] * ~fixed[self.nodes] * by_tool[t][:, None]
+            force = -state.nodes.reaction[self.nodes] * ~fixed[self.nodes] * by_tool[t][:, None]
             if push is not None:
                 faces = slice(2 * t, 2 * t + 2)
                 force[shared] = -np.einsum("fn,fni->ni", push[faces], self.normal[faces])[shared]
-            arm = at - self._centres[t] - state.tool_displacement[t]
+            arm = at - self._centres[t] - state[ToolArrays].displacement[t]
             forces[t] = force.sum(axis=0)
             torques[t] = float((arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
         return forces, torques
 
     def forces(self, state: State, fixed: BoolArray) -> ContactForces:
         """Return what each tool does to the nodes that it holds, as tool_forces() adds it up."""
-        self.search(state, state.displacement)
-        n_tools, n_points = len(self._model.plane_tools), len(state.displacement)
-        held = state.contact > 0
+        self.search(state, state.nodes.displacement)
+        n_tools, n_points = len(self._model.plane_tools), len(state.nodes.displacement)
+        held_as = state[ContactArrays].status if n_tools else np.zeros((0, 0), dtype=np.int8)
+        held = held_as > 0
         both = held.sum(axis=0) > 1
         by_tool: BoolArray = np.asarray(held.reshape(n_tools, 2, len(self.nodes)).any(axis=1))
         tool, place = np.nonzero(by_tool)
-        push = np.where(held, self.normal_forces(state, state.reaction, fixed), 0.0)
+        push = np.where(held, self.normal_forces(state, state.nodes.reaction, fixed), 0.0)
         by_face = (push[..., None] * self.normal).reshape(n_tools, 2, len(self.nodes), 2).sum(axis=1)
         plane = slice(0, 2)  # a shell, which no tool touches, has more freedoms
-        whole = state.reaction[self.nodes[place], plane] * ~fixed[self.nodes[place], plane]
+        whole = state.nodes.reaction[self.nodes[place], plane] * ~fixed[self.nodes[place], plane]
         force = np.where((by_tool.sum(axis=0) > 1)[place, None], by_face[tool, place], whole)
         face = 2 * tool + ~held[2 * tool, place]
         normal = self.normal[face, place]
         tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
         along = np.einsum("ni,ni->n", normal, force)
         status, gap = np.zeros(n_points, dtype=np.int8), np.full(n_points, np.nan)
-        status[self.nodes] = np.where(both, STUCK, state.contact.max(axis=0, initial=0))
+        status[self.nodes] = np.where(both, STUCK, held_as.max(axis=0, initial=0))
         nearest = self.gap.min(axis=0, initial=np.inf)
         gap[self.nodes] = np.where(np.isfinite(nearest), nearest, np.nan)
         return ContactForces(
@@ -302,13 +311,14 @@ class Contact:
         """Return the supports' constraints together with those of the held nodes."""
         if not self._model.plane_tools:
             return supports
+        touch = trial[ContactArrays]
         at = self._model.mesh.points[self.nodes] + displacement[self.nodes]
         missing = np.zeros_like(at)
-        stuck = (trial.contact == STUCK).any(axis=0)
-        tools = (trial.contact == STUCK).argmax(axis=0) // 2
+        stuck = (touch.status == STUCK).any(axis=0)
+        tools = (touch.status == STUCK).argmax(axis=0) // 2
         for t in np.unique(tools[stuck]):
             own = stuck & (tools == t)
-            missing[own] = place_points(trial.anchor[own], self._pose(trial, t)) - at[own]
+            missing[own] = place_points(touch.anchor[own], self._pose(trial, t)) - at[own]
         return self._prescribe(trial, -self.gap, missing, supports)
 
     def follow(self, trial: State, tool: int, direction: FloatArray, supports: Constraints) -> Constraints:
@@ -316,7 +326,7 @@ class Contact:
         closing = np.zeros_like(self.gap)
         faces = [2 * tool, 2 * tool + 1]
         closing[faces] = self.normal[faces] @ direction
-        own = (trial.contact[faces] == STUCK).any(axis=0)
+        own = (trial[ContactArrays].status[faces] == STUCK).any(axis=0)
         still = Constraints(supports.mask, np.zeros_like(supports.value), supports.turned, supports.frames)
         return self._prescribe(trial, closing, own[:, None] * direction, still)
 
@@ -324,12 +334,13 @@ class Contact:
         """Prescribe held nodes: `closing` (n_faces, n_candidates) along the normal, `missing` (n_candidates, 2) where
         stuck.
         """
+        touch = trial[ContactArrays]
         mask, value = supports.mask.copy(), supports.value.copy()
         turned, frames = supports.turned.copy(), supports.frames.copy()
-        held = trial.contact > 0
+        held = touch.status > 0
         held[:, mask[self.nodes].all(axis=1)] = False  # supports hold the node in both directions
         count = held.sum(axis=0)
-        stuck = (trial.contact == STUCK).any(axis=0) & (count > 0)
+        stuck = (touch.status == STUCK).any(axis=0) & (count > 0)
         nodes = self.nodes[stuck]
         value[nodes] = np.where(mask[nodes] == 1, value[nodes], missing[stuck])
         mask[nodes] = 1

@@ -16,8 +16,10 @@ from presswork.formability import Formability
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.epochs import AskForMesh
-from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
-from presswork.model import Model, ToolMotion
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.tool_arrays import ToolArrays
+from presswork.model import FloatArray, Model, ToolMotion
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_sheet
 from presswork.process.penetration import Penetration, measure_bodies
@@ -86,7 +88,8 @@ class ImplicitRecording(IncrementRecording):
         for name, (force_x, force_y) in self.procedure.contact_forces().items():
             row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
         state = self.procedure.state
-        return row | self.reactions.measure(self.mesh, self._stage(), state.reaction, self.moved(state.displacement))
+        moved = self.moved(state.nodes.displacement)
+        return row | self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
 
     def watch(self) -> Watched:
         """Return how far the converged state is towards its limits."""
@@ -96,12 +99,10 @@ class ImplicitRecording(IncrementRecording):
         procedure, model, state = self.procedure, self.model, self.procedure.state
         mechanics = procedure.mechanics
         assert isinstance(mechanics, Mechanics)
-        points = model.mesh.points + state.displacement
+        points = model.mesh.points + state.nodes.displacement
         placed = {
-            t.name: place_segments(
-                start_profile(t), ToolPose(start_centre(t), state.tool_displacement[i], float(state.tool_angle[i]))
-            )
-            for i, t in enumerate(model.plane_tools)
+            t.name: place_segments(start_profile(t), ToolPose(start_centre(t), moved, angle))
+            for t, (moved, angle) in zip(model.plane_tools, self._tool_places(), strict=True)
         }
         deepest = self.penetration.note(
             model.mesh, points, placed, lambda places: procedure.interactions.tools.contact.find_gaps(state, places)
@@ -115,17 +116,24 @@ class ImplicitRecording(IncrementRecording):
         for number, block in enumerate(model.mesh.blocks):
             if model.materials[block.material].umat is None:
                 centres = points[block.connectivity].mean(axis=1)
-                stress, flow = state.stress[number], mechanics.flow_stress(number, state)
+                stress, flow = state.cells.stress[number], mechanics.flow_stress(number, state)
                 mean = stress[..., :3].mean(axis=-1)
                 of_cell = np.repeat(centres, mean.shape[1], axis=0)
                 found.append(measure_hydrostatic_stress(mean.ravel(), flow.ravel(), of_cell))
         return Watched(tuple(found))
 
+    def _tool_places(self) -> list[tuple[FloatArray, float]]:
+        """Return displacement (2,) [mm] and angle [rad] of each tool in the plane."""
+        state = self.procedure.state
+        if ToolArrays not in state:
+            return []
+        tools = state[ToolArrays]
+        return [(moved, float(angle)) for moved, angle in zip(tools.displacement, tools.angle, strict=True)]
+
     def _stage(self) -> int:
         """The stage that the converged state belongs to."""
-        progress = self.procedure.state.progress
-        stage = int(progress[STAGE])
-        return stage - 1 if progress[FRACTION] == 0.0 and stage > 0 else stage
+        progress = self.procedure.state[Progress]
+        return progress.stage - 1 if progress.fraction == 0.0 and progress.stage > 0 else progress.stage
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the converged state."""
@@ -133,19 +141,20 @@ class ImplicitRecording(IncrementRecording):
         state = procedure.state
         interactions = procedure.interactions
         forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self._stage()))
-        now = procedure.mechanics.show(state, forces, procedure.interface_stress())
+        now = procedure.mechanics.show(state, forces, interactions.bodies.traction(state))
         if model.analysis != "shell":
-            now.reaction = state.reaction * self.reactions.mask(self.mesh, self._stage())
+            now.reaction = state.nodes.reaction * self.reactions.mask(self.mesh, self._stage())
         points, cells = compute_fields(now)
         points = {**points, "displacement": self.moved(points["displacement"])}
+        places = self._tool_places()
         return Snapshot(
-            time=float(state.progress[TIME]),
+            time=state[Progress].time,
             point_data=points,
             cell_data=cells,
             tools={t.name: start_profile(t) for t in model.plane_tools},
             tool_centre={t.name: start_centre(t) for t in model.plane_tools},
-            tool_displacement={t.name: state.tool_displacement[i] for i, t in enumerate(model.plane_tools)},
-            tool_angle={t.name: float(state.tool_angle[i]) for i, t in enumerate(model.plane_tools)},
+            tool_displacement={t.name: moved for t, (moved, _) in zip(model.plane_tools, places, strict=True)},
+            tool_angle={t.name: angle for t, (_, angle) in zip(model.plane_tools, places, strict=True)},
             info={
                 **describe_plane(model),
                 **self.reactions.gauges(model),
@@ -162,7 +171,7 @@ class ImplicitRecording(IncrementRecording):
         mechanics, state = self.procedure.mechanics, self.procedure.state
         if self.model.analysis != "shell":
             return None
-        points = self.mesh.points + state.displacement[:, :3]
+        points = self.mesh.points + state.nodes.displacement[:, :3]
         centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in self.mesh.blocks])
         return judge_fields(mechanics.show(state).sheet, centres, self._judged())
 

@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
-from presswork.implicit.stepping import FRACTION, STAGE, TIME, ImplicitProcedure, IncrementReport
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.sheet_contact import SheetContact
+from presswork.interaction.tool_arrays import SheetToolArrays
 from presswork.model import FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.increments import IncrementRecording
@@ -122,7 +124,10 @@ class ImplicitStamping(IncrementRecording):
 
     def _displacement(self) -> dict[str, FloatArray]:
         """Return how far each tool has moved since the start (3,) [mm]."""
-        moved = self.procedure.state.sheet_tool_move
+        state = self.procedure.state
+        if SheetToolArrays not in state:
+            return {}
+        moved = state[SheetToolArrays].displacement
         return {t.name: moved[i].copy() for i, t in enumerate(self.model.tools)}
 
     def _sheet(self) -> SheetContact | None:
@@ -147,21 +152,23 @@ class ImplicitStamping(IncrementRecording):
             **self._begin_row(report),
             **self._tool_columns(),
             **self._bead_columns(),
-            **self.reactions.measure(self.mesh, self._stage(), state.reaction, state.displacement),
+            **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
         }
 
     def _stage(self) -> int:
         """Return the stage that the converged state belongs to."""
-        progress = self.procedure.state.progress
-        return max(int(progress[STAGE]) - int(progress[FRACTION] == 0.0), 0)
+        progress = self.procedure.state[Progress]
+        return max(progress.stage - int(progress.fraction == 0.0), 0)
 
     def show(self) -> Instant:
         """Return what the fields of the converged state are computed from."""
         state = self.procedure.state
         now = self.procedure.mechanics.show(state)
-        now.tool_force, now.judged = state.sheet_tool_force.sum(axis=0), self._judged
+        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self._judged
+        if SheetToolArrays in state:
+            now.tool_force = state[SheetToolArrays].force.sum(axis=0)
         return now
 
     def snapshot(self, now: Instant | None = None) -> Snapshot:
@@ -169,7 +176,7 @@ class ImplicitStamping(IncrementRecording):
         state, model = self.procedure.state, self.model
         points, cells = compute_fields(now or self.show())
         return Snapshot(
-            time=float(state.progress[TIME]),
+            time=state[Progress].time,
             point_data=points,
             cell_data=cells,
             info=describe_stamping(model),
@@ -180,7 +187,7 @@ class ImplicitStamping(IncrementRecording):
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
         """Return the verdict on the sheet by its cell fields."""
         mesh = self.model.mesh
-        points = mesh.points + self.procedure.state.displacement[:, :3]
+        points = mesh.points + self.procedure.state.nodes.displacement[:, :3]
         centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in mesh.blocks])
         verdict = judge_fields(fields, centres, self._judged)
         assert verdict is not None, "shells have principal strains"
@@ -203,7 +210,7 @@ class ImplicitStamping(IncrementRecording):
     @property
     def time(self) -> float:
         """[s]"""
-        return float(self.procedure.state.progress[TIME])
+        return self.procedure.state[Progress].time
 
     def row_at_rest(self) -> Row:
         """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
@@ -241,7 +248,7 @@ class ImplicitStamping(IncrementRecording):
             **self._count_work(),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
-            "time_simulated": float(state.progress[TIME]),
+            "time_simulated": state[Progress].time,
             "formability": verdict.to_summary(),
             "linear_solver": self.procedure.equilibrium.solver.name,
             "warnings": [*warnings, *verdict.warnings()],

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
-from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.mesh.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, Mesh, Model
 from presswork.outcome import GaveUpError
@@ -39,7 +40,7 @@ class IncrementRecording(ModelRecording):
     @property
     def number(self) -> int:
         """Increments so far."""
-        return int(self.procedure.state.progress[INCREMENTS])
+        return self.procedure.state[Progress].increments
 
     @property
     def mesh(self) -> Mesh:
@@ -137,12 +138,11 @@ class IncrementRecording(ModelRecording):
 
     def _count_work(self) -> dict[str, Any]:
         """Return what the summary says of the work done."""
-        progress = self.procedure.state.progress
-        increments, iterations, cutbacks = (int(progress[i]) for i in (INCREMENTS, ITERATIONS, CUTBACKS))
+        p = self.procedure.state[Progress]
         return {
-            "increments": increments,
-            "iterations": iterations,
-            "cutbacks": cutbacks,
-            "work": f"{increments} increments, {iterations} iterations, {cutbacks} cut-backs",
+            "increments": p.increments,
+            "iterations": p.iterations,
+            "cutbacks": p.cutbacks,
+            "work": f"{p.increments} increments, {p.iterations} iterations, {p.cutbacks} cut-backs",
             "freedoms": self.procedure.mechanics.freedoms * len(self.model.mesh.points),
         }

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from presswork.body.solids import Mechanics
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.implicit.epochs import Epoch, new_epoch
-from presswork.implicit.stepping import FRACTION, INCREMENTS, STAGE, ImplicitProcedure, IncrementReport
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.edges import edge_areas
 from presswork.model import BoolArray, FloatArray, IndexArray, Model, Remeshing
@@ -58,7 +60,7 @@ class RemeshedForming(ImplicitRecording):
 
     def advance(self) -> Iterator[IncrementReport]:
         """Compute increment after increment, and meshes between them. Raises GaveUpError."""
-        while int(self.procedure.state.progress[STAGE]) < len(self.model.stages):
+        while int(self.procedure.state[Progress].stage) < len(self.model.stages):
             reason = self._reason()
             if reason is not None:
                 self._remesh(reason)
@@ -77,14 +79,14 @@ class RemeshedForming(ImplicitRecording):
     def _reason(self) -> str | None:
         """Return why the present mesh should not go on."""
         state = self.procedure.state
-        number = int(state.progress[INCREMENTS])
+        number = int(state[Progress].increments)
         if number == 0 or number == int(self._remeshed[LAST]):
             return None
-        mesh, position = self.model.mesh, self.model.mesh.points + state.displacement
+        mesh, position = self.model.mesh, self.model.mesh.points + state.nodes.displacement
         if self.settings.every > 0.0 and self._passed_fraction():
             return "due"
         cells = np.concatenate([block.connectivity for block in mesh.blocks]).astype(np.intp)
-        flat = find_flat_cell(position, state.increment, cells, self.settings.quality)
+        flat = find_flat_cell(position, state.nodes.increment, cells, self.settings.quality)
         if flat is not None:
             return flat
         old = self._section()
@@ -93,9 +95,9 @@ class RemeshedForming(ImplicitRecording):
         return cut or find_long_edge(position[chain], measure_sizes(old, chain, self.settings))
 
     def _passed_fraction(self) -> bool:
-        progress = self.procedure.state.progress
-        before = float(progress[FRACTION]) or 1.0
-        last = before - float(progress[4]) if progress[FRACTION] else 1.0 - self.settings.every
+        progress = self.procedure.state[Progress]
+        before = progress.fraction or 1.0
+        last = before - progress.last_size if progress.fraction else 1.0 - self.settings.every
         every = self.settings.every * (1 - 1e-9)
         return bool(np.floor(before / every) > np.floor(last / every))
 
@@ -103,15 +105,16 @@ class RemeshedForming(ImplicitRecording):
         procedure, model, state = self.procedure, self.model, self.procedure.state
         contact = procedure.interactions.tools.contact
         on_tool = np.zeros((len(model.plane_tools), len(model.mesh.points)), dtype=bool)
-        on_tool[:, contact.nodes] = (state.contact > 0).reshape(len(model.plane_tools), 2, -1).any(axis=1)
-        profiles = [
-            place_segments(
-                start_profile(t), ToolPose(start_centre(t), state.tool_displacement[i], float(state.tool_angle[i]))
-            )
-            for i, t in enumerate(model.plane_tools)
-        ]
+        profiles = []
+        if ToolArrays in state:
+            held, placed = state[ContactArrays].status > 0, state[ToolArrays]
+            on_tool[:, contact.nodes] = held.reshape(len(model.plane_tools), 2, -1).any(axis=1)
+            profiles = [
+                place_segments(start_profile(t), ToolPose(start_centre(t), moved, float(angle)))
+                for t, moved, angle in zip(model.plane_tools, placed.displacement, placed.angle, strict=True)
+            ]
         fixed = procedure.interactions.supports.fixed(procedure.present_step().stage)
-        position = model.mesh.points + state.displacement
+        position = model.mesh.points + state.nodes.displacement
         return OldSection(model.mesh, position, on_tool, np.asarray(fixed), profiles, model.analysis == "axisymmetric")
 
     def _remesh(self, reason: str) -> bool:
@@ -132,7 +135,7 @@ class RemeshedForming(ImplicitRecording):
         outcome = after.balance_at_rest()
         if isinstance(outcome, Failed):
             return self._stay(reason, f"no equilibrium on the new mesh, {outcome.reason}")
-        force, force_n = (p.state.tool_force[:, :2] for p in (after, before))
+        force, force_n = (p.state[ToolArrays].force[:, :2] for p in (after, before))
         jump = np.abs(force - force_n).max(initial=0.0) / max(np.abs(force_n).max(initial=0.0), 1e-300)
         origin = transfer.places.interpolate(self.mesh.points)
         if old.ring:
@@ -180,8 +183,8 @@ class _Transfer:
     def __call__(self, before: Epoch, after: Epoch) -> None:
         """Fill the State on the new mesh."""
         state_n, state = before.state, after.state
-        state.increment = self.places.interpolate(state_n.increment)
-        n_points, shape = state_n.eqps[0].shape[1], state.eqps[0].shape
+        state.nodes.increment = self.places.interpolate(state_n.nodes.increment)
+        n_points, shape = state_n.cells.eqps[0].shape[1], state.cells.eqps[0].shape
         start = place_points(self._old.position, self._cells, n_points).reshape(-1, 2)
         end = place_points(after.mesh.points, self._new_cells, n_points).reshape(-1, 2)
         home = locate(self._old.position, self._cells, end).cell
@@ -190,11 +193,11 @@ class _Transfer:
         def carry(values: FloatArray) -> FloatArray:
             return transfer.apply(values.reshape(len(start), -1)).reshape(*shape, *values.shape[2:])
 
-        state.stress = [carry(state_n.stress[0])]
-        state.eqps = [np.maximum(carry(state_n.eqps[0]), 0.0)]
-        state.history = [carry(state_n.history[0])]
-        if state_n.temperature[0].size:
-            state.temperature = [carry(state_n.temperature[0])]
+        state.cells.stress = [carry(state_n.cells.stress[0])]
+        state.cells.eqps = [np.maximum(carry(state_n.cells.eqps[0]), 0.0)]
+        state.cells.history = [carry(state_n.cells.history[0])]
+        if state_n.cells.temperature[0].size:
+            state.cells.temperature = [carry(state_n.cells.temperature[0])]
 
 
 def _return_to_yield(procedure: ImplicitProcedure) -> None:
@@ -205,7 +208,7 @@ def _return_to_yield(procedure: ImplicitProcedure) -> None:
     """
     state, mechanics = procedure.state, procedure.mechanics
     assert isinstance(mechanics, Mechanics)
-    history, stress = state.history[0], state.stress[0]
+    history, stress = state.cells.history[0], state.cells.stress[0]
     if history.shape[2] > 0:
         if procedure.model.materials[procedure.model.mesh.blocks[0].material].umat is None:
             length = np.linalg.norm(history[..., -2:], axis=-1, keepdims=True)
@@ -224,18 +227,20 @@ def _return_to_yield(procedure: ImplicitProcedure) -> None:
 def _carry_friction(before: ImplicitProcedure, after: ImplicitProcedure, new: NewSection) -> None:
     """Carry the friction per area along the boundary."""
     state_n, state = before.state, after.state
+    if ContactArrays not in state:
+        return
     contact_n, contact = before.interactions.tools.contact, after.interactions.tools.contact
     area_n, area = (_boundary_areas(p) for p in (before, after))
     shear_n = np.zeros(len(before.model.mesh.points))
-    shear_n[contact_n.nodes] = state_n.drag / np.maximum(area_n[contact_n.nodes], 1e-300)
+    shear_n[contact_n.nodes] = state_n[ContactArrays].drag / np.maximum(area_n[contact_n.nodes], 1e-300)
     first = new.line.place.astype(int)
     part = new.line.place - first
     along = shear_n[new.chain]
     shear = np.zeros(len(after.model.mesh.points))
     shear[: len(first)] = (1.0 - part) * along[first] + part * np.roll(along, -1)[first]
-    held: BoolArray = np.asarray((state.contact > 0).any(axis=0))
+    held: BoolArray = np.asarray((state[ContactArrays].status > 0).any(axis=0))
     nodes: IndexArray = contact.nodes.astype(np.intp)
-    state.drag = np.where(held, shear[nodes] * area[nodes], 0.0)
+    state[ContactArrays].drag = np.where(held, shear[nodes] * area[nodes], 0.0)
 
 
 def _boundary_areas(procedure: ImplicitProcedure) -> FloatArray:
@@ -243,5 +248,5 @@ def _boundary_areas(procedure: ImplicitProcedure) -> FloatArray:
     model = procedure.model
     thickness = None if model.analysis == "axisymmetric" else model.depth
     edges = model.mesh.boundary_edges
-    areas = edge_areas(model.mesh.points + procedure.state.displacement, edges, thickness)
+    areas = edge_areas(model.mesh.points + procedure.state.nodes.displacement, edges, thickness)
     return np.asarray(np.bincount(edges.ravel(), areas.ravel(), minlength=len(model.mesh.points)), dtype=float)

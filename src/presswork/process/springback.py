@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from presswork.fields.table import compute_fields
 from presswork.geometry.best_fit import measure_deviation
-from presswork.implicit.stepping import CUTBACKS, INCREMENTS, ITERATIONS, ImplicitProcedure, IncrementReport
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.mesh.checks import MeshError
 from presswork.model import (
     FloatArray,
@@ -189,7 +190,7 @@ class ReleasedStamping(ModelRecording):
         """Rows and increments so far."""
         if self._released is None:
             return self.forming.number
-        increments = int(self._released.implicit.state.progress[INCREMENTS])
+        increments = self._released.implicit.state[Progress].increments
         return self.forming.number + bool(self.model.trim) + increments
 
     # --- what is recorded --------------------------------------------------------------------------------------------
@@ -249,7 +250,7 @@ class ReleasedStamping(ModelRecording):
 
     def _time(self) -> float:
         assert self._released is not None
-        return self.forming.time + float(self._released.implicit.state.progress[0])
+        return self.forming.time + self._released.implicit.state[Progress].time
 
     def watch(self) -> Watched:
         """Return how far forming is towards its limits; a part that is let go has passed none of its own."""
@@ -278,7 +279,7 @@ class ReleasedStamping(ModelRecording):
     def _moved(self) -> FloatArray:
         """Return the displacement of springback (n_points, 3) [mm]."""
         assert self._released is not None
-        return np.asarray(self._released.implicit.state.displacement[:, :3] - self._released.formed)
+        return np.asarray(self._released.implicit.state.nodes.displacement[:, :3] - self._released.formed)
 
     def _deviation(self) -> FloatArray:
         """Return how far nodes lie off the shape in the tools (n_points,) [mm]."""
@@ -326,15 +327,17 @@ class ReleasedStamping(ModelRecording):
             return summary
         way = np.linalg.norm(self._moved(), axis=1)
         at, deviation = int(np.argmax(way)), self._deviation()
-        progress = self._released.implicit.state.progress
+        progress = self._released.implicit.state[Progress]
         return summary | {
             NAME: {
                 "largest_mm": float(way[at]),
-                "at_mm": [float(x) for x in self.mesh.points[at] + self._released.implicit.state.displacement[at, :3]],
+                "at_mm": [
+                    float(x) for x in self.mesh.points[at] + self._released.implicit.state.nodes.displacement[at, :3]
+                ],
                 "at_blank_mm": [float(x) for x in self.mesh.points[at]],
                 "deviation_mm": [float(deviation.min()), float(deviation.max())],
-                "increments": int(progress[INCREMENTS]),
-                "iterations": int(progress[ITERATIONS]),
-                "cutbacks": int(progress[CUTBACKS]),
+                "increments": progress.increments,
+                "iterations": progress.iterations,
+                "cutbacks": progress.cutbacks,
             }
         }

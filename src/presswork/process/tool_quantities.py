@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork.formability import Info
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import SheetToolArrays, ToolArrays
 from presswork.model import FloatArray, Model, Profile, Tool, ToolMotion
 
 
@@ -33,22 +34,22 @@ class ToolQuantities:
 def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQuantities]:
     """Return the quantities of every tool at the converged state, which belongs to a stage."""
     state, contact = procedure.state, procedure.interactions.tools.contact
-    contact.search(state, state.displacement)
+    contact.search(state, state.nodes.displacement)
     vectors, torques = contact.tool_forces(state, procedure.interactions.supports.fixed(stage))
     quantities = {}
     for t, tool in enumerate(procedure.model.plane_tools):
         vector = force_on_whole(tool, vectors[t])
         if tool.spring is not None:
             direction = np.asarray(tool.spring.direction)
-            stroke, force = float(state.tool_travel[t] @ direction), float(vector @ direction)
+            stroke, force = float(state[ToolArrays].travel[t] @ direction), float(vector @ direction)
         elif (way := find_way(procedure.model, tool)) is not None:
-            stroke, force = float(state.tool_displacement[t] @ way), -float(vector @ way)
+            stroke, force = float(state[ToolArrays].displacement[t] @ way), -float(vector @ way)
         else:
             stroke, force = 0.0, float(np.linalg.norm(vector))
         motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
         torque = -float(torques[t]) * (-1.0 if motion.turn < 0 else 1.0)
         in_space = np.append(vector, 0.0)
-        quantities[tool.name] = ToolQuantities(stroke, force, in_space, float(state.tool_angle[t]), torque)
+        quantities[tool.name] = ToolQuantities(stroke, force, in_space, float(state[ToolArrays].angle[t]), torque)
     return quantities | _measure_sheet_tools(procedure)
 
 
@@ -59,7 +60,8 @@ def _measure_sheet_tools(procedure: ImplicitProcedure) -> dict[str, ToolQuantiti
         return {}
     quantities = {}
     forces = tools.contact.tool_forces(state)
-    for tool, moved, force in zip(procedure.model.sheet_tools, state.sheet_tool_move, forces, strict=True):
+    displacement = state[SheetToolArrays].displacement
+    for tool, moved, force in zip(procedure.model.sheet_tools, displacement, forces, strict=True):
         way = find_way(procedure.model, tool)
         along = float(np.linalg.norm(force)) if way is None else -float(force @ way)
         stroke = 0.0 if way is None else float(moved @ way)

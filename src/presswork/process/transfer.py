@@ -19,16 +19,19 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.law_failed import LawFailed
+from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import ShellFailed, ShellMechanics, lay_directors
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells, Precision
+from presswork.implicit.energy import Work
+from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.shell_loads import FadingLoads
 from presswork.law.umat import open_sheet_law
 from presswork.mesh.directors import cell_normals
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.mesh.topology import is_triangle, with_four_nodes
 from presswork.model import CellBlock, FloatArray, IntArray, Section
-from presswork.state import EXTERNAL
 
 CENTRE = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]]) / 4.0
 """Slopes of the shape functions at the centre (2, 4)."""
@@ -86,18 +89,18 @@ def sheet_of_implicit(procedure: ImplicitProcedure) -> SheetState:
     """Return the present state of an implicit procedure of 3- and 4-node shells."""
     mechanics, _ = _shells_of(procedure)
     state, mesh = procedure.state, procedure.model.mesh
-    points = mesh.points + state.displacement[:, :3]
+    points = mesh.points + state.nodes.displacement[:, :3]
     blocks = []
     for i, block in enumerate(mesh.blocks):
         g = _layer_bases(
-            block, points, state.shells.director[mechanics.directors.of_cell[i]], state.shells.thickness[i]
+            block, points, state[ShellArrays].director[mechanics.directors.of_cell[i]], state[ShellArrays].thickness[i]
         )
         along = _unit(g[..., 0, :])
         across = np.cross(_unit(np.cross(g[..., 0, :], g[..., 1, :])), along)
-        direction, history = state.shells.direction[i], state.shells.history[i]
+        direction, history = state[ShellArrays].direction[i], state.cells.history[i]
         axis = _unit((direction[..., :1] * along - direction[..., 1:] * across).mean(axis=2))
-        stress = state.stress[i].reshape(*history.shape[:3], 3)
-        blocks.append(SheetBlock(block.connectivity, axis, state.shells.thickness[i], stress, history))
+        stress = state.cells.stress[i].reshape(*history.shape[:3], 3)
+        blocks.append(SheetBlock(block.connectivity, axis, state[ShellArrays].thickness[i], stress, history))
     return SheetState(points, tuple(blocks))
 
 
@@ -129,11 +132,11 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
     mechanics, _ = _shells_of(procedure)
     _check_fit(sheet, procedure)
     state, mesh, points = procedure.state, procedure.model.mesh, sheet.position
-    state.displacement[:, :3] = points - mesh.points
-    own = state.shells
+    state.nodes.displacement[:, :3] = points - mesh.points
+    own, fading = state[ShellArrays], state[FadingLoads]
     own.director[:] = _normals(procedure, points)
     for i, block in enumerate(sheet.blocks):
-        cells, q, k = own.history[i].shape[:3]
+        cells, q, k = state.cells.history[i].shape[:3]
         own.thickness[i][:] = block.thickness
         g = _layer_bases(mesh.blocks[i], points, own.director[mechanics.directors.of_cell[i]], own.thickness[i])
         normal = _unit(np.cross(g[..., 0, :], g[..., 1, :]))
@@ -143,20 +146,20 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         own.direction[i][:] = np.stack(
             [(along * first).sum(axis=-1), (along * np.cross(normal, first)).sum(axis=-1)], axis=-1
         )
-        own.history[i][:] = _at_points(block.history, q)
-        state.stress[i].reshape(cells, q, k, 3)[:] = _at_points(block.stress, q)
-        state.eqps[i].reshape(cells, q, k)[:] = own.history[i][..., 0]
+        state.cells.history[i][:] = _at_points(block.history, q)
+        state.cells.stress[i].reshape(cells, q, k, 3)[:] = _at_points(block.stress, q)
+        state.cells.eqps[i].reshape(cells, q, k)[:] = state.cells.history[i][..., 0]
 
     trial = state.duplicate()
-    force = mechanics.evaluate(state, trial, np.zeros_like(state.displacement), with_stiffness=False)
+    force = mechanics.evaluate(state, trial, np.zeros_like(state.nodes.displacement), with_stiffness=False)
     if isinstance(force, ShellFailed | LawFailed):
         raise TransferError(f"the deformed sheet cannot be taken over: {force}")
-    state.volume = trial.volume
+    state.cells.volume = trial.cells.volume
     procedure.initial_volume = procedure.volume()
-    own.fading = np.where(procedure.interactions.supports.fixed(0), 0.0, force)
-    state.external_force, state.reaction = own.fading.copy(), force - own.fading
-    state.peak_force[:] = np.abs(force / mechanics.length).max()
-    state.work[EXTERNAL] = mechanics.elastic_energy(state)
+    fading.force = np.where(procedure.interactions.supports.fixed(0), 0.0, force)
+    state.nodes.external_force, state.nodes.reaction = fading.force.copy(), force - fading.force
+    state[Progress].peak_force = float(np.abs(force / mechanics.length).max())
+    state[Work].external_work = mechanics.elastic_energy(state)
 
 
 def carry_to_explicit(
@@ -227,11 +230,11 @@ def _check_fit(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         for own, block in zip(sheet.blocks, mesh.blocks, strict=True)
     ):
         raise TransferError(_name_meshes(procedure, len(sheet.position), sum(len(b.thickness) for b in sheet.blocks)))
-    if state.shells.history[0].shape[-1] != sheet.blocks[0].history.shape[-1]:
+    if state.cells.history[0].shape[-1] != sheet.blocks[0].history.shape[-1]:
         raise TransferError(
             "the model's material keeps another history than that of the explicit shells: give the same law"
         )
-    if state.progress[:4].any():
+    if state[Progress].increments:
         raise TransferError("the implicit procedure has begun already: make a new one for the state to start it")
 
 

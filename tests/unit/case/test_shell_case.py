@@ -244,7 +244,7 @@ def test_sheets_that_meet_at_an_edge_have_a_director_each(tmp_path: Path) -> Non
     assert len(procedure.mechanics.directors.vectors) == 8 + 2
     for _ in procedure.advance():
         pass
-    assert np.abs(procedure.state.displacement[6:, :3]).max() > 0.0
+    assert np.abs(procedure.state.nodes.displacement[6:, :3]).max() > 0.0
 
 
 def test_a_spike_is_refused_by_its_place(tmp_path: Path) -> None:

@@ -44,7 +44,7 @@ def test_uniform_contact_pressure_is_the_stress_beneath_it(element, analysis) ->
     state = procedure.state
     fields = fields_of(procedure)
     top = model.mesh.node_sets["top"]
-    stress = state.stress[0].reshape(-1, 4)[:, 1]
+    stress = state.cells.stress[0].reshape(-1, 4)[:, 1]
     np.testing.assert_allclose(fields["contact_pressure"][top], -stress.mean(), rtol=1e-5)
     np.testing.assert_allclose(fields["contact_shear"][top], 0.0, atol=1e-5 * abs(stress.mean()))
     others = np.setdiff1d(np.arange(len(model.mesh.points)), top)

@@ -90,7 +90,7 @@ def test_edge_force_is_a_uniform_stress_and_force_on_the_nodes_is_not(element, a
         model = replace(model, supports=rollers, solver=solver, output=OutputSettings(every=1))
         procedure = ImplicitProcedure(model, threads=1)
         assert len(list(procedure.advance())) == 1
-        stress = np.concatenate([s[..., 1].ravel() for s in procedure.state.stress])
+        stress = np.concatenate([s[..., 1].ravel() for s in procedure.state.cells.stress])
         scatter[name] = np.abs(stress - 100.0).max()
     assert scatter["value"] < 1e-6
     assert scatter["total"] < 1e-6

@@ -82,6 +82,6 @@ def test_what_a_stage_holds_fades_over_the_next() -> None:
     seen = []
     for report in procedure.advance():
         if report.stage == "release":
-            seen.append(procedure.state.displacement[tip, Z].mean())
+            seen.append(procedure.state.nodes.displacement[tip, Z].mean())
     np.testing.assert_allclose(seen, [0.3, 0.2, 0.1, 0.0], atol=0.01)
-    assert np.abs(procedure.state.displacement[tip, RY]).max() < 1e-4
+    assert np.abs(procedure.state.nodes.displacement[tip, RY]).max() < 1e-4

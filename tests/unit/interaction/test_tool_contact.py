@@ -7,6 +7,7 @@ import pytest
 from presswork import Case, _core, build_model
 from presswork.geometry.segments import measure_distance
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import ContactArrays
 
 FLOOR = np.array([[0.0, 0, 10, 0, 0, 0, 0]])
 L_SHAPE = np.array([[0.0, 10, 0, 0, 0, 0, 0], [0.0, 0, 10, 0, 0, 0, 0]])  # down a wall, along a floor: an inner corner
@@ -143,7 +144,7 @@ def advance(case: Case) -> ImplicitProcedure:
 
 def tool_force(procedure: ImplicitProcedure) -> np.ndarray:
     stage = len(procedure.model.stages) - 1
-    procedure.interactions.tools.contact.search(procedure.state, procedure.state.displacement)
+    procedure.interactions.tools.contact.search(procedure.state, procedure.state.nodes.displacement)
     return procedure.interactions.tools.contact.tool_forces(
         procedure.state, procedure.interactions.supports.fixed(stage)
     )[0]
@@ -151,11 +152,11 @@ def tool_force(procedure: ImplicitProcedure) -> np.ndarray:
 
 def test_frictionless_punch_compresses_without_barrelling() -> None:
     procedure = advance(block_case())
-    stress = np.concatenate([s.reshape(-1, 4) for s in procedure.state.stress])
+    stress = np.concatenate([s.reshape(-1, 4) for s in procedure.state.cells.stress])
     axial = stress[:, 1]
     np.testing.assert_allclose(axial, axial[0], rtol=1e-6)
     np.testing.assert_allclose(stress[:, [0, 2, 3]], 0.0, atol=1e-4 * abs(axial[0]))
-    radius = 10 + procedure.state.displacement[procedure.model.mesh.node_sets["right"], 0]
+    radius = 10 + procedure.state.nodes.displacement[procedure.model.mesh.node_sets["right"], 0]
     np.testing.assert_allclose(radius, radius[0], rtol=1e-8)
     assert tool_force(procedure)[0, 1] == pytest.approx(-axial[0] * np.pi * radius[0] ** 2, rel=1e-6)
 
@@ -166,9 +167,9 @@ def test_a_node_lets_go_when_the_punch_withdraws() -> None:
         {"name": "withdraw", "tools": {"punch": {"stroke": 5, "direction": [0, 1]}}},
     ]
     procedure = advance(block_case(stages=stages))
-    assert not procedure.state.contact.any()
+    assert not procedure.state[ContactArrays].status.any()
     assert np.abs(tool_force(procedure)).max() == 0.0
-    stress = np.concatenate([s.reshape(-1, 4) for s in procedure.state.stress])
+    stress = np.concatenate([s.reshape(-1, 4) for s in procedure.state.cells.stress])
     assert np.abs(stress).max() < 1.0, "a homogeneously pressed block springs back free of stress"
 
 
@@ -193,15 +194,15 @@ def test_a_corner_node_is_held_by_both_faces() -> None:
     procedure = advance(case)
     corner = procedure.model.mesh.points.tolist().index([10.0, 0.0])
     place = procedure.interactions.tools.contact.nodes.tolist().index(corner)
-    assert (procedure.state.contact[2:, place] > 0).sum() == 2
-    np.testing.assert_allclose(procedure.state.displacement[corner], 0.0, atol=1e-9)
+    assert (procedure.state[ContactArrays].status[2:, place] > 0).sum() == 2
+    np.testing.assert_allclose(procedure.state.nodes.displacement[corner], 0.0, atol=1e-9)
     bulk, shear = 200e3 / (3 * 0.4), 200e3 / 2.6
     strain = np.log(1 - 0.05 / 10)  # uniaxial strain: mean stress is elastic, the deviator sits on the yield surface
-    stress = procedure.state.stress[0].reshape(-1, 4)
+    stress = procedure.state.cells.stress[0].reshape(-1, 4)
     np.testing.assert_allclose(stress[:, :3].mean(axis=1), bulk * strain, rtol=1e-6)
     plastic = (2 * shear * abs(strain) - 700) / (3 * shear + 300)
     assert plastic > 0
-    np.testing.assert_allclose(procedure.state.eqps[0], plastic, rtol=1e-6)
+    np.testing.assert_allclose(procedure.state.cells.eqps[0], plastic, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("inner_end", "outer_start"), [(10.4, 10.4), (10.4, 9.5)])
@@ -215,7 +216,7 @@ def test_flush_tools_press_like_one(inner_end, outer_start) -> None:
     stages = [{"name": "press", "tools": {"inner": motion, "outer": motion}}]
     whole, parts = advance(block_case()), advance(block_case(tools=tools, stages=stages))
     assert tool_force(parts)[:, 1].sum() == pytest.approx(tool_force(whole)[0, 1], rel=1e-6)
-    np.testing.assert_allclose(parts.state.displacement, whole.state.displacement, atol=1e-6)
+    np.testing.assert_allclose(parts.state.nodes.displacement, whole.state.nodes.displacement, atol=1e-6)
     assert tool_force(parts)[1, 1] > 0, "the outer piece has taken over the rim"
 
 
@@ -227,9 +228,9 @@ def test_an_increment_fails_whose_contact_does_not_settle() -> None:
         procedure.state,
         procedure.interactions.supports.fixed(0),
     )
-    contact.search(state, state.displacement)
-    held = int(np.nonzero(state.contact[0])[0][-1])
-    pulling = state.reaction.copy()
+    contact.search(state, state.nodes.displacement)
+    held = int(np.nonzero(state[ContactArrays].status[0])[0][-1])
+    pulling = state.nodes.reaction.copy()
     pulling[contact.nodes[held]] *= -1.0
     contact.begin_increment()
     drag = procedure.interactions.tools.friction.drag
@@ -238,7 +239,7 @@ def test_an_increment_fails_whose_contact_does_not_settle() -> None:
     contact._changes[held] = 4
     assert contact.update(state.duplicate(), pulling, drag, fixed, near=True, tolerance=0.0) == 0, "it may not let go"
     assert contact.n_unsettled == 1
-    assert contact.update(state.duplicate(), state.reaction, drag, fixed, near=True, tolerance=0.0) == 0
+    assert contact.update(state.duplicate(), state.nodes.reaction, drag, fixed, near=True, tolerance=0.0) == 0
     assert contact.n_unsettled == 0
 
 
@@ -251,13 +252,13 @@ def test_held_nodes_lie_on_the_tool() -> None:
     }
     case = block_case(tools=tools)
     procedure = advance(case)
-    procedure.interactions.tools.contact.search(procedure.state, procedure.state.displacement)
-    held = procedure.state.contact > 0
+    procedure.interactions.tools.contact.search(procedure.state, procedure.state.nodes.displacement)
+    held = procedure.state[ContactArrays].status > 0
     assert held.sum() >= 4
     assert np.abs(procedure.interactions.tools.contact.gap[held]).max() < 1e-4
     assert procedure.interactions.tools.contact.gap[0].min() > -1e-4, "no boundary node is inside the tool"
     push = procedure.interactions.tools.contact.normal_forces(
-        procedure.state, procedure.state.reaction, procedure.interactions.supports.fixed(0)
+        procedure.state, procedure.state.nodes.reaction, procedure.interactions.supports.fixed(0)
     )
     assert push[held].min() > -1e-3 * push.max()
 
@@ -268,9 +269,9 @@ def test_no_node_passes_through_a_tool_at_any_increment_size(step) -> None:
     stages = [{"name": "press", "tools": {"punch": {"stroke": 9, "direction": [0, -1]}}}]
     solver = {"initial_increment": step, "max_increment": step, "max_iterations": 40}
     procedure = advance(block_case(tools=tools, stages=stages, solver=solver))
-    procedure.interactions.tools.contact.search(procedure.state, procedure.state.displacement)
+    procedure.interactions.tools.contact.search(procedure.state, procedure.state.nodes.displacement)
     assert procedure.interactions.tools.contact.gap.min() > -procedure.interactions.tools.contact.tolerance
-    assert (procedure.state.contact > 0).any(axis=0).sum() > 5, "the side has folded onto the punch"
+    assert (procedure.state[ContactArrays].status > 0).any(axis=0).sum() > 5, "the side has folded onto the punch"
 
 
 def test_increments_do_not_die_away_beside_a_node_that_chatters() -> None:

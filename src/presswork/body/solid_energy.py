@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Energies of solids: what is stored elastically, and the stress on which plastic flow does its work."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.law.elastic_plastic import present_young
+from presswork.model import FloatArray, Model
+from presswork.state import State
+
+
+def elastic_energy(model: Model, state: State) -> float:
+    """Return the energy stored elastically [N mm]."""
+    total = 0.0
+    blocks = zip(model.mesh.blocks, state.cells.stress, state.cells.eqps, state.cells.volume, strict=True)
+    for block, stress, eqps, volume in blocks:
+        material = model.materials[block.material]
+        if material.umat is not None:
+            continue  # told with the plastic work
+        young = present_young(material, eqps)
+        trace = stress[..., :3].sum(axis=-1)
+        square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * (stress[..., 3:] ** 2).sum(axis=-1)
+        density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * young)
+        total += float((density * volume).sum())
+    return total
+
+
+def stress_in_axes(state: State, block: int) -> FloatArray:
+    """Return the stress in the law's axes (n, 4): xx, yy, zz, xy, or in space (n, 6): and yz, zx."""
+    components = state.cells.stress[block].shape[-1]
+    stress = state.cells.stress[block].reshape(-1, components)
+    history = state.cells.history[block].reshape(len(stress), -1)
+    if components == 6:
+        x, y = history[:, -6:-3], history[:, -3:]
+        axes = np.stack([x, y, np.cross(x, y)], axis=1)
+        tensor = stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+        turned = np.einsum("nai,nij,nbj->nab", axes, tensor, axes)
+        return np.asarray(turned[:, [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
+    xx, yy, zz, xy = stress.T
+    c, s = history[:, -2:].T
+    turned_plane = (
+        c * c * xx + s * s * yy + 2 * s * c * xy,
+        s * s * xx + c * c * yy - 2 * s * c * xy,
+        zz,
+        s * c * (yy - xx) + (c * c - s * s) * xy,
+    )
+    return np.stack(turned_plane, axis=1)

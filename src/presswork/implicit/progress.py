@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the stepping of the implicit procedure keeps in the State."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from presswork.state import Arrays
+
+
+@dataclass
+class Progress(Arrays):
+    """How far a run has come, and how it steps on."""
+
+    owner = "progress"
+    of_run = (
+        "time", "stage", "fraction", "increments", "iterations", "cutbacks", "last_size", "next_size", "peak_force",
+    )  # fmt: skip
+    time: float = 0.0
+    """[s]"""
+    stage: int = 0
+    """The stage that the next increment belongs to, counted from 0."""
+    fraction: float = 0.0
+    """Of this stage that is computed."""
+    increments: int = 0
+    iterations: int = 0
+    cutbacks: int = 0
+    """Counts since the start."""
+    last_size: float = 0.0
+    """Size of the last increment: part of the stage, with arc length the arc [mm]; 0 when a stage begins."""
+    next_size: float = 0.0
+    """Size of the next increment, in the same form."""
+    peak_force: float = 0.0
+    """Largest nodal force so far [N]: what a residual is small beside once the load is taken off."""

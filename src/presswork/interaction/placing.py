@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tools that forces place: each has one freedom more, its travel q along a direction, and one equation more.
+
+The equation says that the workpiece's force on the tool is the force that pushes it. The system of the nodes so gets a
+border,
+
+    K dx - c_j q_j = r,        a_i dx + d_i q_i = m_i,
+
+c_j being the force on the nodes for each mm of travel, m_i what tool i lacks, a_i and d_i the derivatives of that. K is
+factorised as ever. The response b_j of the nodes to c_j costs one substitution for each tool, and a system of as many
+equations as there are tools gives their travel (Schur complement),
+
+    (a_i b_j + d_i delta_ij) q_j = m_i - a_i dx_0,        dx = dx_0 + b_j q_j,
+
+dx_0 being the correction with the tools held fast.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.interaction.tool_arrays import SheetToolArrays, ToolArrays
+from presswork.model import FloatArray
+
+
+class LostWorkpieceError(Exception):
+    """A tool that a force pushes touches nothing: nothing balances the force."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """The tools that forces place at a guess."""
+
+    tools: list[int]
+    directions: FloatArray
+    """Unit vectors (n, 2 | 3)."""
+    missing: FloatArray
+    """What each lacks for equilibrium (n,) [N]."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there is any such tool."""
+        return len(self.tools) > 0
+
+
+@dataclass(frozen=True)
+class Border:
+    """Rows and columns that the tools add to the system of the nodes."""
+
+    rows: Sequence[FloatArray]
+    """a: derivative of each equation by the nodes' displacement (n_points, freedoms) [N/mm]."""
+    own: FloatArray
+    """d: by the tool's own travel (n,) [N/mm]."""
+    responses: Sequence[FloatArray]
+    """b: of the nodes to each mm of travel (n_points, freedoms)."""
+
+    def matrix(self) -> FloatArray:
+        """Return the Schur complement (n, n) [N/mm]."""
+        coupled = [[float((row * response).sum()) for response in self.responses] for row in self.rows]
+        return np.asarray(np.diag(self.own) + np.reshape(coupled, (len(self.rows), len(self.rows))), dtype=np.float64)
+
+    def find_travel(self, missing: FloatArray, correction: FloatArray) -> FloatArray:
+        """Return the travel (n,) [mm]; correction: of the nodes with the tools held fast (n_points, freedoms)."""
+        rest = missing - [float((row * correction).sum()) for row in self.rows]
+        return np.asarray(np.linalg.solve(self.matrix(), rest), dtype=np.float64)
+
+    def carry(self, correction: FloatArray, travel: FloatArray) -> FloatArray:
+        """Return the correction of the nodes with the tools' travel in it."""
+        for response, q in zip(self.responses, travel, strict=True):
+            correction = correction + q * response
+        return correction
+
+
+def move_tools(arrays: ToolArrays | SheetToolArrays, placed: Placed, travel: FloatArray) -> None:
+    """Move the tools by their travel (n,) [mm]."""
+    for t, direction, q in zip(placed.tools, placed.directions, travel, strict=True):
+        arrays.travel[t] += q * direction
+        arrays.displacement[t] += q * direction
