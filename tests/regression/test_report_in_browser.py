@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import io
+import shutil
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,7 @@ import pytest
 from presswork import Case, run
 from presswork.examples import copy_example
 from presswork.report import write_report
-from presswork.results import Result
+from presswork.results import Result, truncate_steps
 from tests.regression.browser import Page, chromium
 
 ATTACK = "</script><script>document.title = 'taken'</script>"
@@ -183,6 +185,20 @@ def test_difference_of_two_meshes_is_that_of_the_fields_at_the_same_place(
     expected = upset.scalar("displacement_x") - finer.scalar("displacement_x")[there]
     np.testing.assert_allclose(found[same], expected[same], atol=2e-3)
     assert np.abs(found).max() < 0.5
+    assert not page.errors
+    page.tab.close()
+
+
+def test_page_of_a_run_that_has_only_begun_opens(browser: Any, upset: Result, tmp_path: Path) -> None:
+    """Neither summary nor history are there yet, and one step is saved."""
+    shutil.copy(upset.folder / "results.vtkhdf", tmp_path)
+    truncate_steps(tmp_path / "results.vtkhdf", 1)
+    page = Page(browser, write_report(Result(tmp_path)))
+    assert page.tab.locator("#status").inner_text() == "not finished"
+    for tab in page.tab.get_by_role("tab").all():
+        tab.click()
+        page.tab.wait_for_timeout(100)
+    assert page.tab.locator("#time").is_disabled()
     assert not page.errors
     page.tab.close()
 

@@ -56,7 +56,7 @@ def _pack_modules() -> str:
     """Return the modules as elements, each after those that it imports."""
     texts = []
     for name, source in _order_modules():
-        packed = base64.b64encode(zlib.compress(source.encode(), 6)).decode()
+        packed = base64.b64encode(zlib.compress(source.encode(), 4)).decode()
         texts.append(f'<script type="text/plain" class="module" data-name="{name}">{packed}</script>')
     return "\n".join(texts)
 

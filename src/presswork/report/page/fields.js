@@ -14,17 +14,20 @@ export function averageToNodes(mesh, values) {
       weight[node] += mesh.areas[t];
     }
   }
-  return sum.map((total, i) => (weight[i] > 0 ? total / weight[i] : MISSING));
+  for (let i = 0; i < sum.length; i++) sum[i] = weight[i] > 0 ? sum[i] / weight[i] : MISSING;
+  return sum;
 }
 
 /** Return the areas of a mesh's triangles as they were before forming. */
-export function measureAreas(mesh, k) {
-  const at = mesh.reference;
-  return Float32Array.from({ length: mesh.face.length }, (_, t) => {
-    const [a, b, c] = [0, 1, 2].map((i) => k * mesh.triangles[3 * t + i]);
-    const u = [0, 1, 2].map((i) => (i < k ? at[b + i] - at[a + i] : 0)), v = [0, 1, 2].map((i) => (i < k ? at[c + i] - at[a + i] : 0));
-    return 0.5 * Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) || 1e-12;
-  });
+export function measureAreas({ triangles, reference: at }, k) {
+  const areas = new Float32Array(triangles.length / 3), third = k === 3 ? 2 : 0, depth = k === 3 ? 1 : 0;
+  for (let t = 0; t < areas.length; t++) {
+    const a = k * triangles[3 * t], b = k * triangles[3 * t + 1], c = k * triangles[3 * t + 2];
+    const ux = at[b] - at[a], uy = at[b + 1] - at[a + 1], uz = depth * (at[b + third] - at[a + third]);
+    const vx = at[c] - at[a], vy = at[c + 1] - at[a + 1], vz = depth * (at[c + third] - at[a + third]);
+    areas[t] = 0.5 * Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx) || 1e-12;
+  }
+  return areas;
 }
 
 /** Return index and value of the smallest and the largest value; null if there is none. */
