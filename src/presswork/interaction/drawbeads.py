@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
+from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.tool_arrays import SheetToolArrays
 from presswork.mesh.topology import count_corners
 from presswork.model import BoolArray, Drawbead, FloatArray, IndexArray, IntArray, Model
@@ -99,7 +100,7 @@ class SheetBeads:
         stiffness = self._limit / self._slip
         pulled = state_n[BeadArrays].force - stiffness * slip
         limit = self._limit * share[self._of]
-        tension = np.where(self._inside, np.clip(pulled, -limit, limit), 0.0)
+        tension = np.where(self._inside, return_to_limit(pulled, limit).force, 0.0)
         sticks = self._inside & (np.abs(pulled) < limit)
         force = np.zeros((n, 3))
         on_nodes = (self._weight * tension[:, None])[:, :, None] * self._direction[:, None, :]

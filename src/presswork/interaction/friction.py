@@ -29,6 +29,7 @@ import numpy as np
 from presswork import _core
 from presswork.fields.contact_stress import edge_shares
 from presswork.interaction.contract import Constraints
+from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.grazing import Drag
 from presswork.interaction.tool_arrays import SLIDING, ContactArrays
 from presswork.interaction.tool_contact import Contact
@@ -171,10 +172,10 @@ class Friction:
         # 3. hang or slide
         stiffness = self._shear_flow[place] * beside / (self._slip * self.softness)
         spring = state_n[ContactArrays].drag[place] - stiffness * slip
-        slides = np.abs(spring) > limit
-        force = np.where(slides, limit * np.sign(spring), spring)
+        returned = return_to_limit(spring, limit)
+        force, slides = returned.force, returned.slides
         follows_push = slides & (by_push < by_shear) & (push > 0)
-        slope = np.where(follows_push, mu * np.sign(spring), 0.0)
+        slope = np.where(follows_push, mu * returned.along, 0.0)
         on_diagonal, slope = self._tangent(place, limit, stiffness, slides, slope)
         turned_round = slides & (force * self._force_before[place] < 0)
         if self._model.solver.friction_tangent == "return_mapping":

@@ -22,6 +22,7 @@ from presswork import _core
 from presswork.body.shell_arrays import ShellArrays
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.contract import Forces
+from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.drawbeads import BeadForces, SheetBeads
 from presswork.interaction.tool_arrays import SheetToolArrays
 from presswork.mesh.topology import count_corners
@@ -98,13 +99,13 @@ def touch_tool(
         -hanging[:, None, None] * plane - _dyads(n, np.einsum("nij,nj->ni", bend, pulled)) - out[:, None, None] * bend
     )
     # 3. shortened to mu N where it slides
-    size, limit = np.linalg.norm(trial, axis=1), mu * push
-    slides = size > limit
-    safe = np.where(slides, size, 1.0)
-    along = trial / safe[:, None]
+    limit = mu * push
+    returned = return_to_limit(trial, limit)
+    slides, along, friction = returned.slides, returned.along, returned.force
     d_slide = mu * _dyads(along, slope[:, None] * rise)
-    d_slide += np.where(slides, limit / safe, 0.0)[:, None, None] * ((np.eye(3) - _dyads(along, along)) @ d_trial)
-    friction = np.where(slides[:, None], limit[:, None] * along, trial)
+    d_slide += np.where(slides, limit / returned.size, 0.0)[:, None, None] * (
+        (np.eye(3) - _dyads(along, along)) @ d_trial
+    )
     stiffness -= np.where(slides[:, None, None], d_slide, d_trial)
     return NodesOnTool(nodes, force + friction, friction, stiffness, energy)
 
