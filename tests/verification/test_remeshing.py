@@ -66,6 +66,21 @@ def test_upsetting_with_friction_and_a_new_mesh_every_2_percent_keeps_its_force(
     assert abs(recording.procedure.energy_balance()["error_percent"]) < 0.5
 
 
+def test_upsetting_goes_to_90_percent_by_itself():
+    """The side folds onto the platen; the disc ends 3 mm high and as wide as its volume asks for."""
+    case = upsetting({}, stroke=13.5, cells=[15, 15], contact={"contact": "shear", "m": 0.15})
+    rows, recording = run(case)
+    assert rows["punch.stroke"][-1] == pytest.approx(13.5)
+    assert rows["remeshes"][-1] >= 3
+    procedure = recording.procedure
+    state, mechanics = procedure.state, procedure.mechanics
+    plastic = procedure.volume() - mechanics.elastic_dilatation(state) - procedure.initial_volume
+    assert abs(plastic / procedure.initial_volume) < 1e-4
+    assert abs(procedure.energy_balance()["error_percent"]) < 0.5
+    width = (procedure.model.mesh.points + state.nodes.displacement)[:, 0].max()
+    assert width == pytest.approx(10 * np.sqrt(10), rel=0.02)
+
+
 def backward_extrusion(size):
     """Half a punch of 2 mm with edges of radius 0.1 in a container of 4 mm, frictionless; 100 MPa, no hardening."""
     tools = {

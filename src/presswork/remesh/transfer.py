@@ -24,6 +24,8 @@ DONORS, RINGS = 12, 4
 _REACH, _LEAST_WEIGHT, _RIDGE = 1.05, 1e-3, 1e-13
 _ENOUGH_FOR_SQUARES, _ENOUGH_FOR_LINES = 8, 4
 _AT_ONCE = 20_000
+_CANDIDATES = (3, 16)
+"""Nearest cells that are asked whether they contain a point, then those of points that none of these contains."""
 GAUSS = 1.0 / np.sqrt(3.0)
 _CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
@@ -175,30 +177,41 @@ class Places:
         return np.asarray(np.einsum("na,nam->nm", self.share, values[self.nodes]))
 
 
-def locate(points: FloatArray, cells: IndexArray, wanted: FloatArray, candidates: int = 16) -> Places:
+def locate(points: FloatArray, cells: IndexArray, wanted: FloatArray) -> Places:
     """Find the quadrilateral in which, or nearest to which, each wanted point (n, 2) lies."""
-    centre = points[cells].mean(axis=1)
-    _, near = cKDTree(centre).query(wanted, k=min(candidates, len(cells)))
-    near = near.reshape(len(wanted), -1)
+    tree = cKDTree(points[cells].mean(axis=1))
     best = np.full(len(wanted), -np.inf)
     cell, nodes = np.zeros(len(wanted), dtype=np.intp), np.zeros((len(wanted), 3), dtype=np.intp)
     share = np.zeros((len(wanted), 3))
-    for column in near.T:
-        for corners in ((0, 1, 2), (0, 2, 3)):
-            triangle = cells[column][:, list(corners)]
-            a, b, c = points[triangle].transpose(1, 0, 2)
-            u, v, w = b - a, c - a, wanted - a
-            double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-            safe = np.where(np.abs(double) > 1e-300, double, 1e-300)
-            s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / safe
-            t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / safe
-            found = np.stack([1.0 - s - t, s, t], axis=1)
-            # how far outside the triangle [mm], so that flat ones do not win from afar
-            inside = found.min(axis=1)
-            rank = np.where(inside >= -1e-12, 1.0, inside * np.sqrt(np.abs(double)))
-            rank = np.where(double > 0.0, rank, -np.inf)
-            better = rank > best
-            best[better], cell[better], nodes[better], share[better] = (
-                rank[better], column[better], triangle[better], found[better],
-            )  # fmt: skip
+    for count in _CANDIDATES:
+        left = np.flatnonzero(best < 0.0)  # those that no cell looked at so far contains
+        n_near = min(count, len(cells))
+        _, near = tree.query(wanted[left], k=n_near)
+        for candidate in near.reshape(len(left), n_near).T:
+            for corners in ((0, 1, 2), (0, 2, 3)):
+                open_ = best[left] < 0.0
+                asked, own = left[open_], candidate[open_]
+                triangle = cells[own][:, corners]
+                found, rank = _measure_inside(points, triangle, wanted[asked])
+                better = rank > best[asked]
+                chosen = asked[better]
+                best[chosen], cell[chosen] = rank[better], own[better]
+                nodes[chosen], share[chosen] = triangle[better], found[better]
     return Places(cell, nodes, share)
+
+
+def _measure_inside(points: FloatArray, triangle: IndexArray, wanted: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return barycentric coordinates (n, 3) of points in triangles, and how far outside they lie (n,) [-mm]; 1: inside.
+
+    A distance and no coordinate, so that flat triangles do not win from afar.
+    """
+    a, b, c = points[triangle].transpose(1, 0, 2)
+    u, v, w = b - a, c - a, wanted - a
+    double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    safe = np.where(np.abs(double) > 1e-300, double, 1e-300)
+    s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / safe
+    t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / safe
+    found = np.stack([1.0 - s - t, s, t], axis=1)
+    inside = np.minimum(np.minimum(found[:, 0], s), t)
+    rank = np.where(inside >= -1e-12, 1.0, inside * np.sqrt(np.abs(double)))
+    return found, np.where(double > 0.0, rank, -np.inf)

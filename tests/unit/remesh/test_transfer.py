@@ -99,3 +99,13 @@ def test_nodes_are_located_and_linear_fields_continued_a_little_beyond():
     places = locate(points, cells, wanted)
     np.testing.assert_allclose(places.interpolate(points @ [[2.0], [3.0]])[:, 0], wanted @ [2.0, 3.0], atol=1e-12)
     assert places.share[0].min() >= 0
+
+
+def test_points_that_all_lie_inside_and_a_mesh_of_one_cell_are_located():
+    points, cells = random_mesh(6)
+    centres = points[cells].mean(axis=1)
+    np.testing.assert_array_equal(locate(points, cells, centres).cell, np.arange(len(cells)))
+    corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
+    one = locate(corner, np.array([[0, 1, 2, 3]]), np.array([[0.2, 0.9], [1.5, 0.5]]))
+    np.testing.assert_array_equal(one.cell, [0, 0])
+    np.testing.assert_allclose(one.interpolate(corner), [[0.2, 0.9], [1.5, 0.5]], atol=1e-14)
