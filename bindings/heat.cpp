@@ -48,6 +48,17 @@ void bind_heat(nb::module_& m) {
       "Fill flow, the heat that leaves the nodes of each cell [N mm/s], and its derivative by their temperatures.\n\n"
       "conductivity: rows of temperature and value (n, 2). Returns the number of a cell turned inside out, or -1.");
   m.def(
+      "shapes_at_points",
+      [](const std::string& cell, int n_points) {
+        const auto& type = cell_named(cell);
+        require(n_points > 0 && n_points <= 9, "no such rule");
+        double* N;
+        auto result = new_array({static_cast<std::size_t>(n_points), static_cast<std::size_t>(type.nodes)}, &N);
+        require(find_shapes(cell, n_points, N), "no such rule");
+        return result;
+      },
+      nb::arg("cell"), nb::arg("n_points"), "Shape functions of a cell at the points of a rule (n_points, nodes).");
+  m.def(
       "lump_volumes",
       [](const std::string& cell, Ints connectivity, Doubles points, bool axisymmetric, double depth) {
         const auto& type = cell_named(cell);

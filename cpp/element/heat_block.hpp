@@ -24,6 +24,10 @@ struct HeatCellType {
   void (*lump)(const HeatBlock&, double* volume);
 };
 
+// Fill N (n_points, nodes), the shape functions of a cell at the points of a rule. Returns whether there is such a
+// rule.
+bool find_shapes(std::string_view cell, int n_points, double* N);
+
 // By the cell's name, as ElementRow::cell has it; null if there is none.
 const HeatCellType* find_heat_cell(std::string_view cell);
 

@@ -1337,5 +1337,8 @@ def conduct_heat(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(o
     conductivity: rows of temperature and value (n, 2). Returns the number of a cell turned inside out, or -1.
     """
 
+def shapes_at_points(cell: str, n_points: int) -> NDArray[numpy.float64]:
+    """Shape functions of a cell at the points of a rule (n_points, nodes)."""
+
 def lump_volumes(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float) -> NDArray[numpy.float64]:
     """Volume that each node of each cell stands for (n_cells, nodes) [mm3]."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork import _core
-from presswork.model import ELEMENTS, FloatArray, IntArray, MaskArray, Model, Thermal
+from presswork.model import ELEMENTS, FloatArray, IntArray, MaskArray, Mesh, Model, Thermal
 
 
 def sum_at_nodes(nodes: IntArray, values: FloatArray, n_points: int) -> FloatArray:
@@ -38,6 +38,24 @@ class Enthalpy:
             content = content + self._latent * np.clip(part, 0.0, 1.0)
             specific = specific + np.where((part > 0) & (part < 1), self._latent / (self._end - self._start), 0.0)
         return np.asarray(content), np.asarray(specific)
+
+
+class PointShapes:
+    """Carries quantities between nodes and the integration points of solids by the cells' shape functions."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        self._n_points = len(mesh.points)
+        self._connectivity = [block.connectivity for block in mesh.blocks]
+        rows = [ELEMENTS[block.element] for block in mesh.blocks]
+        self._shapes = [np.asarray(_core.shapes_at_points(row.cell, row.points)) for row in rows]
+
+    def to_points(self, block: int, nodal: FloatArray) -> FloatArray:
+        """Return the values of a nodal quantity at a block's points (n_cells, q)."""
+        return np.asarray(nodal[self._connectivity[block]] @ self._shapes[block].T)
+
+    def to_nodes(self, block: int, amounts: FloatArray) -> FloatArray:
+        """Return what the points of a block (n_cells, q) give to the nodes (n_points,): the sum stays."""
+        return sum_at_nodes(self._connectivity[block], amounts @ self._shapes[block], self._n_points)
 
 
 class Conduction:

@@ -12,6 +12,7 @@ from presswork.outcome import BadGuess, Step
 
 _CUT = {
     _core.LawStatus.not_finite: 0.5,
+    _core.LawStatus.no_stress: 0.5,
     _core.LawStatus.overrun: 0.0,
     _core.LawStatus.stopped: 0.0,
     _core.LawStatus.components: 0.0,

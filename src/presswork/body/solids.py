@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -318,7 +319,10 @@ class Mechanics:
 
         Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
         """
-        total = 0.0
+        return sum(float(work.sum()) for work in self.plastic_work_at_points(state_n, trial, dt))
+
+    def plastic_work_at_points(self, state_n: State, trial: State, dt: float) -> Iterator[FloatArray]:
+        """Yield the same of every point, block by block (n_cells, n_points) [N mm]."""
         for i, law in enumerate(self._laws):
             if isinstance(law, _core.Umat):
                 work = trial.cells.history[i][..., -1]
@@ -331,8 +335,7 @@ class Mechanics:
                 given = (state_n.cells.temperature[i], trial.cells.temperature[i])
                 work = plastic_work_density(self._material(i), law, before, after, stress, dt, given)
                 work = work.reshape(trial.cells.eqps[i].shape)
-            total += float((work * trial.cells.volume[i]).sum())
-        return total
+            yield work * trial.cells.volume[i]
 
 
 def _law_history(state: State, block: int) -> FloatArray:

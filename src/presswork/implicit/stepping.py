@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswork import _core
-from presswork.body.solids import make_mechanics
+from presswork.body.solids import Mechanics, make_mechanics
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
+from presswork.implicit.heat_of_forming import HeatOfForming
 from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
 from presswork.implicit.remedy import find_remedy
@@ -81,6 +82,9 @@ class ImplicitProcedure:
         self.mechanics = make_mechanics(model, self.timing)
         self.interactions = Interactions(model, self.mechanics, self.others)
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
+        self.heat: HeatOfForming | None = None
+        if model.heat is not None and isinstance(self.mechanics, Mechanics):
+            self.heat = HeatOfForming(model, self.mechanics, self.interactions, self.timing, threads)
         self.state = self.at_rest()
         self._start, self._lets_go = self.state, False
         if before:
@@ -97,6 +101,8 @@ class ImplicitProcedure:
         state.add(Progress(next_size=self.model.solver.initial_increment), Work())
         for interaction in self.interactions.all:
             state.add(*interaction.at_rest())
+        if self.heat is not None:
+            state.add(self.heat.at_rest())
         return state
 
     def _check_held(self) -> None:
@@ -326,6 +332,8 @@ class ImplicitProcedure:
         for interaction in self.interactions.all:
             add_work(trial, interaction.work(state_n, trial))
         trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, dt)
+        if self.heat is not None:
+            self.heat.advance(state_n, trial, step, dt)
         p = trial[Progress]
         p.time += dt
         p.increments += 1

@@ -118,6 +118,8 @@ class Friction:
         self._slip_before = np.zeros(len(contact.nodes))  # in the last iteration of this increment
         self._force_before = np.zeros(len(contact.nodes))
         self._used = np.ones(len(contact.nodes))
+        self.lost_at = np.zeros(len(contact.nodes))
+        """Work lost at each candidate in the last converged increment (n_candidates,) [N mm]."""
 
     @property
     def drag(self) -> Drag:
@@ -200,9 +202,11 @@ class Friction:
         """Keep the friction of a converged state for the next increment."""
         touch = trial[ContactArrays]
         self.lost = 0.0
+        self.lost_at[:] = 0.0
         touch.drag[:] = 0.0
         if self.is_needed:
             place, _ = self._places(trial, free[self._contact.nodes])
             rubs = self.evaluate(state_n, trial, trial.nodes.displacement, trial.nodes.reaction, free)
             touch.drag[place] = rubs.force
+            self.lost_at[place] = -0.5 * (state_n[ContactArrays].drag[place] + rubs.force) * rubs.slip
             self.lost = -0.5 * float((state_n[ContactArrays].drag[place] + rubs.force) @ rubs.slip)

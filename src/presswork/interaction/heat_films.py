@@ -27,6 +27,8 @@ from presswork.model import (
     IntArray,
     Model,
     Radiation,
+    Surroundings,
+    ToolHeat,
 )
 
 
@@ -120,6 +122,35 @@ class RadiationFilm:
         kelvin = temperature + ZERO_CELSIUS
         ambient = read_at(self._entry.ambient, time) + ZERO_CELSIUS
         return HeatFlow(-self._factor * (kelvin**4 - ambient**4), 4 * self._factor * kelvin**3)
+
+
+class ToolFilm:
+    """Conductance by pressure between nodes and a tool of constant temperature."""
+
+    kind = "tools"
+
+    def __init__(self, tool: ToolHeat, nodes: IntArray, area: FloatArray, pressure: FloatArray) -> None:
+        """Take nodes in contact (n,), the areas that they stand for [mm2] and their contact pressures [MPa]."""
+        conductance, _ = interpolate(tool.conductance, pressure)
+        self._temperature, self._nodes, self._factor = tool.temperature, nodes, area * conductance
+
+    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
+        """Return the flow."""
+        n = len(temperature)
+        flow = self._factor * (self._temperature - temperature[self._nodes])
+        return HeatFlow(sum_at_nodes(self._nodes, flow, n), sum_at_nodes(self._nodes, self._factor, n))
+
+
+def make_surroundings(surroundings: Surroundings, area: FloatArray) -> list[Film]:
+    """Return the films on free surfaces; area: what each node stands for of them (n_points,) [mm2]."""
+    ambient = np.array([[0.0, surroundings.ambient]])
+    films: list[Film] = []
+    if surroundings.coefficient > 0.0:
+        coefficient = np.array([[0.0, surroundings.coefficient]])
+        films.append(ConvectionFilm(Convection("", coefficient, ambient), area))
+    if surroundings.emissivity > 0.0:
+        films.append(RadiationFilm(Radiation("", surroundings.emissivity, ambient), area))
+    return films
 
 
 class ContactFilm:

@@ -27,7 +27,9 @@ from presswork.model.heat import (
     HeatStage,
     PrescribedTemperature,
     Radiation,
+    Surroundings,
     Thermal,
+    ToolHeat,
 )
 from presswork.model.limits import Limits
 from presswork.model.material import (
@@ -149,11 +151,13 @@ __all__ = [
     "StrainMeasure",
     "Support",
     "Surface",
+    "Surroundings",
     "SweptProfile",
     "TangentTerms",
     "Thermal",
     "ThicknessRule",
     "Tool",
+    "ToolHeat",
     "ToolKind",
     "ToolMotion",
     "Triangulation",

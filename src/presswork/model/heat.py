@@ -8,7 +8,8 @@ the stage began [s].
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from presswork.model.arrays import FloatArray
 
@@ -83,6 +84,29 @@ class HeatContact:
     """[N/(mm s K)]."""
 
 
+@dataclass(frozen=True)
+class Surroundings:
+    """What takes heat from surfaces that touch no tool, by convection and radiation."""
+
+    ambient: float
+    """[degrees C]"""
+    emissivity: float = 0.0
+    coefficient: float = 0.0
+    """[N/(mm s K)]."""
+
+
+@dataclass(frozen=True)
+class ToolHeat:
+    """A tool of constant temperature."""
+
+    temperature: float
+    """[degrees C]"""
+    conductance: FloatArray
+    """By contact pressure [MPa], rows (n, 2) [N/(mm s K)]."""
+    effusivity: float | None = None
+    """sqrt(conductivity density specific heat) [N/(mm K s^0.5)]; None: that of the workpiece."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class HeatStage:
     """What heats and cools the bodies in a stage; sides that no entry names are insulated."""
@@ -99,6 +123,16 @@ class Heat:
 
     initial: tuple[float, ...]
     """Temperature of each body at the start [degrees C]."""
+    alone: bool = True
+    """Whether bodies are heated and cooled without forming; else heat goes with the forming."""
+    surroundings: Surroundings | None = None
+    """In forming; None: free surfaces are insulated."""
+    tools: Mapping[str, ToolHeat] = field(default_factory=dict)
+    """In forming, by name; other tools are insulated."""
+    plastic_fraction: float = 0.9
+    """In forming: part of the plastic work that becomes heat (Taylor & Quinney 1934)."""
+    effusivity: float | None = None
+    """In forming: that of the workpiece at the start [N/(mm K s^0.5)]."""
     contacts: tuple[HeatContact, ...] = ()
     tolerance: float = 1.0
     """Largest error that a time step may add at any node, as estimated [K]."""

@@ -60,7 +60,7 @@ class Model:
     springback: Springback | None = None
     """Of a stamping, after the last stage and the trimming; None: the part stays as it is."""
     heat: Heat | None = None
-    """Of bodies that conduct heat and do not deform; None: temperatures are those of the materials' own heating."""
+    """Of bodies that conduct heat; None: temperatures are those of the materials' own heating."""
     limits: Limits = field(default_factory=Limits)
     remeshing: Remeshing | None = None
     """Of a solid in the plane or in axisymmetry; None: one mesh to the end."""
@@ -75,7 +75,7 @@ class Model:
     @property
     def freedoms(self) -> int:
         """How many freedoms a node has: its displacement, of a shell its rotation too; of heat one."""
-        if self.heat is not None:
+        if self.heat is not None and self.heat.alone:
             return 1
         return 6 if self.analysis in ("shell", "stamping") else self.dimension
 

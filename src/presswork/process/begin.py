@@ -38,7 +38,7 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.stamping import ExplicitStamping
 
         return ExplicitStamping(model, threads=threads)
-    if model.heat is not None:
+    if model.heat is not None and model.heat.alone:
         from presswork.process.heat_recording import HeatRecording
 
         return HeatRecording(model, threads=threads)

@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.implicit.stepping import IncrementReport
-from presswork.model import FloatArray, Model
+from presswork.model import Model
 from presswork.process.heat import CUTBACKS, ITERATIONS, KINDS, STEPS, TIME, HeatProcedure
+from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat, warn_of_tables
 from presswork.process.limits import Watched
 from presswork.process.recording import ModelRecording, Row, Snapshot
 from presswork.process.tool_quantities import describe_plane
-
-JOULE = 1e-3
-"""Of 1 N mm."""
 
 
 class HeatRecording(ModelRecording):
@@ -37,8 +35,7 @@ class HeatRecording(ModelRecording):
         """Of history.csv."""
         bodies = [body.name for body in self.model.bodies]
         each = [f"{body}.temperature_mean" for body in bodies] if len(bodies) > 1 else []
-        whole = ["temperature_min", "temperature_mean", "temperature_max", *each]
-        return ["time", "stage", "increment", "iterations", *whole, "heat_stored", *(f"heat_{kind}" for kind in KINDS)]
+        return ["time", "stage", "increment", "iterations", *each, *heat_columns(KINDS)]
 
     @property
     def number(self) -> int:
@@ -79,16 +76,13 @@ class HeatRecording(ModelRecording):
             "stage": report.stage,
             "increment": report.number,
             "iterations": len(report.log),
-            "temperature_min": float(temperature.min()),
-            "temperature_mean": procedure.equation.conduction.mean(temperature),
-            "temperature_max": float(temperature.max()),
-            "heat_stored": procedure.stored(),
         }
         if len(self.model.bodies) > 1:
             for body in self.model.bodies:
                 own = slice(body.points.start, body.points.stop)
                 row[f"{body.name}.temperature_mean"] = procedure.equation.conduction.mean(temperature, own)
-        return row | {f"heat_{kind}": float(heat) for kind, heat in zip(KINDS, state["heat"], strict=True)}
+        conduction = procedure.equation.conduction
+        return row | measure_heat(conduction, temperature, procedure.stored(), KINDS, state["heat"])
 
     def watch(self) -> Watched:
         """Nothing is limited."""
@@ -122,8 +116,6 @@ class HeatRecording(ModelRecording):
         """Return counts, extremes and the balance of heat."""
         procedure, progress = self.procedure, self.procedure.state["progress"]
         temperature = procedure.state["temperature"]
-        heat = dict(zip(KINDS, procedure.state["heat"].tolist(), strict=True))
-        stored, largest = procedure.stored(), float(np.abs(procedure.state["heat"]).max())
         steps, iterations, cutbacks = (int(progress[i]) for i in (STEPS, ITERATIONS, CUTBACKS))
         return {
             "increments": steps,
@@ -132,34 +124,7 @@ class HeatRecording(ModelRecording):
             "work": f"{steps} time steps, {iterations} iterations, {cutbacks} cut-backs",
             "freedoms": len(self.model.mesh.points),
             "extremes": {"temperature": [float(temperature.min()), float(temperature.max())]},
-            "heat": {
-                "stored_j": JOULE * stored,
-                **{f"{kind}_j": JOULE * value for kind, value in heat.items()},
-                "balance_error": abs(stored - sum(heat.values())) / largest if largest else 0.0,
-            },
+            "heat": summarise_heat(procedure.stored(), KINDS, procedure.state["heat"]),
             "linear_solver": procedure.equation.solver.name,
             "warnings": warn_of_tables(self.model, history),
         }
-
-
-def warn_of_tables(model: Model, history: Mapping[str, NDArray[Any]]) -> list[str]:
-    """Return which tables of materials the temperatures have left, and by how much."""
-    if not len(history["time"]):
-        return []
-    low, high = float(history["temperature_min"].min()), float(history["temperature_max"].max())
-    warnings = []
-    for material in model.materials:
-        if material.thermal is None:
-            continue
-        tables: dict[str, FloatArray] = {
-            "conductivity": material.thermal.conductivity,
-            "specific_heat": material.thermal.specific_heat,
-        }
-        for name, table in tables.items():
-            first, last = table[0, 0], table[-1, 0]
-            if len(table) > 1 and (low < first - 1.0 or high > last + 1.0):
-                warnings.append(
-                    f"{material.name}: {name} is given from {first:g} to {last:g} degrees C, and the temperatures went "
-                    f"from {low:.4g} to {high:.4g}: beyond its ends it was taken as constant"
-                )
-    return warnings

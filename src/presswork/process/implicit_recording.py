@@ -16,10 +16,13 @@ from presswork.formability import Formability
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.epochs import AskForMesh
+from presswork.implicit.heat_of_forming import KINDS as HEAT_KINDS
+from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.tool_arrays import ToolArrays
 from presswork.model import FloatArray, Model, ToolMotion
+from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat, warn_of_tables
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_sheet
 from presswork.process.penetration import Penetration, measure_bodies
@@ -56,7 +59,8 @@ class ImplicitRecording(IncrementRecording):
         """Of history.csv."""
         tools = [t.name for t in self.model.tools]
         contacts = [c.name for c in self.model.contacts]
-        return [*history_columns(tools, self.turning, contacts), *self.reactions.columns]
+        heat = heat_columns(HEAT_KINDS) if self.procedure.heat else []
+        return [*history_columns(tools, self.turning, contacts), *heat, *self.reactions.columns]
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -88,6 +92,9 @@ class ImplicitRecording(IncrementRecording):
         for name, (force_x, force_y) in self.procedure.contact_forces().items():
             row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
         state = self.procedure.state
+        if (heat := self.procedure.heat) is not None:
+            own = state[HeatArrays]
+            row |= measure_heat(heat.conduction, own.temperature, heat.stored(state), HEAT_KINDS, own.heat)
         moved = self.moved(state.nodes.displacement)
         return row | self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
 
@@ -142,6 +149,8 @@ class ImplicitRecording(IncrementRecording):
         interactions = procedure.interactions
         forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self._stage()))
         now = procedure.mechanics.show(state, forces, interactions.bodies.traction(state))
+        if procedure.heat is not None:
+            now.temperature = state[HeatArrays].temperature
         if model.analysis != "shell":
             now.reaction = state.nodes.reaction * self.reactions.mask(self.mesh, self._stage())
         points, cells = compute_fields(now)
@@ -213,10 +222,20 @@ class ImplicitRecording(IncrementRecording):
             },
             "contact": contact,
             "energy": procedure.energy_balance(),
+            **self._summarise_heat(),
             "linear_solver": procedure.equilibrium.solver.name,
             **({"formability": verdict.to_summary()} if verdict else {}),
-            "warnings": [*_warn(contact), *(verdict.warnings() if verdict else ())],
+            "warnings": [
+                *_warn(contact),
+                *(warn_of_tables(model, history) if procedure.heat else ()),
+                *(verdict.warnings() if verdict else ()),
+            ],
         }
+
+    def _summarise_heat(self) -> dict[str, Any]:
+        """Return the balance of heat, if there is any."""
+        heat, state = self.procedure.heat, self.procedure.state
+        return {"heat": summarise_heat(heat.stored(state), HEAT_KINDS, state[HeatArrays].heat)} if heat else {}
 
     def _shortest_edge(self) -> float:
         mesh, points = self.model.mesh, self.model.mesh.points

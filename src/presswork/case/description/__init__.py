@@ -10,7 +10,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.description.explicit import describe_explicit
-from presswork.case.description.heat import describe_heat
+from presswork.case.description.heat import describe_heat, describe_heat_of_forming
 from presswork.case.description.material import describe_material
 from presswork.case.description.shell import describe_sheet, describe_sheet_loads
 from presswork.geometry.crossing import bound_segments
@@ -30,7 +30,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
 
         return "\n".join([problem.title, *describe_stamping(problem), _describe_memory(problem)])
     lines = [problem.title, *_describe_body(problem)]
-    if problem.heat is not None:
+    if problem.heat is not None and problem.heat.alone:
         lines += [
             *describe_heat(problem, problem.heat),
             f"output: {_describe_output(problem)}",
@@ -48,6 +48,8 @@ def describe(problem: model.Model | OneStepModel) -> str:
         ]
     if isinstance(problem.explicit, model.ExplicitSolid):
         return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
+    if problem.heat is not None:
+        lines += describe_heat_of_forming(problem, problem.heat)
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
     lines += [f"output: {_describe_output(problem)}"]
     lines += list(_warn_of_steps(problem))
@@ -64,7 +66,11 @@ def _describe_body(problem: model.Model) -> Iterator[str]:
         yield from _describe_space_solid(problem)
         return
     depth = f", depth {problem.depth:g} mm" if problem.analysis == "plane_strain" else " (x is the radius, y the axis)"
-    kind = problem.analysis.replace("_", " ") if problem.heat is None else f"heat, {problem.analysis.split('_')[0]}"
+    kind = (
+        problem.analysis.replace("_", " ")
+        if problem.heat is None or not problem.heat.alone
+        else f"heat, {problem.analysis.split('_')[0]}"
+    )
     yield f"analysis: {kind}{depth}"
     whole = model.Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks)))
     for body in problem.bodies or (whole,):

@@ -43,6 +43,23 @@ def describe_heat(problem: model.Model, heat: model.Heat) -> Iterator[str]:
         )
 
 
+def describe_heat_of_forming(problem: model.Model, heat: model.Heat) -> Iterator[str]:
+    """Describe the heat of a body as it is formed."""
+    for material in problem.materials:
+        if material.thermal is not None:
+            yield f"heat of {material.name}: {describe_thermal(material.thermal)}"
+    yield f"at the start {heat.initial[0]:g} °C, {heat.plastic_fraction:g} of the plastic work becomes heat"
+    for name, tool in heat.tools.items():
+        conductance = _describe_table(tool.conductance, 1e3, "W/(m2 K)", "MPa")
+        yield f"heat passes into {name} at {tool.temperature:g} °C, {conductance}"
+    around = heat.surroundings
+    if around is not None:
+        yield (
+            f"free surfaces: emissivity {around.emissivity:g}, {1e3 * around.coefficient:g} W/(m2 K) to "
+            f"{around.ambient:g} °C"
+        )
+
+
 def describe_films(stage: model.HeatStage) -> Iterator[str]:
     """Describe what heats and cools in a stage."""
     for entry in stage.temperatures:

@@ -18,6 +18,7 @@ from presswork.case.units import (
     HEAT_FLUX,
     HEAT_TRANSFER,
     PURE_NUMBER,
+    STRESS,
     TIME,
     Dimension,
     fault,
@@ -98,6 +99,7 @@ def _not_negative(value: object) -> float:
     return number
 
 
+_pressure = functools.partial(to_number, dimension=STRESS)
 _time = functools.partial(to_number, dimension=TIME)
 
 _TEMPERATURE = {"anyOf": [{"type": "number"}, {"type": "string", "examples": ["1200 °C"]}]}
@@ -105,5 +107,6 @@ Temperature = Annotated[float, BeforeValidator(to_temperature), WithJsonSchema(_
 ConductivityTable = Annotated[Rows, *_table(to_temperature, _of(CONDUCTIVITY, least=0.0), "30 W/(m*K)")]
 SpecificHeatTable = Annotated[Rows, *_table(to_temperature, _of(HEAT_CAPACITY, least=1e6), "460 J/(kg*K)")]
 HeatTransferTable = Annotated[Rows, *_table(to_temperature, _not_negative, "2000 W/(m^2*K)")]
+HeatTransferByPressure = Annotated[Rows, *_table(_pressure, _not_negative, "10 kW/(m^2*K)")]
 TemperatureByTime = Annotated[Rows, *_table(_time, to_temperature, "1200 °C")]
 HeatFluxByTime = Annotated[Rows, *_table(_time, _of(HEAT_FLUX), "50 kW/m^2")]

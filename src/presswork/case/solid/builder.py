@@ -16,6 +16,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
+from presswork.case.heat.forming import build_heat, start_hot
 from presswork.case.material.umat import UmatMaterial, build_umat
 from presswork.case.settings import RAMP, build_output, build_solver
 from presswork.case.solid import schema
@@ -38,6 +39,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     problems = check_sets(case, mesh)
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 4, run_user_code)
+    materials = tuple(start_hot(material, case.heat) for material in materials)
     _stop_at(problems, case)
     contacts, problems = build_contacts(case, mesh, bodies, materials)
     planes, plane_problems = _find_symmetry_planes(case, mesh, bodies)
@@ -83,6 +85,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         bodies=bodies,
         contacts=contacts,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
+        heat=build_heat(case),
         limits=case.limits.build(),
         remeshing=case.remesh.build(mesh) if case.remesh is not None else None,
         case_text=case.text,
@@ -125,7 +128,8 @@ def build_materials(
 
 def build_material(name: str, material: schema.Material) -> model.Material:
     """Return the Model's material of a table that is no UMAT."""
-    return replace(material.to_model(name), density=material.density or 0.0)
+    thermal = material.thermal.to_thermal(material.density) if material.thermal and material.density else None
+    return replace(material.to_model(name), density=material.density or 0.0, thermal=thermal)
 
 
 def _build_explicit(case: schema.Case) -> model.ExplicitSolid:

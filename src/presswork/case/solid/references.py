@@ -7,6 +7,7 @@ from typing import Literal
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
+from presswork.case.heat.forming import check_heat
 from presswork.case.settings import check_small_displacements
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import check_bodies, list_bodies
@@ -23,7 +24,7 @@ MOST_CELLS = 20_000_000
 
 def check_references(case: schema.Case) -> list[Problem]:
     """Return the problems that show without the mesh."""
-    problems = check_bodies(case) + check_procedure(case) + check_remesh(case)
+    problems = [*check_bodies(case), *check_procedure(case), *check_remesh(case), *check_heat(case)]
     for key, body in list_bodies(case).values():
         problems += _check_body(case, key, body)
     if case.analysis == "axisymmetric" and case.depth != 1.0:

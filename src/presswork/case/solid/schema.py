@@ -21,6 +21,8 @@ from pydantic.config import JsonDict
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.heat.forming import FormingHeat, ToolHeat
+from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
 from presswork.case.material.heating import require_density
 from presswork.case.material.plastic import PlasticLaws
@@ -68,6 +70,7 @@ class Material(PlasticLaws):
     """An elastic-plastic solid; x of its yield function is the plane's x, and turns with the material."""
 
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
+    thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
 
     @model_validator(mode="after")
     def _check_density(self) -> Self:
@@ -182,6 +185,7 @@ class Tool(Part):
         "moved from there along its first motion until it touches the workpiece",
     )
     spring: Spring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
+    heat: ToolHeat | None = Field(default=None, description="temperature of the tool; without it: no heat passes")
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:
@@ -392,6 +396,7 @@ class Case(CaseFile):
     bodies: dict[Name, Workpiece] = Field(default={}, description="further deformable bodies by name")
     contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
     boundary: dict[Name, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
+    heat: FormingHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
     stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     explicit: ExplicitSolver = Field(

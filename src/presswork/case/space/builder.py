@@ -105,6 +105,9 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
             problems += material.check_in_solids(f"materials.{name}")
             if name == case.workpiece.material:
                 problems += check_integrator(name, material, case.solver)
+            if material.thermal is not None:
+                fault, remedy = "heat in forming is for the plane and for axisymmetry, so far", "remove it"
+                problems.append(Problem(f"materials.{name}.thermal", fault, remedy))
         if case.solver.inertia and material.density is None and name == case.workpiece.material:
             remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
             problems.append(Problem(f"materials.{name}.density", "missing key", remedy))

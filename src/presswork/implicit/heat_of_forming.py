@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Heat of a body as it is formed: after each converged increment the heat equation, on the body as it lies then.
+
+Staggered: an increment is computed at the temperatures at its start, then they take the heat of its plastic work and
+of its friction, what flows into the tools and what the surroundings take (docs/theory/heat.md). Where surfaces touch a
+tool or are free is found anew in every increment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.body.heat import Conduction, PointShapes, sum_at_nodes
+from presswork.body.solids import Mechanics
+from presswork.implicit.heat_equation import HeatEquation, HeatProblem, HeatStep
+from presswork.interaction.heat_films import Film, ToolFilm, make_surroundings
+from presswork.interaction.of_model import Interactions
+from presswork.interaction.tool_arrays import ContactArrays
+from presswork.mesh.edges import edge_areas
+from presswork.model import BoolArray, FloatArray, Heat, IntArray, Model, ToolHeat
+from presswork.outcome import Failed, GaveUpError, Step
+from presswork.state import Arrays, State
+from presswork.timing import Timing
+
+KINDS = ("plastic", "friction", "tools", "convection", "radiation")
+"""What heats and cools a body that is formed."""
+MOST_HALVINGS = 6
+
+
+@dataclass
+class HeatArrays(Arrays):
+    """Temperatures, and the heat that has come in."""
+
+    owner = "heat"
+    temperature: FloatArray
+    """(n_points,) [degrees C]."""
+    heat: FloatArray
+    """Since the start, by KINDS (5,) [N mm]."""
+
+
+class HeatOfForming:
+    """Conducts heat in a body between rigid tools of given temperatures."""
+
+    def __init__(
+        self, model: Model, cells: Mechanics, interactions: Interactions, timing: Timing, threads: int
+    ) -> None:
+        assert model.heat is not None
+        self._model, self._heat, self._cells, self._interactions = model, model.heat, cells, interactions
+        self._equation = HeatEquation(model, np.zeros((0, 2), dtype=np.int32), timing, threads)
+        self._shapes = PointShapes(model.mesh)
+        self._edges = find_open_edges(model)
+        n = len(model.mesh.points)
+        self._none: FloatArray = np.zeros(n)
+        self._free_of_prescription = np.zeros(n, dtype=np.uint8)
+
+    @property
+    def conduction(self) -> Conduction:
+        """What conducts and stores the heat."""
+        return self._equation.conduction
+
+    def at_rest(self) -> HeatArrays:
+        """Return the temperatures at the start."""
+        return HeatArrays(start_temperatures(self._model, self._heat), np.zeros(len(KINDS)))
+
+    def stored(self, state: State) -> float:
+        """Return the heat stored since the start [N mm]."""
+        now, _ = self._equation.conduction.content(state[HeatArrays].temperature)
+        before, _ = self._equation.conduction.content(start_temperatures(self._model, self._heat))
+        return float((now - before).sum())
+
+    def advance(self, state_n: State, trial: State, step: Step, dt: float) -> None:
+        """Bring the temperatures of a converged trial state to the end of its increment of dt [s].
+
+        Raises GaveUpError if the heat equation has no solution.
+        """
+        plastic, friction = self._make_heat(state_n, trial, dt)
+        films = self._find_films(trial, step)
+        points = self._model.mesh.points + trial.nodes.displacement
+        arrays = trial[HeatArrays]
+        temperature, heat = state_n[HeatArrays].temperature, np.zeros(len(KINDS))
+        time, part = 0.0, dt
+        while time < dt * (1 - 1e-12):
+            problem = HeatProblem(
+                points=points,
+                temperature_n=temperature,
+                dt=part,
+                films=films,
+                time=time + part,
+                mask=self._free_of_prescription,
+                prescribed=self._none,
+                source=(plastic + friction) / dt,
+            )
+            found = self._equation.solve(problem, temperature)
+            if isinstance(found, Failed):
+                part *= 0.5
+                if part < dt * 0.5**MOST_HALVINGS:
+                    name = self._model.stages[step.stage].name
+                    raise GaveUpError(f"stage {name!r}: {found.reason} in an increment of {dt:.2e} s")
+                continue
+            temperature, time = found.temperature, time + part
+            heat += part * self._count(found)
+            part = min(part, dt - time)
+        heat[:2] = plastic.sum(), friction.sum()
+        arrays.temperature, arrays.heat = temperature, state_n[HeatArrays].heat + heat
+        for i, given in enumerate(trial.cells.temperature):
+            if given.size:
+                trial.cells.temperature[i] = self._shapes.to_points(i, temperature)
+
+    @staticmethod
+    def _count(found: HeatStep) -> FloatArray:
+        power: Mapping[str, float] = found.power
+        return np.array([power.get(kind, 0.0) for kind in KINDS])
+
+    def _make_heat(self, state_n: State, trial: State, dt: float) -> tuple[FloatArray, FloatArray]:
+        """Return the heat of plastic work and that of friction which an increment makes at the nodes [N mm]."""
+        n = len(self._none)
+        plastic = np.zeros(n)
+        for i, work in enumerate(self._cells.plastic_work_at_points(state_n, trial, dt)):
+            plastic += self._shapes.to_nodes(i, work)
+        friction = np.zeros(n)
+        contact = self._interactions.tools.contact
+        lost = self._interactions.tools.friction.lost_at
+        if self._model.plane_tools and lost.any():
+            tool = np.argmax((trial[ContactArrays].status > 0), axis=0) // 2
+            share = np.array([self._share(self._heat.tools.get(t.name)) for t in self._model.plane_tools])
+            friction = sum_at_nodes(contact.nodes, share[tool] * lost, n)
+        return self._heat.plastic_fraction * plastic, friction
+
+    def _share(self, tool: ToolHeat | None) -> float:
+        """Return the part of friction heat that goes into the workpiece, by the effusivities of both."""
+        own = self._heat.effusivity
+        if tool is None or tool.effusivity is None or own is None:
+            return 0.5
+        return own / (own + tool.effusivity)
+
+    def _find_films(self, trial: State, step: Step) -> list[Film]:
+        """Return the films of the surface as it lies now."""
+        points = self._model.mesh.points + trial.nodes.displacement
+        depth = None if self._model.analysis == "axisymmetric" else self._model.depth
+        area = sum_at_nodes(self._edges, edge_areas(points, self._edges, depth), len(points))
+        films: list[Film] = []
+        held: BoolArray = np.zeros(len(points), dtype=bool)
+        if self._model.plane_tools:
+            forces = self._interactions.tools.contact.forces(trial, self._interactions.supports.fixed(step.stage))
+            held[forces.nodes] = True
+            for t, tool in enumerate(self._model.plane_tools):
+                heat = self._heat.tools.get(tool.name)
+                own = forces.tool == t
+                if heat is not None and own.any():
+                    nodes = forces.nodes[own]
+                    pressure = np.maximum(forces.push[own], 0.0) / np.maximum(area[nodes], 1e-300)
+                    films.append(ToolFilm(heat, nodes, area[nodes], pressure))
+        if self._heat.surroundings is not None:
+            films += make_surroundings(self._heat.surroundings, np.where(held, 0.0, area))
+        return films
+
+
+def start_temperatures(model: Model, heat: Heat) -> FloatArray:
+    """Return the temperatures of the nodes at the start (n_points,) [degrees C]."""
+    temperature = np.full(len(model.mesh.points), heat.initial[0])
+    for body, value in zip(model.bodies, heat.initial, strict=False):
+        temperature[body.points.start : body.points.stop] = value
+    return temperature
+
+
+def find_open_edges(model: Model) -> IntArray:
+    """Return the boundary edges that no support holds: those of symmetry planes and clamps give no heat."""
+    edges = model.mesh.boundary_edges
+    held = np.zeros(len(edges), dtype=bool)
+    for support in model.supports:
+        held |= np.isin(edges, model.mesh.node_sets[support.node_set]).all(axis=1)
+    return edges[~held]

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What histories and summaries say of heat: the range of temperature, heat stored and heat come in, their balance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.body.heat import Conduction
+from presswork.model import FloatArray, Model
+from presswork.process.recording import Row
+
+JOULE = 1e-3
+"""Of 1 N mm."""
+
+
+def heat_columns(kinds: Sequence[str]) -> list[str]:
+    """Return the columns of history.csv. kinds: ways by which heat comes in."""
+    temperatures = ["temperature_min", "temperature_mean", "temperature_max"]
+    return [*temperatures, "heat_stored", *(f"heat_{kind}" for kind in kinds)]
+
+
+def measure_heat(
+    conduction: Conduction, temperature: FloatArray, stored: float, kinds: Sequence[str], heat: FloatArray
+) -> Row:
+    """Return temperatures [degrees C], and heat since the start [N mm]: stored, and come in by kinds."""
+    return {
+        "temperature_min": float(temperature.min()),
+        "temperature_mean": conduction.mean(temperature),
+        "temperature_max": float(temperature.max()),
+        "heat_stored": stored,
+        **{f"heat_{kind}": float(value) for kind, value in zip(kinds, heat, strict=True)},
+    }
+
+
+def summarise_heat(stored: float, kinds: Sequence[str], heat: FloatArray) -> dict[str, float]:
+    """Return heat stored and come in [J], and what is missing between them over the largest."""
+    largest = float(np.abs(heat).max())
+    return {
+        "stored_j": JOULE * stored,
+        **{f"{kind}_j": JOULE * float(value) for kind, value in zip(kinds, heat, strict=True)},
+        "balance_error": abs(stored - float(heat.sum())) / largest if largest else 0.0,
+    }
+
+
+def warn_of_tables(model: Model, history: Mapping[str, NDArray[Any]]) -> list[str]:
+    """Return which tables of materials the temperatures have left, and by how much."""
+    if not len(history["time"]):
+        return []
+    low, high = float(history["temperature_min"].min()), float(history["temperature_max"].max())
+    warnings = []
+    for material in model.materials:
+        if material.thermal is None:
+            continue
+        tables: dict[str, FloatArray] = {
+            "conductivity": material.thermal.conductivity,
+            "specific_heat": material.thermal.specific_heat,
+        }
+        for name, table in tables.items():
+            first, last = table[0, 0], table[-1, 0]
+            if len(table) > 1 and (low < first - 1.0 or high > last + 1.0):
+                warnings.append(
+                    f"{material.name}: {name} is given from {first:g} to {last:g} degrees C, and the temperatures went "
+                    f"from {low:.4g} to {high:.4g}: beyond its ends it was taken as constant"
+                )
+    return warnings
