@@ -82,3 +82,38 @@ def test_check_describes_the_case_in_words(tmp_path) -> None:
         "convection on bottom, 1000 W/(m2 K) to 150 °C",
     ):
         assert words in found.output
+
+
+HOT = ["workpiece.mesh.cells=[4,6]", "workpiece.mesh.grading=[1,1]", "stages.0.tools.die.stroke=4", "output.steps=2"]
+
+
+def test_hot_forming_leaves_temperatures_and_resumes_to_the_same_bits(tmp_path) -> None:
+    model = build_model(read_case(copy_example("hot_upsetting", tmp_path), [*HOT, "output.checkpoint_every=5"]))
+    whole = run_model(model, tmp_path / "whole", threads=1)
+    assert whole.status == "completed", whole.reason
+    history = whole.result.history
+    incoming = sum(history[f"heat_{kind}"] for kind in ("plastic", "friction", "tools", "convection", "radiation"))
+    assert history["heat_stored"] == pytest.approx(incoming, rel=1e-8)
+    assert whole.result.summary["heat"]["balance_error"] < 1e-8
+    assert history["temperature_min"][-1] < 1100 < history["temperature_mean"][-1] < 1200
+    nodal = whole.result.field("nodal_temperature")
+    assert nodal[whole.result.points()[:, 1] < 1].min() > nodal[whole.result.points()[:, 1] > 25.9].max()
+    names = {path.name for path in plot_all(whole.result, tmp_path / "plots")}
+    assert {"temperature_time.png", "contours_nodal_temperature_002.png", "force_stroke.png"} <= names
+
+    def interrupt(progress) -> None:
+        if progress.fraction > 0.5:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "cut", threads=1, on_increment=interrupt).status == "interrupted"
+    assert run_model(model, tmp_path / "cut", threads=1, resume=True).status == "completed"
+    assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
+
+
+def test_cold_dies_make_the_billet_harder(tmp_path) -> None:
+    path = copy_example("hot_upsetting", tmp_path)
+    force = {}
+    for name, more in (("cold", []), ("insulated", ["tools.die.heat=", "heat.surroundings="])):
+        outcome = run_model(build_model(read_case(path, [*HOT, *more])), tmp_path / name, threads=1)
+        force[name] = outcome.result.history["die.force"][-1]
+    assert force["cold"] > 1.02 * force["insulated"]

@@ -137,24 +137,31 @@ class HeatOfForming:
         return own / (own + tool.effusivity)
 
     def _find_films(self, trial: State, step: Step) -> list[Film]:
-        """Return the films of the surface as it lies now."""
+        """Return the films of the surface as it lies now.
+
+        Edges both of whose ends a tool holds touch it, all others are free.
+        """
         points = self._model.mesh.points + trial.nodes.displacement
         depth = None if self._model.analysis == "axisymmetric" else self._model.depth
-        area = sum_at_nodes(self._edges, edge_areas(points, self._edges, depth), len(points))
+        areas = edge_areas(points, self._edges, depth)
+        free: BoolArray = np.ones(len(areas), dtype=bool)
         films: list[Film] = []
-        held: BoolArray = np.zeros(len(points), dtype=bool)
         if self._model.plane_tools:
             forces = self._interactions.tools.contact.forces(trial, self._interactions.supports.fixed(step.stage))
-            held[forces.nodes] = True
             for t, tool in enumerate(self._model.plane_tools):
-                heat = self._heat.tools.get(tool.name)
                 own = forces.tool == t
-                if heat is not None and own.any():
-                    nodes = forces.nodes[own]
-                    pressure = np.maximum(forces.push[own], 0.0) / np.maximum(area[nodes], 1e-300)
-                    films.append(ToolFilm(heat, nodes, area[nodes], pressure))
+                touching = np.isin(self._edges[:, :2], forces.nodes[own]).all(axis=1)
+                free &= ~touching
+                heat = self._heat.tools.get(tool.name)
+                if heat is None or not touching.any():
+                    continue
+                area = sum_at_nodes(self._edges[touching], areas[touching], len(points))
+                push = sum_at_nodes(forces.nodes[own], np.maximum(forces.push[own], 0.0), len(points))
+                nodes = np.flatnonzero(area).astype(np.int32)
+                films.append(ToolFilm(heat, nodes, area[nodes], push[nodes] / area[nodes]))
         if self._heat.surroundings is not None:
-            films += make_surroundings(self._heat.surroundings, np.where(held, 0.0, area))
+            area = sum_at_nodes(self._edges[free], areas[free], len(points))
+            films += make_surroundings(self._heat.surroundings, area)
         return films
 
 

@@ -9,6 +9,7 @@ import pytest
 from presswork.case import CaseError, build_model
 from presswork.case.heat.quantities import to_temperature
 from presswork.case.heat.schema import HeatCase
+from presswork.case.solid.schema import Case
 
 CASE: dict[str, Any] = {
     "title": "heat",
@@ -119,3 +120,80 @@ def test_contacts_of_bodies() -> None:
     quadratic["workpiece"]["element"] = "quad8"
     with pytest.raises(CaseError, match="straight edges of two nodes"):
         build_model(HeatCase.model_validate(quadratic))
+
+
+FORMING: dict[str, Any] = {
+    "title": "hot",
+    "analysis": "axisymmetric",
+    "workpiece": {"material": "steel", "mesh": {"size": [10, 10], "cells": [2, 2]}},
+    "materials": {
+        "steel": {
+            "young": 100e3,
+            "poisson": 0.3,
+            "density": "7850 kg/m^3",
+            "hardening": {"law": "linear", "yield_stress": 100},
+            "thermal": {"conductivity": 30, "specific_heat": "650 J/(kg*K)"},
+            "heating": {"reference": 900, "melting": 1500, "exponent": 1},
+        }
+    },
+    "boundary": {"axis": {"set": "left", "fix": ["x"]}, "bottom": {"set": "bottom", "fix": ["y"]}},
+    "tools": {
+        "die": {
+            "profile": [[0, 10], [30, 10]],
+            "contact": "frictionless",
+            "heat": {"temperature": 200, "conductance": [[0, 1], ["50 MPa", "10 kW/(m^2*K)"]]},
+        }
+    },
+    "heat": {"initial_temperature": 1200},
+    "stages": [{"name": "upset", "duration": 1, "tools": {"die": {"stroke": 2, "direction": [0, -1]}}}],
+}
+
+
+def change_forming(key: str, value: object) -> dict[str, Any]:
+    """Return the case of hot forming with one key set, or removed by None."""
+    data = deepcopy(FORMING)
+    here: Any = data
+    *path, last = key.split(".")
+    for name in path:
+        here = here[int(name)] if isinstance(here, list) else here.setdefault(name, {})
+    if value is None:
+        del here[last]
+    else:
+        here[last] = value
+    return data
+
+
+def test_heat_in_forming_is_taken() -> None:
+    built = build_model(Case.model_validate(FORMING))
+    assert built.heat is not None
+    assert not built.heat.alone
+    assert built.freedoms == 2
+    assert built.heat.tools["die"].conductance.tolist() == [[0, 1], [50, 10]]
+    assert built.heat.effusivity == pytest.approx((30 * 7850e-12 * 650e6) ** 0.5)
+    assert built.materials[0].heating is not None
+    assert built.materials[0].heating.start == 1200.0, "the law begins at the temperature of the workpiece"
+
+
+BAD_FORMING = [
+    ("heat", None, "tools.die.heat", "has no meaning without [heat]"),
+    ("procedure", "explicit", "heat", "by the implicit procedure alone"),
+    ("solver.displacements", "small", "heat", "for large displacements"),
+    ("materials.steel.thermal", None, "materials.steel.thermal", "missing key"),
+    ("materials.steel.density", None, "materials.steel.density", "missing key"),
+    ("materials.steel.heating.heat_capacity", 6e8, "heating.heat_capacity", "heat twice"),
+    ("materials.steel.heating.start", 1000, "heating.start", "gives the initial temperature"),
+    ("heat.initial_temperature", 1500, "heat.initial_temperature", "not below the melting temperature"),
+    ("heat.initial_temperature", 12000, "heat.initial_temperature", "a temperature of no forming"),
+    ("stages.0.duration", None, "stages.0.duration", "heat takes time"),
+    ("tools.die.heat.conductance", -1, "tools.die.heat.conductance", "is not negative"),
+    ("tools.die.heat.conductivity", 25, "tools.die.heat.conductivity", "stands without the others"),
+    ("heat.surroundings", {"emissivity": 2}, "emissivity", "<= 1"),
+]
+
+
+@pytest.mark.parametrize(("key", "value", "where", "what"), BAD_FORMING)
+def test_bad_heat_in_forming_is_told(key, value, where, what) -> None:
+    with pytest.raises(CaseError) as caught:
+        build_model(Case.model_validate(change_forming(key, value)))
+    assert where in str(caught.value)
+    assert what in str(caught.value)

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Heat in forming against closed solutions: adiabatic upsetting, softening by its own heat, a cold tool, friction."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork.case import build_model
+from presswork.case.solid.schema import Case
+from presswork.implicit.energy import Work
+from presswork.implicit.heat_of_forming import HeatArrays
+from presswork.implicit.stepping import ImplicitProcedure
+
+ENTHALPY = 7833e-12 * 586e6
+"""Of a unit of volume [N/(mm2 K)]."""
+
+
+def compute(*, max_increment: float = 0.02, law: dict[str, Any] | None = None, **changes: Any) -> ImplicitProcedure:
+    """Upset a cylinder of 10 x 15 mm by 60 % without friction, unless told otherwise."""
+    steel = {
+        "young": "200e3 GPa",  # rigid, so that plastic strain is strain
+        "poisson": 0.3,
+        "magnitudes": "any",
+        "density": "7833 kg/m^3",
+        "hardening": {"law": "linear", "yield_stress": 700, "modulus": 300},
+        "thermal": {"conductivity": 30, "specific_heat": "586 J/(kg*K)"},
+        **(law or {}),
+    }
+    case = Case.model_validate(
+        {
+            "title": "upsetting",
+            "analysis": "axisymmetric",
+            "workpiece": {"material": "steel", "mesh": {"size": [10, 15], "cells": [2, 3]}},
+            "materials": {"steel": steel},
+            "boundary": {"axis": {"set": "left", "fix": ["x"]}, "bottom": {"set": "bottom", "fix": ["y"]}},
+            "tools": {"punch": {"profile": [[0, 15], [40, 15]], "contact": "frictionless"}},
+            "heat": {"initial_temperature": 20},
+            "stages": [{"name": "upset", "duration": 1, "tools": {"punch": {"stroke": 9, "direction": [0, -1]}}}],
+            "solver": {"max_increment": max_increment},
+            **changes,
+        }
+    )
+    procedure = ImplicitProcedure(build_model(case), threads=1)
+    for _ in procedure.advance():
+        pass
+    return procedure
+
+
+def test_adiabatic_upsetting() -> None:
+    """700 + 300 e to 60 %, nine tenths of the work, density 7833, specific heat 586: 150.45 K."""
+    strain = np.log(1 / 0.4)
+    closed = 0.9 * (700 * strain + 150 * strain**2) / ENTHALPY
+    assert closed == pytest.approx(150.45, abs=0.03)
+    rise = compute().state[HeatArrays].temperature - 20
+    assert np.ptp(rise) < 1e-6
+    assert rise.mean() == pytest.approx(closed, rel=1e-3)
+
+
+@pytest.mark.parametrize("steps", [50, 100])
+def test_a_law_softens_by_the_heat_that_it_makes(steps) -> None:
+    """Perfectly plastic with a linear softening: 1 - T* falls by exp(-0.9 s0 e / (rho c (Tm - T0))); first order."""
+    heating = {"melting": 520, "exponent": 1.0, "reference": 20}
+    hardening = {"law": "linear", "yield_stress": 700, "modulus": 0}
+    done = compute(max_increment=1 / steps, law={"heating": heating, "hardening": hardening})
+    strain = np.log(1 / 0.4)
+    closed = 500 * (1 - np.exp(-0.9 * 700 * strain / (ENTHALPY * 500)))
+    rise = float((done.state[HeatArrays].temperature - 20).mean())
+    assert abs(rise / closed - 1) < 0.2 / steps
+    stress = done.mechanics.flow_stress(0, done.state)
+    assert stress == pytest.approx(700 * (1 - rise / 500), rel=1e-9)
+
+
+def test_a_cold_tool_cools_the_surface_of_a_half_space() -> None:
+    """A workpiece at 1200 degrees C pressed softly onto a tool held at 200, 10 kW/m2K, after a second.
+
+    Surface: T = T1 - dT (1 - exp(z^2) erfc z), z = h sqrt(t) / b (Carslaw & Jaeger 1959, 2.7).
+    """
+    from scipy.special import erfc
+
+    done = compute(
+        max_increment=0.005,
+        law={
+            "density": "7800 kg/m^3",
+            "thermal": {"conductivity": 30, "specific_heat": "650 J/(kg*K)"},
+            "young": "200 GPa",
+        },
+        analysis="plane_strain",
+        workpiece={
+            "material": "steel",
+            "mesh": {"zones_x": [[1, 1, 1]], "zones_y": [[40, 40, 30]]},
+        },
+        boundary={"side": {"set": "left", "fix": ["x"]}, "top": {"set": "top", "fix": ["y"]}},
+        tools={
+            "die": {
+                "profile": [[-5, 0], [6, 0]],
+                "contact": "frictionless",
+                "heat": {"temperature": 200, "conductance": "10 kW/(m^2*K)"},
+            }
+        },
+        heat={"initial_temperature": 1200},
+        stages=[{"name": "press", "duration": 1, "tools": {"die": {"stroke": 0.001, "direction": [0, 1]}}}],
+    )
+    z = 10.0 / np.sqrt(30 * 7800e-12 * 650e6)
+    closed = 1200 - 1000 * (1 - np.exp(z**2) * erfc(z))
+    surface = done.state[HeatArrays].temperature[done.model.mesh.node_sets["bottom"]]
+    assert surface == pytest.approx(closed, abs=3.0)
+    assert np.ptp(surface) < 1e-6
+    assert done.heat is not None
+    heat = done.state[HeatArrays].heat
+    assert abs(done.heat.stored(done.state) - heat.sum()) < 1e-8 * np.abs(heat).max()
+
+
+def test_friction_heat_is_shared_by_effusivity_and_all_heat_balances() -> None:
+    steel = {"conductivity": 120, "specific_heat": "586 J/(kg*K)", "density": "7833 kg/m^3"}
+    punch = {
+        "profile": [[0, 15], [40, 15]],
+        "contact": "shear",
+        "m": 0.5,
+        "heat": {"temperature": 20, "conductance": [[0, 1.0], [1000, 8.0]], **steel},
+    }
+    done = compute(
+        tools={"punch": punch},
+        heat={
+            "initial_temperature": 300,
+            "plastic_fraction": 0.8,
+            "surroundings": {"ambient": 20, "emissivity": 0.8, "coefficient": "20 W/(m^2*K)"},
+        },
+        stages=[{"name": "upset", "duration": 1, "tools": {"punch": {"stroke": 4, "direction": [0, -1]}}}],
+    )
+    plastic, friction, tools, convection, radiation = done.state[HeatArrays].heat
+    assert friction == pytest.approx(done.state[Work].friction_work / 3, rel=1e-9), (
+        "1 : 2 with four times the conductivity"
+    )
+    assert plastic == pytest.approx(0.8 * done.state[Work].plastic_work, rel=1e-9)
+    assert tools < 0 > convection
+    assert radiation < 0
+    assert done.heat is not None
+    incoming = done.state[HeatArrays].heat
+    assert abs(done.heat.stored(done.state) - incoming.sum()) < 1e-8 * np.abs(incoming).max()
