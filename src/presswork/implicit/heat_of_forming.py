@@ -16,10 +16,9 @@ import numpy as np
 from presswork.body.heat import Conduction, PointShapes, sum_at_nodes
 from presswork.body.solids import Mechanics
 from presswork.implicit.heat_equation import HeatEquation, HeatProblem, HeatStep
-from presswork.interaction.heat_films import Film, ToolFilm, make_surroundings
+from presswork.interaction.heat_films import Film, ToolFilm, make_surroundings, measure_sides
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays
-from presswork.mesh.edges import edge_areas
 from presswork.model import BoolArray, FloatArray, Heat, IntArray, Model, ToolHeat
 from presswork.outcome import Failed, GaveUpError, Step
 from presswork.state import Arrays, State
@@ -142,8 +141,7 @@ class HeatOfForming:
         Edges both of whose ends a tool holds touch it, all others are free.
         """
         points = self._model.mesh.points + trial.nodes.displacement
-        depth = None if self._model.analysis == "axisymmetric" else self._model.depth
-        areas = edge_areas(points, self._edges, depth)
+        areas = measure_sides(self._model, self._edges, points)
         free: BoolArray = np.ones(len(areas), dtype=bool)
         films: list[Film] = []
         if self._model.plane_tools:

@@ -72,13 +72,16 @@ def read_at(table: FloatArray, time: float) -> float:
     return float(np.interp(time, *table.T))
 
 
+def measure_sides(model: Model, sides: IntArray, points: FloatArray) -> FloatArray:
+    """Return the area that each node of each edge, in space face, stands for (n_sides, n_nodes) [mm2]."""
+    if model.analysis == "solid":
+        return face_areas(points, sides)
+    return edge_areas(points, sides, None if model.analysis == "axisymmetric" else model.depth)
+
+
 def side_areas(model: Model, sides: IntArray, points: FloatArray) -> FloatArray:
     """Return the area of the surface that each node stands for on edges, in space faces (n_points,) [mm2]."""
-    if model.analysis == "solid":
-        areas = face_areas(points, sides)
-    else:
-        areas = edge_areas(points, sides, None if model.analysis == "axisymmetric" else model.depth)
-    return sum_at_nodes(sides, areas, len(points))
+    return sum_at_nodes(sides, measure_sides(model, sides, points), len(points))
 
 
 class FluxFilm:
