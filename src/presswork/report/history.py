@@ -22,6 +22,8 @@ _UNITS = {
     "rotation": ("degrees", 1.0),
     "angle": ("degrees", 1.0),
     "time": ("s", 1.0),
+    "temperature": ("°C", 1.0),
+    "heat": ("kJ", 1e-6),
 }
 """Unit in the page of what a column's last part holds, and the factor from that in the file."""
 
@@ -59,11 +61,16 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
 
 
 def _choose_curves(result: Result, history: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return pairs of columns, abscissa and ordinate: force against stroke, or what comes nearest to it."""
+    """Return pairs of columns, abscissa and ordinate: force against stroke, or what comes nearest to it.
+
+    Of heat alone these are the temperatures over time.
+    """
     moving, turning = find_moving_tools(history), find_turning_tools(history)
     if turning:
         return [(f"{tool}.angle", f"{tool}.{what}") for tool in turning for what in ("force", "torque")]
     if result.is_stamping and moving:  # holders hardly move: all over the stroke of the one that does
         main = max(moving, key=lambda tool: float(np.abs(history[f"{tool}.stroke"]).max()))
         return [(f"{main}.stroke", f"{tool}.force") for tool in moving]
-    return [(f"{tool}.stroke", f"{tool}.force") for tool in moving] or find_moved_sets(history)
+    temperatures = [("time", name) for name in history if name.startswith("temperature_")]
+    forces = [(f"{tool}.stroke", f"{tool}.force") for tool in moving] or find_moved_sets(history)
+    return forces or temperatures
