@@ -7,15 +7,15 @@ names, so all that acts on a place finds it anew in each epoch.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import ContactArrays
-from presswork.model import FloatArray, Mesh, Model
+from presswork.model import FloatArray, Mesh, change_mesh
 from presswork.outcome import BadGuess, GaveUpError
 from presswork.state import State
 
@@ -60,8 +60,11 @@ def new_epoch(run: ImplicitProcedure, mesh: Mesh, transfer: Transfer) -> Implici
     transfer leaves the contact with tools empty, nodes that lie on tools are found. Raises GaveUpError where the mesh
     lacks a set that the model names, or where a cell is inside out.
     """
-    _check_sets(run.model, mesh)
-    after = ImplicitProcedure(replace(run.model, mesh=mesh), before=run)
+    try:
+        model = change_mesh(run.model, mesh)
+    except ValueError as error:
+        raise GaveUpError(str(error)) from error
+    after = ImplicitProcedure(model, before=run)
     state = after.state
     state.take_over(run.state)
     transfer(Epoch(run.model.mesh, run.state, run), Epoch(mesh, state, after))
@@ -74,22 +77,3 @@ def new_epoch(run: ImplicitProcedure, mesh: Mesh, transfer: Transfer) -> Implici
         raise GaveUpError(f"the new mesh cannot be used: {found}")
     state.cells.volume = trial.cells.volume
     return after
-
-
-def _check_sets(model: Model, mesh: Mesh) -> None:
-    for kind, name in list_sets(model):
-        if name not in getattr(mesh, f"{kind}_sets"):
-            raise GaveUpError(f"the new mesh has no {kind} set {name!r}, which the model names")
-
-
-def list_sets(model: Model) -> Iterator[tuple[str, str]]:
-    """Yield kind (node, edge, face) and name of every set of the mesh that a model names."""
-    yield from (("node", support.node_set) for support in model.supports)
-    for stage in model.stages:
-        yield from (("node", moved.node_set) for moved in stage.prescribed)
-        yield from (("node", force.node_set) for force in stage.forces)
-        yield from (("node", pressure.node_set) for pressure in stage.shell_pressures)
-        yield from (("edge", pressure.edge_set) for pressure in stage.pressures)
-        yield from (("edge", force.edge_set) for force in stage.edge_forces)
-        yield from (("face", pressure.face_set) for pressure in stage.face_pressures)
-        yield from (("face", force.face_set) for force in stage.face_forces)

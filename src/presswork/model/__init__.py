@@ -44,6 +44,7 @@ from presswork.model.material import (
     YieldFunction,
 )
 from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
+from presswork.model.mesh_change import change_mesh
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
 from presswork.model.remeshing import Remeshing
@@ -165,5 +166,6 @@ __all__ = [
     "Umat",
     "UmatJacobian",
     "YieldFunction",
+    "change_mesh",
     "list_names",
 ]

@@ -17,12 +17,13 @@ from presswork.explicit.energy import EnergyBalance, warn_of_energies
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.motion import SmoothStroke
 from presswork.explicit.solid_material import SolidMaterial
-from presswork.explicit.solids import FREEDOMS, ExplicitSolids, Wall
+from presswork.explicit.solids import ExplicitSolids, Wall
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.model import ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
+from presswork.process.epochs import NamedArrays
 from presswork.process.limits import Watched, measure_hydrostatic_stress
 from presswork.process.penetration import Penetration
 from presswork.process.reactions import Reactions
@@ -50,26 +51,30 @@ class ExplicitImpact(RowRecording):
         assert isinstance(model.explicit, ExplicitSolid)
         super().__init__(model, threads, 4)
         self.settings = model.explicit
-        materials = [SolidMaterial.from_model(material) for material in model.materials]
-        self._mises = [material.make_mises() for material in materials]
-        self.solids = ExplicitSolids(
-            model.mesh,
-            materials,
-            axisymmetric=model.analysis == "axisymmetric",
-            depth=model.depth,
-            hourglass_fraction=self.settings.hourglass_stiffness,
-        )
+        self._materials = [SolidMaterial.from_model(material) for material in model.materials]
+        self._mises = [material.make_mises() for material in self._materials]
+        self._make_run({})
         self.solids.set_velocity("all", self.settings.velocity)
-        self.walls = [
-            self.solids.add_wall(t.name, start_profile(t), mu=float(np.max(t.friction.mu))) for t in model.tools
-        ]
         self._force = np.zeros((len(self.walls), 2))
         self.reactions = Reactions(model, 2, [t.name for t in model.tools])
-        self._reaction = np.zeros((len(model.mesh.points), 2))
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
         self._begin_stage()
+
+    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        model = self.model
+        self.solids = ExplicitSolids(
+            model.mesh,
+            self._materials,
+            axisymmetric=model.analysis == "axisymmetric",
+            depth=model.depth,
+            hourglass_fraction=self.settings.hourglass_stiffness,
+        )
+        self.walls = [
+            self.solids.add_wall(t.name, start_profile(t), mu=float(np.max(t.friction.mu))) for t in model.tools
+        ]
+        self._reaction = np.zeros((len(model.mesh.points), 2))
 
     # --- the way through ---------------------------------------------------------------------------------------------
 
@@ -93,16 +98,12 @@ class ExplicitImpact(RowRecording):
 
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe: the mean velocity of each motion over the stage."""
-        self.solids.release()
-        for support in self.model.supports:
-            held = "".join(letter for letter, is_held in zip(FREEDOMS, support.fix, strict=True) if is_held)
-            self.solids.fix(support.node_set, held)
         number = int(self._progress[STAGE])
         if number == len(self.model.stages):
+            self._prescribe(self.solids)
             return
         stage = self.model.stages[number]
-        for p in stage.prescribed:
-            self.solids.fix(p.node_set, FREEDOMS[p.component], p.value / stage.duration)
+        self._prescribe(self.solids, stage.duration)
         for wall in self.walls:
             x, y = stage.tool_motion.get(wall.name, ToolMotion()).move[:2]
             wall.velocity = (x / stage.duration, y / stage.duration)
@@ -230,12 +231,10 @@ class ExplicitImpact(RowRecording):
             info={**describe_plane(model), **self.reactions.gauges(model)},
         )
 
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return every array that the next row depends on."""
+    def _state_arrays(self) -> NamedArrays:
         return {"progress": self._progress.copy(), **self.solids.dump()}
 
-    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+    def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
         self.solids.restore({name: np.asarray(values) for name, values in arrays.items()})
         self._begin_stage()

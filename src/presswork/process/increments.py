@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,47 +12,32 @@ from numpy.typing import NDArray
 from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
-from presswork.mesh.dump import dump_mesh, load_mesh
-from presswork.model import FloatArray, Mesh, Model
+from presswork.model import FloatArray, Model, change_mesh
 from presswork.outcome import GaveUpError
-from presswork.process.recording import ModelRecording, Row
+from presswork.process.epochs import EpochRecording, NamedArrays
+from presswork.process.recording import Row
 
-EPOCH, ORIGIN, MADE = "epoch.", "origin", "made"
-"""Prefix of the arrays of a mesh in a checkpoint, and two of them."""
+MADE = "made"
+"""Name in a checkpoint."""
 
 
-class IncrementRecording(ModelRecording):
+class IncrementRecording(EpochRecording):
     """An implicit procedure at work on a model."""
 
     def __init__(self, model: Model, procedure: ImplicitProcedure, ask_for_mesh: AskForMesh | None = None) -> None:
         """ask_for_mesh: asked after every increment whether the run goes on with another mesh."""
-        self.model = model
+        super().__init__(model)
         self.procedure = procedure
         self.timing = procedure.timing
         self._ask_for_mesh = ask_for_mesh
-        self._origin: FloatArray | None = None
-        """Where the material of the nodes was when the run began; None: on the first mesh."""
         self._made_at, self._failed_at = 0, -1
-        """Increments when the mesh was made, and when one last failed."""
+        """Increments when the mesh was made, or could not be, and when one last failed."""
         self._notes: list[str] = []
 
     @property
     def number(self) -> int:
         """Increments so far."""
         return self.procedure.state[Progress].increments
-
-    @property
-    def mesh(self) -> Mesh:
-        """The mesh of the present epoch, its points where their material was when the run began."""
-        return self.model.mesh if self._origin is None else replace(self.model.mesh, points=self._origin)
-
-    def moved(self, displacement: FloatArray) -> FloatArray:
-        """Return displacements since the run began, of those since the epoch's points (n_points, d) [mm]."""
-        if self._origin is None or self._origin is self.model.mesh.points:
-            return displacement
-        moved = displacement.copy()
-        moved[:, : self._origin.shape[1]] += self.model.mesh.points - self._origin
-        return moved
 
     def advance(self) -> Iterator[IncrementReport]:
         """Compute increment after increment, and change the mesh between them. Raises GaveUpError."""
@@ -83,14 +67,12 @@ class IncrementRecording(ModelRecording):
     def change_mesh(self, change: MeshChange) -> None:
         """Go on with another mesh. Raises GaveUpError."""
         self._begin_on(new_epoch(self.procedure, change.mesh, change.transfer), change.origin)
-        self._made_at = self.number
         cells = sum(len(block.connectivity) for block in change.mesh.blocks)
         self._notes.append(f"new mesh of {cells} cells after increment {self.number} {change.reason}".rstrip())
 
     def _begin_on(self, procedure: ImplicitProcedure, origin: FloatArray | None) -> None:
-        mesh = procedure.model.mesh
-        self.procedure, self.model = procedure, replace(self.model, mesh=mesh)
-        self._origin = mesh.points if origin is None else origin
+        self.procedure, self._made_at = procedure, self.number
+        self._begin_epoch(procedure.model.mesh, origin)
 
     def remaining(self) -> float:
         """Return the part of the whole process that is still to be computed, counted in stage durations."""
@@ -108,24 +90,20 @@ class IncrementRecording(ModelRecording):
             f"corrections {' '.join(f'{c:.1e}' for c in log.correction)}",
         ]
 
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return the converged state, and its mesh if that is not the first one."""
-        arrays = self.procedure.state.to_arrays()
-        if self._origin is not None:
-            arrays |= {f"{EPOCH}{name}": values for name, values in dump_mesh(self.model.mesh).items()}
-            arrays[f"{EPOCH}{ORIGIN}"] = self._origin
-            arrays[f"{EPOCH}{MADE}"] = np.array([self._made_at, self._failed_at])
-        return arrays
+    def _epoch_arrays(self) -> NamedArrays:
+        return {MADE: np.array([self._made_at, self._failed_at])}
 
-    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """Take up a converged state, and its mesh. Raises ValueError if it is another model's."""
-        own = {name.removeprefix(EPOCH): values for name, values in arrays.items() if name.startswith(EPOCH)}
-        if own:
-            mesh, origin = load_mesh(own), np.asarray(own[ORIGIN], dtype=np.float64)
-            after = ImplicitProcedure(replace(self.procedure.model, mesh=mesh), before=self.procedure)
-            self._begin_on(after, mesh.points if np.array_equal(origin, mesh.points) else origin)
-            self._made_at, self._failed_at = (int(number) for number in own[MADE])
-        self.procedure.state.load_arrays({n: values for n, values in arrays.items() if not n.startswith(EPOCH)})
+    def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        self._made_at, self._failed_at = (int(number) for number in epoch[MADE])
+
+    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        self.procedure = ImplicitProcedure(change_mesh(self.procedure.model, self.model.mesh), before=self.procedure)
+
+    def _state_arrays(self) -> NamedArrays:
+        return self.procedure.state.to_arrays()
+
+    def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        self.procedure.state.load_arrays(arrays)
 
     def _begin_row(self, report: IncrementReport) -> Row:
         """Return the first columns of the history."""

@@ -15,7 +15,7 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.split import SplitMesh, SplitStep
 from presswork.mesh.topology import edge_keys
-from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model, Refinement
+from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Refinement
 
 Planes = Sequence[tuple[int, IntArray]]
 """Of each symmetry plane the axis that it is normal to, and its nodes."""
@@ -37,49 +37,10 @@ class PlacedTool:
         return np.asarray(gap), np.asarray(normal)
 
 
-class SplitBlank:
-    """The undeformed blank of a stamping as its shells are split over a run."""
-
-    def __init__(self, model: Model) -> None:
-        self._model = model
-        self._chosen: list[BoolArray] = []
-        self.mesh, self.sheet = model.mesh, SplitMesh.begin(model.cells, len(model.mesh.points))
-
-    def split(
-        self, chosen: BoolArray, points: FloatArray, thickness: FloatArray, tools: list[PlacedTool]
-    ) -> tuple[SplitStep, FloatArray]:
-        """Split the chosen shells (n,), and more for balance; return that, and the positions of all nodes (n_nodes, 3).
-
-        points (n_nodes, 3) and thickness (n,) [mm]: of the present sheet.
-        """
-        step = self.sheet.split(chosen)
-        position = place_nodes(self.sheet, step, points, thickness, self.planes(), tools)
-        self._take(step)
-        return step, position
-
-    def planes(self) -> Planes:
-        """Return the axes that symmetry planes are normal to, and their nodes."""
-        sets = self.mesh.node_sets
-        return [(axis, sets[name]) for axis, name in enumerate(("symmetry_x", "symmetry_y")) if name in sets]
-
-    def _take(self, step: SplitStep) -> None:
-        self._chosen.append(step.chosen)
-        self.mesh, self.sheet = step.apply(self.mesh), step.mesh
-
-    def splits(self) -> IntArray:
-        """Return which shells were split (n, 2): the number of the split, and the shell's before it."""
-        rows = [np.stack([np.full(c.sum(), i), np.flatnonzero(c)], axis=1) for i, c in enumerate(self._chosen)]
-        return np.concatenate([np.zeros((0, 2)), *rows]).astype(np.int32)
-
-    def split_again(self, splits: IntArray) -> Mesh:
-        """Begin anew, split as `splits` says; return the mesh."""
-        self.mesh, self._chosen = self._model.mesh, []
-        self.sheet = SplitMesh.begin(self._model.cells, len(self.mesh.points))
-        for number in range(int(splits[-1, 0]) + 1 if len(splits) else 0):
-            chosen = np.zeros(len(self.sheet.cells), dtype=bool)
-            chosen[splits[splits[:, 0] == number, 1]] = True
-            self._take(self.sheet.split(chosen))
-        return self.mesh
+def find_planes(mesh: Mesh) -> Planes:
+    """Return the axes that symmetry planes of a blank are normal to, and their nodes."""
+    sets = mesh.node_sets
+    return [(axis, sets[name]) for axis, name in enumerate(("symmetry_x", "symmetry_y")) if name in sets]
 
 
 def choose_shells(

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Solids in the plane and in axisymmetry whose mesh changes in the run: when, and how the state goes along.
 
-Each mesh is an epoch (implicit/epochs.py): its points are where the material was when it began, its displacements begin
+Each mesh is an epoch (process/epochs.py): its points are where the material was when it began, its displacements begin
 at zero. The material's first place is carried from mesh to mesh, so that results tell displacements of the whole run.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -29,10 +29,6 @@ from presswork.remesh.section import NewSection, OldSection, measure_sizes, reme
 from presswork.remesh.transfer import Places, find_transfer, locate, place_points
 from presswork.remesh.triggers import find_cut_edge, find_flat_cell, find_long_edge
 
-LAST, DONE, FAILED = range(3)
-COUNT = "remesh.count"
-"""Name in a checkpoint."""
-
 
 class RemeshedForming(ImplicitRecording):
     """An implicit procedure at work on one body of quadrilaterals, meshed anew where its mesh would fail."""
@@ -45,8 +41,6 @@ class RemeshedForming(ImplicitRecording):
         except MeshError as error:
             raise StartError(f"{error}: leave out [remesh]") from error
         self.settings: Remeshing = model.remeshing
-        self._remeshed = np.zeros(3)
-        """[increments when the mesh was made, meshes made, increment that failed before the last]"""
 
     @property
     def columns(self) -> list[str]:
@@ -56,33 +50,19 @@ class RemeshedForming(ImplicitRecording):
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
         cells = sum(len(block.connectivity) for block in self.model.mesh.blocks)
-        return super().row(report) | {"cells": cells, "remeshes": int(self._remeshed[DONE])}
+        return super().row(report) | {"cells": cells, "remeshes": self.epoch}
 
-    def advance(self) -> Iterator[IncrementReport]:
-        """Compute increment after increment, and meshes between them. Raises GaveUpError."""
-        while int(self.procedure.state[Progress].stage) < len(self.model.stages):
-            reason = self._reason()
-            if reason is not None:
-                self._remesh(reason)
-            try:
-                report = next(self.procedure.advance())
-            except GaveUpError:
-                number = self.number + 1
-                if self._remeshed[FAILED] == number or self._remeshed[LAST] == self.number > 0:
-                    raise
-                self._remeshed[FAILED] = number
-                if not self._remesh("the next increment fails"):
-                    raise
-                report = next(self.procedure.advance())
-            yield report
+    def _may_change_mesh(self, failure: str = "") -> bool:
+        """Make another mesh if the present one should not go on, and go on with it; return whether there is one."""
+        if failure:
+            return not self._made_at == self.number > 0 and self._remesh("the next increment fails")
+        reason = self._reason()
+        return reason is not None and self._remesh(reason)
 
     def _reason(self) -> str | None:
         """Return why the present mesh should not go on."""
-        state = self.procedure.state
-        number = int(state[Progress].increments)
-        if number == 0 or number == int(self._remeshed[LAST]):
-            return None
-        mesh, position = self.model.mesh, self.model.mesh.points + state.nodes.displacement
+        state, mesh = self.procedure.state, self.model.mesh
+        position = mesh.points + state.nodes.displacement
         if self.settings.every > 0.0 and self._passed_fraction():
             return "due"
         cells = np.concatenate([block.connectivity for block in mesh.blocks]).astype(np.intp)
@@ -141,11 +121,9 @@ class RemeshedForming(ImplicitRecording):
         if old.ring:
             origin[new.mesh.points[:, 0] == 0.0, 0] = 0.0
         self._begin_on(after, origin)
-        self._remeshed[LAST] = self.number
-        self._remeshed[DONE] += 1
         volume = after.volume() / after.initial_volume - 1.0
         self._notes.append(
-            f"remesh {int(self._remeshed[DONE])} ({reason}): {len(new.mesh.blocks[0].connectivity)} cells, largest "
+            f"remesh {self.epoch} ({reason}): {len(new.mesh.blocks[0].connectivity)} cells, largest "
             f"force of a tool changes by {jump:.2%}, volume {volume:+.2e} of the first, {len(outcome.log)} iterations"
         )
         return True
@@ -153,23 +131,12 @@ class RemeshedForming(ImplicitRecording):
     def _stay(self, reason: str, fault: str) -> bool:
         """Go on with the old mesh."""
         self._notes.append(f"not remeshed ({reason}): {fault}")
-        self._remeshed[LAST] = self.number
+        self._made_at = self.number
         return False
-
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return the converged state, its mesh, and when meshes were made."""
-        return super().to_arrays() | {COUNT: self._remeshed}
-
-    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """Take up a converged state and its mesh. Raises ValueError if it is another model's."""
-        if COUNT not in arrays:
-            raise ValueError("the checkpoint is of a run without remeshing")
-        super().load_arrays({name: array for name, array in arrays.items() if name != COUNT})
-        self._remeshed = np.array(arrays[COUNT], dtype=np.float64)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what the summary tells, and how many meshes there were."""
-        return super().summary(history) | {"remeshes": int(self._remeshed[DONE])}
+        return super().summary(history) | {"remeshes": self.epoch}
 
 
 class _Transfer:

@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
+from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.model import Model
 from presswork.outcome import GaveUpError
-from presswork.process.recording import ModelRecording, Row
+from presswork.process.epochs import EpochRecording
+from presswork.process.recording import Row
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
@@ -42,12 +44,12 @@ class RowReport:
     is_save_point: bool
 
 
-class RowRecording(ModelRecording, ABC):
+class RowRecording(EpochRecording, ABC):
     """An explicit procedure at work on a model."""
 
     def __init__(self, model: Model, threads: int, n_progress: int, phases: Sequence[str] = ("cycles",)) -> None:
         _core.set_threads(threads or available_threads())
-        self.model = model
+        super().__init__(model)
         self.timing = Timing(*phases)
         self._progress = np.zeros(n_progress)
         self._progress[-1] = model.output.rows
@@ -74,13 +76,16 @@ class RowRecording(ModelRecording, ABC):
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe."""
 
-    @abstractmethod
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return every array that the next row depends on."""
-
-    @abstractmethod
-    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+    def _prescribe(self, run: Dynamics, over: float = 1.0) -> None:
+        """Find what supports and the present stage prescribe on the present mesh, its values over a time [s]."""
+        run.release()
+        sets, number = self.model.mesh.node_sets, int(self._progress[STAGE])
+        for support in self.model.supports:
+            held = "".join(letter for letter, is_held in zip(run.FREEDOMS, support.fix, strict=True) if is_held)
+            run.fix(sets[support.node_set], held)
+        if number < len(self.model.stages):
+            for p in self.model.stages[number].prescribed:
+                run.fix(sets[p.node_set], run.FREEDOMS[p.component], p.value / over)
 
     def advance(self) -> Iterator[RowReport]:
         """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
@@ -123,7 +128,7 @@ class RowRecording(ModelRecording, ABC):
 
     def _take_up(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take up the progress in these arrays. Raises ValueError if they belong to another model."""
-        own = self.to_arrays()
+        own = self._state_arrays()
         if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
         found, wanted = arrays["progress"][-1], self.model.output.rows

@@ -18,7 +18,7 @@ from presswork import stop
 from presswork.explicit.energy import YIELD_OFFSET, EnergyBalance, MassScaling, warn_of_energies
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.options import ShellOptions
-from presswork.explicit.shells import FREEDOMS, PHASES, SAFETY, ExplicitShells
+from presswork.explicit.shells import PHASES, SAFETY, ExplicitShells
 from presswork.fields.explicit_fields import OnePointFields
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
@@ -26,12 +26,14 @@ from presswork.fields.shell_fields import state_variable_field, temperature_fiel
 from presswork.fields.table import compute_fields
 from presswork.law.elastic_plastic import first_flow_stress
 from presswork.law.umat import open_sheet_law
-from presswork.model import BoolArray, ExplicitSheet, FloatArray, Mesh, Model, Refinement, Stage
+from presswork.mesh.split import SplitMesh
+from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
+from presswork.process.epochs import NamedArrays
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
-from presswork.process.refinement import SplitBlank, choose_shells
+from presswork.process.refinement import choose_shells, find_planes, place_nodes
 from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
 from presswork.process.stamping_tools import StampingTools, cut_surfaces, describe_stamping, mean_speeds
 from presswork.process.transfer import SheetState, sheet_of_explicit
@@ -55,7 +57,7 @@ class ExplicitStamping(RowRecording):
         assert isinstance(model.explicit, ExplicitSheet)
         super().__init__(model, threads, 6, (*PHASES, "rest"))
         self.settings = model.explicit
-        self._blank = SplitBlank(model)
+        self._sheet = SplitMesh.begin(model.cells, len(model.mesh.points))
         self._judged = model.sheet[1].formability
         self.shells = self._make_shells()
         self._mass = float(self.shells.mass[:, 0].sum())
@@ -92,7 +94,7 @@ class ExplicitStamping(RowRecording):
                 ironing=self.settings.ironing,
             ),
             precision=self.settings.precision,
-            hanging=self._blank.sheet.hanging(),
+            hanging=self._sheet.hanging(),
         )
 
     # --- the way through ---------------------------------------------------------------------------------------------
@@ -129,32 +131,33 @@ class ExplicitStamping(RowRecording):
     def _refine(self, refinement: Refinement) -> None:
         """Split the shells that are bent, or will be; again, as far as there are levels."""
         for _ in range(refinement.levels):
-            shells, tools = self.shells, self.tools.placed()
-            blank = self._blank
-            chosen = choose_shells(blank.sheet, shells.position, shells.thickness, tools, refinement, blank.planes())
+            shells, tools, planes = self.shells, self.tools.placed(), find_planes(self.mesh)
+            chosen = choose_shells(self._sheet, shells.position, shells.thickness, tools, refinement, planes)
             if not chosen.any():
                 return
             self._split(chosen)
 
     def _split(self, chosen: BoolArray) -> None:
         """Split the chosen shells (n,), and others as far as neighbours would be more than a level apart."""
-        old = self.shells
-        step, position = self._blank.split(chosen, old.position, old.thickness, self.tools.placed())
-        self._begin_on(self._blank.mesh)
+        old, step = self.shells, self._sheet.split(chosen)
+        planes, tools = find_planes(self.mesh), self.tools.placed()
+        position = place_nodes(self._sheet, step, old.position, old.thickness, planes, tools)
+        self._sheet = step.mesh
+        self._begin_epoch(step.apply(self.mesh))
+        self._make_again()
         self._begin_stage()
         self.shells.inherit(old, position, step.node_parents(), step.parent)
 
     def split_evenly(self) -> None:
         """Split all shells as often as those split most, so that no node hangs."""
-        while len(self._blank.sheet.hanging()):
-            level = self._blank.sheet.level
+        while len(self._sheet.hanging()):
+            level = self._sheet.level
             self._split(level < level.max())
 
-    def _begin_on(self, mesh: Mesh) -> None:
-        """Make shells and tools anew for another mesh; pushed tools keep their masses."""
-        self.model = replace(self.model, mesh=mesh)
+    def _make_again(self) -> None:
+        """Make shells and tools anew for the present mesh; pushed tools keep their masses."""
         self.shells = self._make_shells()
-        self._reaction = np.zeros((len(mesh.points), 6))
+        self._reaction = np.zeros((len(self.mesh.points), 6))
         self.tools = StampingTools(self.model, self.shells, self.tools)
 
     def _longest_step(self) -> float:
@@ -174,16 +177,8 @@ class ExplicitStamping(RowRecording):
 
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe."""
-        self.shells.release()
-        sets = self.model.mesh.node_sets
-        for support in self.model.supports:
-            held = "".join(letter for letter, is_held in zip(FREEDOMS, support.fix, strict=True) if is_held)
-            self.shells.fix(sets[support.node_set], held)
-        number = int(self._progress[STAGE])
-        if number < len(self.model.stages):
-            for p in self.model.stages[number].prescribed:
-                self.shells.fix(sets[p.node_set], FREEDOMS[p.component], velocity=p.value)
-        self.tools.begin_stage(number)
+        self._prescribe(self.shells)
+        self.tools.begin_stage(int(self._progress[STAGE]))
 
     def _energies(self, stage: Stage, time: float) -> EnergyBalance:
         """Return the energies; the next half step goes on with the present speed."""
@@ -306,14 +301,21 @@ class ExplicitStamping(RowRecording):
         }
         return self.row(report) | gone | self.reactions.nothing() | {"kinetic_energy": 0.0}
 
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return every array that the next row depends on."""
-        return {"progress": self._progress.copy(), "splits": self._blank.splits(), **self.shells.dump()}
+    def _epoch_arrays(self) -> NamedArrays:
+        sheet = self._sheet
+        return {"level": sheet.level, "side": sheet.side, "middle": sheet.middle} if self.epoch else {}
 
-    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
-        if "splits" in arrays and not np.array_equal(self._blank.splits(), arrays["splits"]):
-            self._begin_on(self._blank.split_again(arrays["splits"]))
+    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        sheet = SplitMesh.begin(self.model.cells, len(self.mesh.points))
+        if self.epoch:
+            sheet = replace(sheet, level=epoch["level"], side=epoch["side"], middle=epoch["middle"])
+        self._sheet = sheet
+        self._make_again()
+
+    def _state_arrays(self) -> NamedArrays:
+        return {"progress": self._progress.copy(), **self.shells.dump()}
+
+    def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
         self.shells.restore({name: np.asarray(values) for name, values in arrays.items()})
         self._begin_stage()
