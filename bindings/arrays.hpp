@@ -40,4 +40,18 @@ NewArray<T> new_array(const std::vector<std::size_t>& shape, T** data) {
   return NewArray<T>(*data, shape.size(), shape.data(), owner);
 }
 
+// Names of the parameters of one of a variant's laws; a table's rows are its points.
+template <class Laws>
+std::vector<std::string> parameter_names(std::size_t which) {
+  std::vector<std::string> names;
+  for_each_alternative<Laws>([&](std::size_t index, auto law) {
+    if (index != which) return;
+    if constexpr (requires { law.rows; })
+      names.push_back("points");
+    else
+      law.fields([&](const char* name, double&) { names.push_back(name); });
+  });
+  return names;
+}
+
 }  // namespace presswork::bindings

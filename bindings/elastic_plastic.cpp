@@ -2,6 +2,7 @@
 #include "material/elastic_plastic.hpp"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
 
 #include <algorithm>
 #include <cstring>
@@ -173,7 +174,7 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
       .def(
           "__init__",
           [](Law* self, double young, double poisson, const YieldFunction& yield, HardeningLaw hardening,
-             std::vector<double> parameters, RateLaw rate, std::vector<double> rate_parameters,
+             std::vector<double> parameters, RateLaw rate, std::map<std::string, double> rate_parameters,
              std::optional<Chaboche> chaboche, std::optional<YoshidaUemori> yoshida_uemori,
              std::optional<Thermal> thermal, double young_saturated, double young_rate) {
             require(!(chaboche && yoshida_uemori), "give chaboche or yoshida_uemori, not both");
@@ -183,14 +184,15 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
             law.young_saturated = young_saturated, law.young_rate = young_rate;
             require(make_hardening(hardening, std::move(parameters), law.flow.hardening, made.data),
                     "the parameters are not those of the hardening law");
-            require(make_rate(rate, rate_parameters, law.flow.rate), "rate_parameters are not those of the law");
+            require(make_rate(rate, rate_parameters, law.flow.rate),
+                    "rate_parameters are not those of the law: see parameter_names");
             if (chaboche) law.kinematic = *chaboche;
             if (yoshida_uemori) law.kinematic = *yoshida_uemori;
             if (thermal) law.flow.thermal = *thermal;
             new (self) Law(std::move(made));
           },
           nb::arg("young"), nb::arg("poisson"), nb::arg("yield_function"), nb::arg("hardening"), nb::arg("parameters"),
-          nb::kw_only(), nb::arg("rate") = RateLaw{}, nb::arg("rate_parameters") = std::vector<double>{},
+          nb::kw_only(), nb::arg("rate") = RateLaw{}, nb::arg("rate_parameters") = std::map<std::string, double>{},
           nb::arg("chaboche") = nb::none(), nb::arg("yoshida_uemori") = nb::none(), nb::arg("thermal") = nb::none(),
           nb::arg("young_saturated") = 0.0, nb::arg("young_rate") = 0.0)
       .def_prop_ro(
@@ -221,6 +223,9 @@ void bind_parts(nb::module_& m) {
   nb::enum_<RateLaw> rates(m, "RateLaw", "Factor on the flow stress by strain rate.");
   for_each_alternative<Rate::Law>(
       [&](std::size_t index, auto law) { rates.value(law.name, static_cast<RateLaw>(index)); });
+  m.def(
+      "parameter_names", [](RateLaw which) { return parameter_names<Rate::Law>(static_cast<std::size_t>(which)); },
+      nb::arg("law"), "Names of a rate law's parameters.");
 
   nb::class_<YieldFunction>(m, "YieldFunction", "Equivalent stress, homogeneous of degree one.")
       .def_static("hill1948", &make_hill, nb::arg("parameters"),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/variant.h>
 
 #include <algorithm>
@@ -59,16 +60,17 @@ void bind_law(nb::module_& m) {
                   "Von Mises plasticity with strain rate, softening by temperature and adiabatic heating.")
       .def(
           "__init__",
-          [](Law* self, const Owned<VonMises>& mises, RateLaw rate, std::array<double, 2> parameters, double start,
-             double reference, double melting, double exponent, double heating) {
+          [](Law* self, const Owned<VonMises>& mises, RateLaw rate, std::map<std::string, double> parameters,
+             double start, double reference, double melting, double exponent, double heating) {
             auto table = std::make_shared<const HardeningTable>(mises.view.hardening);
             AdiabaticMises made{mises.view, {}, {{reference, melting, exponent}, start, heating}, table->view()};
-            require(make_rate(rate, parameters, made.rate), "rate_parameters must have the two of the law");
+            require(make_rate(rate, parameters, made.rate),
+                    "rate_parameters are not those of the law: see parameter_names");
             new (self) Law{made, mises.data};
             self->data.push_back(std::move(table));
           },
           nb::arg("mises"), nb::kw_only(), nb::arg("rate") = RateLaw{},
-          nb::arg("rate_parameters") = std::array<double, 2>{0.0, 1.0}, nb::arg("start") = 0.0,
+          nb::arg("rate_parameters") = std::map<std::string, double>{}, nb::arg("start") = 0.0,
           nb::arg("reference") = 0.0, nb::arg("melting") = 0.0, nb::arg("exponent") = 1.0, nb::arg("heating") = 0.0)
       .def(
           "update",
@@ -160,17 +162,21 @@ void bind_explicit_plane(nb::module_& m) {
           "add_solids",
           [](PlaneLoop& self, const std::string& element, Ints cells,
              std::variant<const Owned<AdiabaticMises>*, const Owned<PlaneLaw>*, const Umat*> law, double density,
-             double young, double poisson) {
+             double young, double poisson, std::array<double, 2> rolling) {
             std::vector<int> list(cells.data(), cells.data() + cells.size());
             for (int node : list) require(node >= 0 && node < self.nodes.n, "cells name a node that is not there");
             std::vector<double> points;
             self.add_solids(element, std::move(list), points_of(self, points), choose_law(law, young, poisson),
                             density);
+            if (!std::holds_alternative<const Owned<PlaneLaw>*>(law)) return;
+            auto& block = *self.blocks.back();  // of a cell the direction of the law's x comes last
+            for (int e = 0; e < block.n(); ++e)
+              for (int i : {0, 1}) block.set_value(e, block.n_rows() - 2 + i, rolling[i]);
           },
           nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"), nb::kw_only(),
-          nb::arg("young") = 0.0, nb::arg("poisson") = 0.0,
+          nb::arg("young") = 0.0, nb::arg("poisson") = 0.0, nb::arg("rolling") = std::array<double, 2>{1.0, 0.0},
           "Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a "
-          "shared library.")
+          "shared library; rolling: unit direction of the law's x.")
       .def(
           "restore",
           [](PlaneLoop& self, const explicit_loop::State& given) {

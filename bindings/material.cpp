@@ -38,6 +38,11 @@ void bind_material(nb::module_& m) {
   nb::enum_<HardeningLaw> laws(m, "HardeningLaw", "Flow stress against equivalent plastic strain.");
   for_each_alternative<Hardening::Law>(
       [&](std::size_t index, auto law) { laws.value(law.name, static_cast<HardeningLaw>(index)); });
+  m.def(
+      "parameter_names",
+      [](HardeningLaw which) { return parameter_names<Hardening::Law>(static_cast<std::size_t>(which)); },
+      nb::arg("law"),
+      "Names of a hardening law's parameters, in the order in which they are given; a table has points.");
   nb::enum_<Integrator>(m, "Integrator", "Stress integrator of the von Mises law.")
       .value("backward_euler", Integrator::backward_euler)
       .value("radial_return", Integrator::radial_return)

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 import enum
-from typing import Annotated
+from typing import Annotated, overload
 
 import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 8
+pack_width: int = 4
 
 architecture: str = 'native'
 
@@ -54,6 +54,16 @@ class HardeningLaw(enum.Enum):
     swift_voce = 7
 
     monotone_table = 8
+
+@overload
+def parameter_names(law: HardeningLaw) -> list[str]:
+    """
+    Names of a hardening law's parameters, in the order in which they are given; a table has points.
+    """
+
+@overload
+def parameter_names(law: RateLaw) -> list[str]:
+    """Names of a rate law's parameters."""
 
 class Integrator(enum.Enum):
     """Stress integrator of the von Mises law."""
@@ -152,7 +162,7 @@ class Thermal:
 class SheetLaw:
     """Elastic-plastic sheet in plane stress; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
 
     @property
     def young(self) -> float:
@@ -195,7 +205,7 @@ class SheetLaw:
 class PlaneLaw:
     """Elastic-plastic solid in plane strain or axisymmetry; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
 
     @property
     def young(self) -> float:
@@ -238,7 +248,7 @@ class PlaneLaw:
 class SolidLaw:
     """Elastic-plastic solid in space; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [], chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
 
     @property
     def young(self) -> float:
@@ -1195,7 +1205,7 @@ class AdiabaticMises:
     Von Mises plasticity with strain rate, softening by temperature and adiabatic heating.
     """
 
-    def __init__(self, mises: VonMises, *, rate: RateLaw = RateLaw.none, rate_parameters: Sequence[float] = [0.0, 1.0], start: float = 0.0, reference: float = 0.0, melting: float = 0.0, exponent: float = 1.0, heating: float = 0.0) -> None: ...
+    def __init__(self, mises: VonMises, *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, start: float = 0.0, reference: float = 0.0, melting: float = 0.0, exponent: float = 1.0, heating: float = 0.0) -> None: ...
 
     def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float, stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rise: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
@@ -1207,9 +1217,9 @@ class PlaneLoop:
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], contact: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float = 1.0, hourglass_fraction: float = 0.05) -> None: ...
 
-    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises | PlaneLaw | Umat, density: float, *, young: float = 0.0, poisson: float = 0.0) -> None:
+    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises | PlaneLaw | Umat, density: float, *, young: float = 0.0, poisson: float = 0.0, rolling: Sequence[float] = [1.0, 0.0]) -> None:
         """
-        Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a shared library.
+        Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a shared library; rolling: unit direction of the law's x.
         """
 
     def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:

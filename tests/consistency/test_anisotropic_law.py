@@ -40,10 +40,10 @@ KINEMATICS = {
     "yoshida_uemori": {"yoshida_uemori": YOSHIDA_UEMORI, "young_saturated": 60e3, "young_rate": 50.0},
 }
 RATES = {
-    "none": (0.0, 1.0),
-    "cowper_symonds": (40.0, 5.0),
-    "johnson_cook": (0.02, 1e-3),
-    "logarithmic": (0.02, 1e-3),
+    "none": {},
+    "cowper_symonds": {"D": 40.0, "q": 5.0},
+    "johnson_cook": {"C": 0.02, "reference_rate": 1e-3},
+    "logarithmic": {"C": 0.02, "reference_rate": 1e-3},
 }
 DT = 0.01
 

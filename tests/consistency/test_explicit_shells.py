@@ -269,7 +269,7 @@ def test_every_sheet_law_gives_the_same_run_with_its_hardening_from_a_table(hard
     """Barlat's sheet with rate and back stress; a curve of straight lines stays with its formula."""
     law = _core.SheetLaw(
         207e3, 0.3, _core.YieldFunction.barlat1989(1.1, 1.05, 0.97, 1.02, 6), _core.HardeningLaw[hardening],
-        HARDENINGS[hardening], rate=_core.RateLaw.cowper_symonds, rate_parameters=(40.0, 5.0),
+        HARDENINGS[hardening], rate=_core.RateLaw.cowper_symonds, rate_parameters={"D": 40.0, "q": 5.0},
         chaboche=_core.Chaboche([3000.0], [60.0]),
     )  # fmt: skip
     table, formula = make_run(law=law), make_run(law=law, tabulate=False)

@@ -17,7 +17,7 @@ STEEL = SolidMaterial(
     poisson=0.3,
     density=7.83e-9,
     hardening=Hardening("ludwik", np.array([806.0, 614.0, 0.168])),
-    rate=Rate("johnson_cook", (0.0089, 1.0)),
+    rate=Rate("johnson_cook", {"C": 0.0089, "reference_rate": 1.0}),
     heating=Heating(melting=1540.0, exponent=1.1, heat_capacity=4.6e8),
 )
 

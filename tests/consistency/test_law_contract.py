@@ -37,13 +37,17 @@ def test_the_closed_form_of_von_mises_is_the_general_law(components) -> None:
 
 @pytest.mark.parametrize(
     ("rate", "parameters"),
-    [("none", []), ("cowper_symonds", [40.0, 5.0]), ("johnson_cook", [0.02, 1e-3]), ("logarithmic", [0.02, 1e-3])],
+    [
+        ("none", {}),
+        ("cowper_symonds", {"D": 40.0, "q": 5.0}),
+        ("johnson_cook", {"C": 0.02, "reference_rate": 1e-3}),
+        ("logarithmic", {"C": 0.02, "reference_rate": 1e-3}),
+    ],
 )
 def test_the_closed_form_with_rate_and_heat_is_the_general_law(rate, parameters) -> None:
     """Both solve stress, rate and temperature of the end at once; the closed form's hardening is from a table."""
     plain = _core.VonMises(YOUNG, POISSON, *SWIFT)
-    given = {"rate_parameters": parameters} if parameters else {}
-    closed = _core.AdiabaticMises(plain, rate=_core.RateLaw[rate], **given, **THERMAL)
+    closed = _core.AdiabaticMises(plain, rate=_core.RateLaw[rate], rate_parameters=parameters, **THERMAL)
     general = _core.PlaneLaw(
         YOUNG, POISSON, MISES, *SWIFT, rate=_core.RateLaw[rate], rate_parameters=parameters,
         thermal=_core.Thermal(**THERMAL),
@@ -63,7 +67,7 @@ def test_the_closed_form_with_rate_and_heat_is_the_general_law(rate, parameters)
 @pytest.mark.parametrize("yields", [MISES, HILL], ids=["von_mises", "hill1948"])
 def test_tangent_with_everything_is_the_derivative(yields, components) -> None:
     law = LAWS[components](
-        YOUNG, POISSON, yields, *SWIFT, rate=_core.RateLaw.cowper_symonds, rate_parameters=[40.0, 5.0],
+        YOUNG, POISSON, yields, *SWIFT, rate=_core.RateLaw.cowper_symonds, rate_parameters={"D": 40.0, "q": 5.0},
         chaboche=_core.Chaboche([8000.0, 900.0], [60.0, 0.0]), thermal=_core.Thermal(**THERMAL),
         young_saturated=180e3, young_rate=30.0,
     )  # fmt: skip

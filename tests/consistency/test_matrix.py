@@ -21,7 +21,7 @@ from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.law.elastic_plastic import make_plane_law, make_sheet_law
+from presswork.law.elastic_plastic import make_plane_law, make_sheet_law, make_solid_law
 from presswork.law.umat import SheetUmat, open_sheet_law
 from presswork.onestep.law import find_metric
 from presswork.onestep.law import make_law as make_deformation_law
@@ -333,3 +333,47 @@ def test_the_documents_list_every_refusal_and_no_other() -> None:
         assert set(names) <= set(FEATURES), f"{names} are no features of the matrix"
         listed |= {(name, family) for name in names for place in places.split(", ") for family in PLACES[place]}
     assert listed == {(feature, family) for feature, family in REFUSED if feature != "all of them"}
+
+
+ANGLE = 30.0
+DIRECTIONS = {
+    "implicit plane strain": ANGLE,
+    "explicit solids": ANGLE,
+    "implicit space": [np.cos(np.radians(ANGLE)), np.sin(np.radians(ANGLE)), 0.0],
+}
+
+
+@pytest.mark.parametrize("family", DIRECTIONS)
+def test_a_solid_answers_along_its_own_rolling_direction(family: str) -> None:
+    """A cell stretched along y has the stress of the law at the strain seen from the rolling direction."""
+    table = {**BASE, "yield_function": {"law": "hill1948", "r00": 0.8, "r45": 2.0, "r90": 0.4}, "density": 2.7e-9}
+    table["rolling_direction"] = DIRECTIONS[family]
+    size = 6 if family == "implicit space" else 4
+    case = space_case(table) if size == 6 else solid_case(table, family)
+    model = build_model((SpaceCase if size == 6 else Case).model_validate(case))
+    law = (make_solid_law if size == 6 else make_plane_law)(model.materials[0])
+    stretch = 0.02
+    if family == "explicit solids":
+        run = ExplicitSolids(model.mesh, [SolidMaterial.from_model(model.materials[0])], axisymmetric=False)
+        run.fix("all", "u", 0.0)
+        run.fix("all", "v", 100.0 * model.mesh.points[:, 1])
+        run.dt = 2e-6
+        run.advance(100)
+        found, steps = run.stress[0], np.diff(np.log(1 + stretch * np.linspace(0, 1, 101)))
+    else:
+        mechanics = ImplicitProcedure(model).mechanics
+        state = mechanics.at_rest()
+        trial, increment = state.duplicate(), np.zeros_like(model.mesh.points)
+        increment[:, 1] = stretch * model.mesh.points[:, 1]
+        mechanics.evaluate(state, trial, increment, with_stiffness=False, dt=DT)
+        found, steps = trial.cells.stress[0][0, 0], np.array([np.log1p(stretch)])
+    c, s = np.cos(np.radians(ANGLE)), np.sin(np.radians(ANGLE))
+    along = np.zeros((1, size))
+    along[0, [0, 1, 3]] = s * s, c * c, 2 * s * c  # the strain along y, in the law's axes
+    stress, history = np.zeros((1, size)), np.zeros((1, law.history_size))
+    for step in steps:
+        stress, history, *_ = law.update(step * along, stress, history, tangent=False)
+    xx, yy, _, xy = stress[0, :4]
+    turned = [c * c * xx + s * s * yy - 2 * s * c * xy, s * s * xx + c * c * yy + 2 * s * c * xy]
+    np.testing.assert_allclose(found[:2], turned, rtol=1e-6)
+    assert abs(found[3]) > 1.0  # it is turned against the cell

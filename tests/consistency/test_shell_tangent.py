@@ -28,7 +28,7 @@ def sheet_law(yield_stress: float = 300.0, **hardening: object) -> _core.SheetLa
 ELASTIC, PLASTIC = sheet_law(1e9), sheet_law(300.0)
 KINEMATIC = _core.SheetLaw(
     70000.0, 0.3, _core.YieldFunction.barlat1989(0.9, 1.1, 1.05, 0.95, 6), _core.HardeningLaw.linear, [300.0, 1000.0],
-    rate=_core.RateLaw.cowper_symonds, rate_parameters=(40.0, 5.0), young_saturated=60000.0, young_rate=50.0,
+    rate=_core.RateLaw.cowper_symonds, rate_parameters={"D": 40.0, "q": 5.0}, young_saturated=60000.0, young_rate=50.0,
     chaboche=_core.Chaboche([9000.0, 500.0], [60.0, 0.0]),
 )  # fmt: skip
 """Anisotropic, with back stresses, strain rate and a falling modulus."""

@@ -90,7 +90,7 @@ def test_zero_strain_changes_nothing() -> None:
 def test_other_laws_are_refused() -> None:
     rate = _core.SheetLaw(
         YOUNG, POISSON, MISES, _core.HardeningLaw.linear, [200.0, 0.0], rate=_core.RateLaw.cowper_symonds,
-        rate_parameters=(40.0, 5.0),
+        rate_parameters={"D": 40.0, "q": 5.0},
     )  # fmt: skip
     with pytest.raises(ValueError, match="von Mises"):
         _core.TabulatedMises(rate)

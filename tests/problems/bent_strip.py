@@ -32,7 +32,7 @@ def steel(poisson: float = POISSON, modulus: float = MODULUS, *, kinematic: bool
     """Linear hardening, isotropic, or kinematic with the same first loading."""
     if not kinematic:
         return Material("steel", YOUNG, poisson, linear_hardening(YIELD, modulus))
-    back = Kinematic("chaboche", (modulus, 0.0))
+    back = Kinematic("chaboche", {"C": (modulus,), "gamma": (0.0,)})
     return Material("steel", YOUNG, poisson, linear_hardening(YIELD, 0.0), kinematic=back)
 
 

@@ -113,7 +113,7 @@ def test_rate_sensitivity_raises_the_limit_as_hutchinson_and_neale_found():
     limits = [
         marciniak_kuczynski_curve(
             VON_MISES,
-            swift(0.2, rate=_core.RateLaw.logarithmic, rate_parameters=[C, 1e-4]),
+            swift(0.2, rate=_core.RateLaw.logarithmic, rate_parameters={"C": C, "reference_rate": 1e-4}),
             imperfection=0.99,
             ratios=ratios,
             groove_angles=ACROSS,

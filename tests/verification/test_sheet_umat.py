@@ -12,7 +12,8 @@ import pytest
 
 from presswork import _core
 from presswork.body.shell_arrays import ShellArrays
-from presswork.case import CaseError, ShellCase, build_model
+from presswork.case import CaseError, ShellCase, StampingCase, build_model
+from presswork.case.description import describe
 from presswork.case.space.schema import SpaceCase
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.options import ShellOptions
@@ -20,7 +21,9 @@ from presswork.explicit.shells import ExplicitShells
 from presswork.implicit.energy import Work
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.law.umat import compile_law, open_sheet_law
+from presswork.recorder import run_model
 from tests.problems.plane_solids import run
+from tests.regression.test_stamping_runs import pull
 
 YOUNG, POISSON, YIELD, MODULUS = 70e3, 0.33, 150.0, 300.0
 DENSITY = 2.7e-9
@@ -40,7 +43,7 @@ def user_table(library: Path) -> dict[str, Any]:
     return {"umat": str(library), "props": props, "state_variables": 7, "plastic_strain": 1, "density": DENSITY}
 
 
-def strip(table: dict[str, Any], element: str) -> Any:
+def strip_case(table: dict[str, Any], element: str = "shell4_mitc") -> ShellCase:
     """A clamped strip that is bent, then pulled and twisted, far into the plastic range."""
     case = {
         "title": "strip",
@@ -60,7 +63,11 @@ def strip(table: dict[str, Any], element: str) -> Any:
         ],
         "solver": SOLVER,
     }  # fmt: skip
-    return build_model(ShellCase.model_validate(case))
+    return ShellCase.model_validate(case)
+
+
+def strip(table: dict[str, Any], element: str) -> Any:
+    return build_model(strip_case(table, element))
 
 
 @pytest.mark.parametrize("element", SHELLS)
@@ -181,7 +188,7 @@ def test_the_rate_jacobian_is_refused_in_shells(umat_sheet: Path) -> None:
 # --- space ---
 
 
-def block(table: dict[str, Any], element: str) -> Any:
+def block_case(table: dict[str, Any], element: str = "hex8_fbar") -> SpaceCase:
     case = {
         "title": "block",
         "analysis": "solid",
@@ -195,7 +202,15 @@ def block(table: dict[str, Any], element: str) -> Any:
         ],
         "solver": SOLVER,
     }  # fmt: skip
-    return build_model(SpaceCase.model_validate(case))
+    return SpaceCase.model_validate(case)
+
+
+def block(table: dict[str, Any], element: str) -> Any:
+    return build_model(block_case(table, element))
+
+
+def stamping_case(table: dict[str, Any]) -> StampingCase:
+    return StampingCase.model_validate(pull(materials={"steel": table}))
 
 
 @pytest.mark.parametrize("element", ["hex8", "hex8_fbar"])
@@ -281,3 +296,43 @@ def test_a_law_of_one_file_has_its_tangent_in_shells_and_in_space(family: str, n
         numerical[:, j] = (ends[0] - ends[1]) / 2e-8
     np.testing.assert_allclose(tangent, numerical, rtol=0, atol=1e-6 * 200e3)
     assert state[0] > 1e-4
+
+
+# --- stampings ---
+
+
+@pytest.mark.parametrize("procedure", ["explicit", "implicit"])
+def test_a_stamping_of_a_umat_is_that_of_the_built_in_law(procedure: str, umat_sheet: Path, tmp_path: Path) -> None:
+    """A strip pulled to 10 %, then let go: springback takes the state variables over."""
+    results = []
+    for name, table in (("own", LAWS), ("user", {**user_table(umat_sheet), "yield_stress": YIELD})):
+        case = pull(procedure=procedure, materials={"steel": table}, springback={})
+        case["blank"]["element_size"] = 4
+        case["stages"][0]["displacement"] += [{"set": "right", "component": "z", "value": 0}]
+        case["implicit"] = {"initial_increment": 0.1, "max_increment": 0.1}
+        outcome = run_model(build_model(StampingCase.model_validate(case)), tmp_path / name, threads=1)
+        assert outcome.status == "completed", outcome.reason
+        results.append(outcome.result)
+    own, user = results
+    assert own.field("eqps").max() > 0.05
+    for name in ("displacement", "eqps", "thickness"):
+        np.testing.assert_allclose(user.field(name), own.field(name), rtol=0, atol=1e-6 * np.abs(own.field(name)).max())
+    np.testing.assert_allclose(user.field("SDV1"), user.field("eqps"), rtol=0.02)
+
+
+def test_a_stamping_asks_for_what_a_umat_does_not_tell(umat_sheet: Path) -> None:
+    table = user_table(umat_sheet)
+    del table["density"]
+    with pytest.raises(CaseError) as failed:
+        build_model(StampingCase.model_validate(pull(materials={"steel": table})))
+    assert [p.key for p in failed.value.problems] == ["materials.steel.density", "materials.steel.yield_stress"]
+
+
+@pytest.mark.parametrize("build", [strip_case, block_case, stamping_case], ids=["shell", "space", "stamping"])
+def test_a_case_is_described_without_opening_its_library(build: Any, tmp_path: Path) -> None:
+    """Whoever only checks a case runs no code of others."""
+    library = tmp_path / "law.so"
+    library.write_bytes(b"no library")
+    model = build_model(build({**user_table(library), "yield_stress": YIELD}), run_user_code=False)
+    assert np.isnan(model.materials[0].young)
+    assert "not opened" in describe(model)

@@ -163,7 +163,7 @@ def test_plane_strain_stretching_to_half() -> None:
 @pytest.mark.parametrize("duration", [0.02, 20.0])
 def test_stress_follows_the_rate_of_strain(duration) -> None:
     """Stretched by a tenth in 20 ms or 20 s at a constant speed: Cowper-Symonds' factor on the flow stress."""
-    material = replace(steel(0.3), rate=Rate("cowper_symonds", (40.0, 5.0)))
+    material = replace(steel(0.3), rate=Rate("cowper_symonds", {"D": 40.0, "q": 5.0}))
     end = 4 * np.exp(0.1)
     pull = Stage("pull", duration=duration, prescribed=(PrescribedDisplacement("right", X, end - 4),))
     model = shell_model(square(), material, [FLAT, ("left", fixing(X)), ("bottom", fixing(Y))], stages=[pull],

@@ -69,9 +69,9 @@ def axial_stress(procedure):
 @pytest.mark.parametrize(
     ("rate", "factor"),
     [
-        (Rate("cowper_symonds", (40.4, 5.0)), lambda r: 1 + (r / 40.4) ** 0.2),
-        (Rate("johnson_cook", (0.02, 1e-3)), lambda r: 1 + 0.02 * np.log(r / 1e-3)),
-        (Rate("logarithmic", (0.02, 1e-3)), lambda r: 1 + 0.02 * np.log(1 + r / 1e-3)),
+        (Rate("cowper_symonds", {"D": 40.4, "q": 5.0}), lambda r: 1 + (r / 40.4) ** 0.2),
+        (Rate("johnson_cook", {"C": 0.02, "reference_rate": 1e-3}), lambda r: 1 + 0.02 * np.log(r / 1e-3)),
+        (Rate("logarithmic", {"C": 0.02, "reference_rate": 1e-3}), lambda r: 1 + 0.02 * np.log(1 + r / 1e-3)),
     ],
 )
 def test_strain_rate_raises_the_flow_stress_of_a_solid(rate, factor):
@@ -122,7 +122,11 @@ def test_back_stresses_of_a_solid_saturate_and_reverse():
     """s = Y + a in tension; turned round a moves on by the same rule with the other sign (Chaboche 1986)."""
     Y, C, gamma, n, strain = 300.0, 8000.0, 40.0, 20, 0.05
     material = Material(
-        "m", YOUNG, POISSON, Hardening("linear", np.array([Y, 0.0])), kinematic=Kinematic("chaboche", (C, gamma))
+        "m",
+        YOUNG,
+        POISSON,
+        Hardening("linear", np.array([Y, 0.0])),
+        kinematic=Kinematic("chaboche", {"C": (C,), "gamma": (gamma,)}),
     )
     procedure = pull(material, strain, n, stages=2)
     stroke = np.expm1(strain) * np.arange(n + 1) / n
@@ -179,7 +183,12 @@ def test_a_resumed_run_with_every_law_gives_the_same_bits(tmp_path):
 
 def test_threads_do_not_change_the_bits_of_the_general_law():
     material = Material(
-        "m", YOUNG, POISSON, SWIFT, rate=Rate("logarithmic", (0.02, 1e-3)), kinematic=Kinematic("chaboche", (2e3, 20.0))
+        "m",
+        YOUNG,
+        POISSON,
+        SWIFT,
+        rate=Rate("logarithmic", {"C": 0.02, "reference_rate": 1e-3}),
+        kinematic=Kinematic("chaboche", {"C": (2e3,), "gamma": (20.0,)}),
     )
     mesh = block_mesh("quad4", (9, 9), origin=(0.0, 0.0), size=(LENGTH, LENGTH))
     supports = (Support("left", (True, False)), Support("bottom", (True, True)))

@@ -25,7 +25,7 @@ STEEL = Material(
     0.3,
     Hardening("swift", np.array([565.0, 0.007, 0.26])),
     yield_function=YieldFunction("hill1948", (0.3, 0.4, 0.6, 1.5, 1.5, 1.8)),
-    kinematic=Kinematic("chaboche", (3000.0, 800.0, 40.0, 0.0)),
+    kinematic=Kinematic("chaboche", {"C": (3000.0, 800.0), "gamma": (40.0, 0.0)}),
     density=7.85e-9,
 )
 THICKNESS = 1.2

@@ -67,7 +67,9 @@ def make_law(material: Material, solver: SolverSettings, components: int) -> _co
     )
 
 
-def _history_at_rest(law: _core.VonMises | SolidLaw | _core.Umat, size: tuple[int, int], components: int) -> FloatArray:
+def _history_at_rest(
+    law: _core.VonMises | SolidLaw | _core.Umat, size: tuple[int, int], components: int, rolling: FloatArray
+) -> FloatArray:
     """Return what a block's law keeps before the first increment (n_cells, n_points, n_history)."""
     if isinstance(law, _core.VonMises):
         return np.zeros((*size, 0))
@@ -77,9 +79,12 @@ def _history_at_rest(law: _core.VonMises | SolidLaw | _core.Umat, size: tuple[in
         return history
     history = np.zeros((*size, _core.kept_values(law)))
     if isinstance(law, _core.SolidLaw):
-        history[..., -6] = history[..., -2] = 1.0  # the law's x and y are those of space
+        across = np.cross([0.0, 0.0, 1.0], rolling)
+        length = float(np.linalg.norm(across))
+        history[..., -6:-3] = rolling
+        history[..., -3:] = across / length if length > 1e-6 else (1.0, 0.0, 0.0)
     else:
-        history[..., -2] = 1.0  # the law's x is the plane's
+        history[..., -2:] = rolling[:2]
     return history
 
 
@@ -144,7 +149,10 @@ class Mechanics:
             stress=[np.zeros((*size, components)) for size in sizes],
             eqps=[np.zeros(size) for size in sizes],
             temperature=[temperature_at_rest(self._material(i), size) for i, size in enumerate(sizes)],
-            history=[_history_at_rest(law, size, components) for law, size in zip(self._laws, sizes, strict=True)],
+            history=[
+                _history_at_rest(law, size, components, np.asarray(self._material(i).rolling_direction))
+                for i, (law, size) in enumerate(zip(self._laws, sizes, strict=True))
+            ],
             volume=[np.zeros(size) for size in sizes],
             hourglass=[np.zeros((size[0], 2)) for size in sizes],
         )

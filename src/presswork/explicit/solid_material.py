@@ -32,6 +32,7 @@ class SolidMaterial:
     kinematic: Kinematic | None = None
     young_decrease: tuple[float, float] | None = None
     umat: Umat | None = None
+    rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
 
     @classmethod
     def from_model(cls, material: Material) -> SolidMaterial:
@@ -75,7 +76,7 @@ class SolidMaterial:
         if self.yield_function or self.kinematic or self.young_decrease:
             return make_plane_law(self._to_model())
         rate = _core.RateLaw[self.rate.law if self.rate else "none"]
-        parameters = self.rate.parameters if self.rate else (0.0, 1.0)
+        parameters = self.rate.parameters if self.rate else {}
         h, given = self.heating, {}
         if h is not None:
             given = {"start": h.start, "reference": h.reference, "melting": h.melting, "exponent": h.exponent}

@@ -64,7 +64,8 @@ class ExplicitSolids(Dynamics):
             material = materials[block.material]
             cells = np.ascontiguousarray(block.connectivity, dtype=np.int32)
             elastic = {"young": material.young, "poisson": material.poisson}
-            loop.add_solids(block.element, cells, material.make_law(), material.density, **elastic)
+            rolling = material.rolling_direction[:2]
+            loop.add_solids(block.element, cells, material.make_law(), material.density, rolling=rolling, **elastic)
         self._given_temperature = np.concatenate(
             [np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks]
         )

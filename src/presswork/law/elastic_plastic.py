@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TypedDict
 
 import numpy as np
@@ -95,7 +96,7 @@ def back_stress(material: Material, history: FloatArray, components: int) -> Flo
     """
     if material.kinematic is None:
         return np.zeros((*history.shape[:-1], components))
-    count = len(material.kinematic.parameters) // 2 if material.kinematic.law == "chaboche" else 2
+    count = len(material.kinematic.parameters["C"]) if material.kinematic.law == "chaboche" else 2
     first = 2 if heats(material) else 1
     parts = history[..., first : first + components * count].reshape(*history.shape[:-1], count, components)
     return np.asarray(parts.sum(axis=-2))
@@ -170,7 +171,7 @@ class _Arguments(TypedDict):
     hardening: _core.HardeningLaw
     parameters: list[float]
     rate: _core.RateLaw
-    rate_parameters: tuple[float, ...]
+    rate_parameters: Mapping[str, float]
     chaboche: _core.Chaboche | None
     yoshida_uemori: _core.YoshidaUemori | None
     thermal: _core.Thermal | None
@@ -194,10 +195,10 @@ def _arguments(material: Material) -> _Arguments:
     if material.kinematic is not None:
         p = material.kinematic.parameters
         if material.kinematic.law == "chaboche":
-            chaboche = _core.Chaboche(p[: len(p) // 2], p[len(p) // 2 :])
+            chaboche = _core.Chaboche(**p)
         else:
-            names = ("B", "C", "m", "b", "Rsat", "h")
-            yoshida_uemori = _core.YoshidaUemori(Y=parameters[0], **dict(zip(names, p, strict=True)))
+            named = {name: value for name, (value,) in p.items()}
+            yoshida_uemori = _core.YoshidaUemori(Y=material.hardening.named()["yield_stress"], **named)
     saturated, falling = material.young_decrease or (0.0, 0.0)
     return {
         "young": material.young,
@@ -206,7 +207,7 @@ def _arguments(material: Material) -> _Arguments:
         "hardening": hardening,
         "parameters": parameters,
         "rate": _core.RateLaw[material.rate.law if material.rate else "none"],
-        "rate_parameters": material.rate.parameters if material.rate else (),
+        "rate_parameters": material.rate.parameters if material.rate else {},
         "chaboche": chaboche,
         "yoshida_uemori": yoshida_uemori,
         "thermal": make_thermal(material),

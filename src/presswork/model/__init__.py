@@ -34,7 +34,6 @@ from presswork.model.heat import (
 from presswork.model.limits import Limits
 from presswork.model.material import (
     Hardening,
-    HardeningLaw,
     Heating,
     Kinematic,
     Material,
@@ -112,7 +111,6 @@ __all__ = [
     "Friction",
     "FrictionTangent",
     "Hardening",
-    "HardeningLaw",
     "Heat",
     "HeatContact",
     "HeatFlux",

@@ -3,16 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from presswork import _core
 from presswork.formability import Formability
 from presswork.model.arrays import FloatArray
 from presswork.model.heat import Thermal
 
-HardeningLaw = Literal[
-    "linear", "swift", "ludwik", "voce", "linear_voce", "hockett_sherby", "table", "swift_voce", "monotone_table"
-]
 UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
 
 
@@ -20,13 +19,16 @@ UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
 class Hardening:
     """Flow stress against equivalent plastic strain; see docs/theory/material.md for the laws' formulas."""
 
-    law: HardeningLaw
+    law: str
+    """Name of one of _core.HardeningLaw."""
     parameters: FloatArray
-    """linear: [yield_stress, modulus]; swift: [K, e0, n]; ludwik: [yield_stress, K, n];
-    voce: [yield_stress, saturation_stress, rate]; linear_voce: [yield_stress, saturation_stress, rate, modulus];
-    hockett_sherby: [yield_stress, saturation_stress, rate, exponent];
-    table: [e0, s0, e1, s1, ...]; monotone_table: [e0, s0, slope0, e1, s1, slope1, ...];
-    swift_voce: [voce_share, K, e0, n, yield_stress, saturation_stress, rate]. Stresses in MPa."""
+    """In the order of _core.parameter_names of the law, stresses in MPa; of a table its rows one after the other:
+    plastic strain and stress, of monotone_table also the slope."""
+
+    def named(self) -> dict[str, float]:
+        """Return the parameters by name; of a table none."""
+        names = _core.parameter_names(_core.HardeningLaw[self.law])
+        return {} if names == ["points"] else dict(zip(names, map(float, self.parameters), strict=True))
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,8 @@ class Kinematic:
     """Back stresses; see docs/theory/sheet_material.md for the laws."""
 
     law: Literal["chaboche", "yoshida_uemori"]
-    parameters: tuple[float, ...]
-    """chaboche: every C [MPa], then every gamma; yoshida_uemori: B, C, m, b, Rsat, h (stresses in MPa)."""
+    parameters: Mapping[str, tuple[float, ...]]
+    """chaboche: C [MPa] and gamma of each back stress; yoshida_uemori: B, C, m, b, Rsat, h, one each [MPa]."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,8 @@ class Rate:
     """Factor on the flow stress by plastic strain rate."""
 
     law: Literal["cowper_symonds", "johnson_cook", "logarithmic"]
-    parameters: tuple[float, float]
-    """cowper_symonds: D [1/s], q; johnson_cook, logarithmic: C, reference rate [1/s]."""
+    parameters: Mapping[str, float]
+    """cowper_symonds: D [1/s], q; johnson_cook, logarithmic: C, reference_rate [1/s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,6 +113,8 @@ class Material:
     rate: Rate | None = None
     young_decrease: tuple[float, float] | None = None
     """Young's modulus after large plastic strain [MPa], and the rate at which it gets there."""
+    rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    """Of a solid: unit vector; of a sheet the Model has it."""
     umat: Umat | None = None
     """The law, instead of hardening."""
     density: float = 0.0

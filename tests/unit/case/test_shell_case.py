@@ -83,8 +83,8 @@ def test_a_material_has_back_stresses_rate_and_falling_modulus() -> None:
     data["materials"]["steel"] |= KINEMATIC
     model = build_model(ShellCase.model_validate(data))
     steel = model.materials[0]
-    assert steel.kinematic == Kinematic("chaboche", (2000, 500, 20, 0))
-    assert steel.rate == Rate("cowper_symonds", (40, 5))
+    assert steel.kinematic == Kinematic("chaboche", {"C": (2000, 500), "gamma": (20, 0)})
+    assert steel.rate == Rate("cowper_symonds", {"D": 40, "q": 5})
     assert steel.young_decrease == (160e3, 60)
     words = describe(model)
     for fragment in ("C = 2000 MPa, gamma = 20", "cowper_symonds rate: D = 40, q = 5", "falling to 160000 MPa"):

@@ -11,9 +11,9 @@ YOUNG, POISSON = 206.9e3, 0.3
 SHEAR = YOUNG / (2 * (1 + POISSON))
 HEATING = 0.9 / (7.83e-9 * 4.6e8)  # [K/MPa]
 RATES = {
-    "johnson_cook": (0.0089, 1.0),
-    "logarithmic": (0.02, 0.5),
-    "cowper_symonds": (1e5, 4.0),
+    "johnson_cook": {"C": 0.0089, "reference_rate": 1.0},
+    "logarithmic": {"C": 0.02, "reference_rate": 0.5},
+    "cowper_symonds": {"D": 1e5, "q": 4.0},
 }
 
 
@@ -33,7 +33,7 @@ def mises(a: float, b: float, n: float) -> _core.VonMises:
 
 def rate_of(law: str, factor: float) -> float:
     """Plastic strain rate at which a law has a factor above 1."""
-    a, b = RATES[law]
+    a, b = RATES[law].values()
     if law == "cowper_symonds":
         return float(a * (factor - 1) ** b)
     rise = np.exp(min((factor - 1) / a, 100.0))

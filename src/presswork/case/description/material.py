@@ -24,9 +24,8 @@ def describe_material(material: model.Material) -> str:
     if material.kinematic:
         parts += [_describe_kinematic(material.kinematic)]
     if material.rate:
-        a, b = material.rate.parameters
-        names = ("D", "q") if material.rate.law == "cowper_symonds" else ("C", "reference rate")
-        parts += [f"{material.rate.law} rate: {names[0]} = {a:g}, {names[1]} = {b:g}"]
+        told = ", ".join(f"{name.replace('_', ' ')} = {value:g}" for name, value in material.rate.parameters.items())
+        parts += [f"{material.rate.law} rate: {told}"]
     if material.heating:
         h = material.heating
         parts += [f"softens with temperature from {h.reference:g} to {h.melting:g} degrees C, starts at {h.start:g}"]
@@ -49,33 +48,37 @@ def describe_forming_limit(material: model.Material) -> str:
 def _describe_kinematic(kinematic: model.Kinematic) -> str:
     p = kinematic.parameters
     if kinematic.law == "chaboche":
-        pairs = zip(p[: len(p) // 2], p[len(p) // 2 :], strict=True)
+        pairs = zip(p["C"], p["gamma"], strict=True)
         return "back stresses " + " and ".join(f"C = {C:g} MPa, gamma = {gamma:g}" for C, gamma in pairs)
-    names = ("B", "C", "m", "b", "Rsat", "h")
-    return "Yoshida-Uemori " + ", ".join(f"{name} = {value:g}" for name, value in zip(names, p, strict=True))
+    return "Yoshida-Uemori " + ", ".join(f"{name} = {value:g}" for name, (value,) in p.items())
 
 
 def _describe_hardening(hardening: model.Hardening) -> str:
-    p = [float(value) for value in hardening.parameters]
+    p, rows = hardening.named(), [float(value) for value in hardening.parameters]
+    if hardening.law == "monotone_table":
+        n = len(rows) // 3
+        return f"smooth hardening table of {n} points: {rows[1]:g} MPa at 0 to {rows[-2]:g} MPa at {rows[-3]:g}"
+    if hardening.law == "table":
+        return f"hardening table of {len(rows) // 2} points: {rows[1]:g} MPa at 0 to {rows[-1]:g} MPa at {rows[-2]:g}"
+    voce = ""
+    if "saturation_stress" in p:
+        voce = f"{p['saturation_stress'] - p['yield_stress']:g} exp(-{p['rate']:g} e"
     match hardening.law:
         case "linear":
-            return f"linear hardening: {p[0]:g} + {p[1]:g} e MPa"
+            return f"linear hardening: {p['yield_stress']:g} + {p['modulus']:g} e MPa"
         case "swift":
-            return f"Swift hardening: {p[0]:g} ({p[1]:g} + e)^{p[2]:g} MPa"
+            return f"Swift hardening: {p['K']:g} ({p['e0']:g} + e)^{p['n']:g} MPa"
         case "ludwik":
-            return f"Ludwik hardening: {p[0]:g} + {p[1]:g} e^{p[2]:g} MPa"
+            return f"Ludwik hardening: {p['yield_stress']:g} + {p['K']:g} e^{p['n']:g} MPa"
         case "voce":
-            return f"Voce hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e) MPa"
+            return f"Voce hardening: {p['saturation_stress']:g} - {voce}) MPa"
         case "linear_voce":
-            return f"linear and Voce hardening: {p[1]:g} + {p[3]:g} e - {p[1] - p[0]:g} exp(-{p[2]:g} e) MPa"
+            return f"linear and Voce hardening: {p['saturation_stress']:g} + {p['modulus']:g} e - {voce}) MPa"
         case "hockett_sherby":
-            return f"Hockett-Sherby hardening: {p[1]:g} - {p[1] - p[0]:g} exp(-{p[2]:g} e^{p[3]:g}) MPa"
+            return f"Hockett-Sherby hardening: {p['saturation_stress']:g} - {voce}^{p['exponent']:g}) MPa"
         case "swift_voce":
             return (
-                f"Swift-Voce hardening: {1 - p[0]:g} x {p[1]:g} ({p[2]:g} + e)^{p[3]:g} + "
-                f"{p[0]:g} x ({p[5]:g} - {p[5] - p[4]:g} exp(-{p[6]:g} e)) MPa"
+                f"Swift-Voce hardening: {1 - p['voce_share']:g} x {p['K']:g} ({p['e0']:g} + e)^{p['n']:g} + "
+                f"{p['voce_share']:g} x ({p['saturation_stress']:g} - {voce})) MPa"
             )
-        case "monotone_table":
-            return f"smooth hardening table of {len(p) // 3} points: {p[1]:g} MPa at 0 to {p[-2]:g} MPa at {p[-3]:g}"
-        case "table":
-            return f"hardening table of {len(p) // 2} points: {p[1]:g} MPa at 0 to {p[-1]:g} MPa at {p[-2]:g}"
+    return f"{hardening.law} hardening: " + ", ".join(f"{name} = {value:g}" for name, value in p.items())

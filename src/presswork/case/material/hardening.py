@@ -11,12 +11,22 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from presswork import model
+from presswork import _core, model
 from presswork.case.part import Part
 from presswork.case.units import Number, Stress, fault
 
 
-class Linear(Part):
+class _Named(Part):
+    """A law whose keys are the names of the compiled law's parameters."""
+
+    law: str
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of the compiled law."""
+        return [float(getattr(self, name)) for name in _core.parameter_names(_core.HardeningLaw[self.law])]
+
+
+class Linear(_Named):
     """Flow stress = yield_stress + modulus e."""
 
     law: Literal["linear"] = "linear"
@@ -25,12 +35,8 @@ class Linear(Part):
         default=0.0, ge=0, description="plastic modulus H' = d(flow stress)/d(plastic strain) [MPa]"
     )
 
-    def parameters(self) -> list[float]:
-        """Return the parameters in the order of model.Hardening."""
-        return [self.yield_stress, self.modulus]
 
-
-class Swift(Part):
+class Swift(_Named):
     """Flow stress = K (e0 + e)^n."""
 
     law: Literal["swift"] = "swift"
@@ -38,12 +44,8 @@ class Swift(Part):
     e0: Number = Field(gt=0, description="pre-strain")
     n: Number = Field(ge=0, le=1, description="hardening exponent")
 
-    def parameters(self) -> list[float]:
-        """Return the parameters in the order of model.Hardening."""
-        return [self.K, self.e0, self.n]
 
-
-class Ludwik(Part):
+class Ludwik(_Named):
     """Flow stress = yield_stress + K e^n."""
 
     law: Literal["ludwik"] = "ludwik"
@@ -51,12 +53,8 @@ class Ludwik(Part):
     K: Stress = Field(ge=0, description="strength coefficient [MPa]")
     n: Number = Field(gt=0, le=1, description="hardening exponent")
 
-    def parameters(self) -> list[float]:
-        """Return the parameters in the order of model.Hardening."""
-        return [self.yield_stress, self.K, self.n]
 
-
-class Voce(Part):
+class Voce(_Named):
     """Flow stress = saturation_stress - (saturation_stress - yield_stress) exp(-rate e)."""
 
     law: Literal["voce"] = "voce"
@@ -69,12 +67,8 @@ class Voce(Part):
         _check_saturation(self.yield_stress, self.saturation_stress)
         return self
 
-    def parameters(self) -> list[float]:
-        """Return the parameters in the order of model.Hardening."""
-        return [self.yield_stress, self.saturation_stress, self.rate]
 
-
-class LinearVoce(Part):
+class LinearVoce(_Named):
     """Flow stress = yield_stress + modulus e + (saturation_stress - yield_stress) (1 - exp(-rate e))."""
 
     law: Literal["linear_voce"] = "linear_voce"
@@ -88,12 +82,8 @@ class LinearVoce(Part):
         _check_saturation(self.yield_stress, self.saturation_stress)
         return self
 
-    def parameters(self) -> list[float]:
-        """Return the parameters in the order of model.Hardening."""
-        return [self.yield_stress, self.saturation_stress, self.rate, self.modulus]
 
-
-class HockettSherby(Part):
+class HockettSherby(_Named):
     """Flow stress = saturation_stress - (saturation_stress - yield_stress) exp(-rate e^exponent)."""
 
     law: Literal["hockett_sherby"] = "hockett_sherby"
@@ -107,12 +97,8 @@ class HockettSherby(Part):
         _check_saturation(self.yield_stress, self.saturation_stress)
         return self
 
-    def parameters(self) -> list[float]:
-        """Return the parameters in the order of model.Hardening."""
-        return [self.yield_stress, self.saturation_stress, self.rate, self.exponent]
 
-
-class SwiftVoce(Part):
+class SwiftVoce(_Named):
     """Flow stress = (1 - voce_share) Swift + voce_share Voce."""
 
     law: Literal["swift_voce"] = "swift_voce"
@@ -128,11 +114,6 @@ class SwiftVoce(Part):
     def _check_saturation(self) -> Self:
         _check_saturation(self.yield_stress, self.saturation_stress)
         return self
-
-    def parameters(self) -> list[float]:
-        """Return the parameters in the order of model.Hardening."""
-        swift, voce = [self.K, self.e0, self.n], [self.yield_stress, self.saturation_stress, self.rate]
-        return [self.voce_share, *swift, *voce]
 
 
 class _Points(Part):

@@ -40,7 +40,7 @@ class Chaboche(Part):
 
     def to_model(self) -> model.Kinematic:
         """Return the Model's back stresses."""
-        return model.Kinematic(self.law, (*self.C, *self.gamma))
+        return model.Kinematic(self.law, {"C": self.C, "gamma": self.gamma})
 
 
 class YoshidaUemori(Part):
@@ -56,7 +56,7 @@ class YoshidaUemori(Part):
 
     def to_model(self) -> model.Kinematic:
         """Return the Model's back stresses."""
-        return model.Kinematic(self.law, (self.B, self.C, self.m, self.b, self.Rsat, self.h))
+        return model.Kinematic(self.law, {name: (getattr(self, name),) for name in ("B", "C", "m", "b", "Rsat", "h")})
 
 
 class CowperSymonds(Part):
@@ -68,7 +68,7 @@ class CowperSymonds(Part):
 
     def to_model(self) -> model.Rate:
         """Return the Model's rate law."""
-        return model.Rate(self.law, (self.D, self.q))
+        return model.Rate(self.law, {"D": self.D, "q": self.q})
 
 
 class JohnsonCookRate(Part):
@@ -80,7 +80,7 @@ class JohnsonCookRate(Part):
 
     def to_model(self) -> model.Rate:
         """Return the Model's rate law."""
-        return model.Rate(self.law, (self.C, self.reference_rate))
+        return model.Rate(self.law, {"C": self.C, "reference_rate": self.reference_rate})
 
 
 class LogarithmicRate(Part):
@@ -92,7 +92,7 @@ class LogarithmicRate(Part):
 
     def to_model(self) -> model.Rate:
         """Return the Model's rate law."""
-        return model.Rate(self.law, (self.C, self.reference_rate))
+        return model.Rate(self.law, {"C": self.C, "reference_rate": self.reference_rate})
 
 
 class YoungDecrease(Part):

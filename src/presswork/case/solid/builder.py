@@ -129,7 +129,12 @@ def build_materials(
 def build_material(name: str, material: schema.Material) -> model.Material:
     """Return the Model's material of a table that is no UMAT."""
     thermal = material.thermal.to_thermal(material.density) if material.thermal and material.density else None
-    return replace(material.to_model(name), density=material.density or 0.0, thermal=thermal)
+    return replace(
+        material.to_model(name),
+        density=material.density or 0.0,
+        thermal=thermal,
+        rolling_direction=material.find_rolling_direction(),
+    )
 
 
 def _build_explicit(case: schema.Case) -> model.ExplicitSolid:

@@ -19,6 +19,10 @@ def check_laws(case: schema.Case) -> list[Problem]:
     for name, material in case.materials.items():
         if not isinstance(material, UmatMaterial):
             problems += material.check_in_solids(f"materials.{name}")
+            if isinstance(material.rolling_direction, tuple):
+                fault, remedy = "expected an angle from x in the plane [degrees]", "e.g. 45"
+                given = list(material.rolling_direction)
+                problems.append(Problem(f"materials.{name}.rolling_direction", fault, remedy, given))
     for name in sorted({body.material for _, body in list_bodies(case).values()} & set(case.materials)):
         material = case.materials[name]
         if not isinstance(material, UmatMaterial):

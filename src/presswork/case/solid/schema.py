@@ -67,13 +67,29 @@ def unit_vector(direction: tuple[float, float]) -> tuple[float, float]:
 
 
 class Material(PlasticLaws):
-    """An elastic-plastic solid; x of its yield function is the plane's x, and turns with the material."""
+    """An elastic-plastic solid; x of its yield function turns with the material."""
 
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
     thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
+    rolling_direction: Angle | tuple[Number, Number, Number] = Field(
+        default=0.0,
+        description="x of the yield function at the start: its angle from x in the plane of x and y [degrees], "
+        "or, of a solid in space, a direction [x, y, z]; y of the yield function is then across it in the plane of x "
+        "and y, or x if the direction is z",
+    )
+
+    def find_rolling_direction(self) -> tuple[float, float, float]:
+        """Return it at length 1."""
+        given = self.rolling_direction
+        if not isinstance(given, tuple):
+            return (math.cos(math.radians(given)), math.sin(math.radians(given)), 0.0)
+        length = math.hypot(*given)
+        return (given[0] / length, given[1] / length, given[2] / length)
 
     @model_validator(mode="after")
     def _check_density(self) -> Self:
+        if isinstance(self.rolling_direction, tuple) and math.hypot(*self.rolling_direction) == 0.0:
+            raise fault("expected a direction that is not zero", "for instance [1, 1, 0]", key="rolling_direction")
         require_density(self.density)
         if self.heating is not None and self.heating.heat_capacity is not None and self.density is None:
             raise fault("missing key", 'add it: plastic work heats by it; steel has "7850 kg/m^3"', key="density")
