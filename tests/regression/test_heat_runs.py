@@ -96,6 +96,8 @@ def test_hot_forming_leaves_temperatures_and_resumes_to_the_same_bits(tmp_path) 
     assert history["heat_stored"] == pytest.approx(incoming, rel=1e-8)
     assert whole.result.summary["heat"]["balance_error"] < 1e-8
     assert history["temperature_min"][-1] < 1100 < history["temperature_mean"][-1] < 1200
+    assert 250 < history["die.temperature_max"][-1] < 700
+    assert (np.diff(history["die.temperature_max"]) > 0).all()
     nodal = whole.result.field("nodal_temperature")
     assert nodal[whole.result.points()[:, 1] < 1].min() > nodal[whole.result.points()[:, 1] > 25.9].max()
     names = {path.name for path in plot_all(whole.result, tmp_path / "plots")}

@@ -11,6 +11,7 @@ from presswork.case.solid.schema import Case
 from presswork.implicit.energy import Work
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.chilled_tool import Column
 
 ENTHALPY = 7833e-12 * 586e6
 """Of a unit of volume [N/(mm2 K)]."""
@@ -138,3 +139,29 @@ def test_friction_heat_is_shared_by_effusivity_and_all_heat_balances() -> None:
     assert done.heat is not None
     incoming = done.state[HeatArrays].heat
     assert abs(done.heat.stored(done.state) - incoming.sum()) < 1e-8 * np.abs(incoming).max()
+
+
+@pytest.mark.parametrize(("time", "hot"), [(0.1, 1004.59), (1.0, 851.37), (10.0, 754.02)])
+def test_a_tool_that_warms_up_is_a_half_space(time, hot) -> None:
+    """Steel at 1200 degrees C on steel at 200, 10 kW/m2K: the closed solution of two half-spaces."""
+    steel = {"conductivity": 30, "specific_heat": "650 J/(kg*K)"}
+    die = {"temperature": 200, "conductance": "10 kW/(m^2*K)", "warms_up": True, **steel, "density": "7800 kg/m^3"}
+    done = compute(
+        max_increment=0.005,
+        law={"density": "7800 kg/m^3", "thermal": steel, "young": "200 GPa"},
+        analysis="plane_strain",
+        workpiece={"material": "steel", "mesh": {"zones_x": [[1, 1, 1]], "zones_y": [[60, 60, 300]]}},
+        boundary={"side": {"set": "left", "fix": ["x"]}, "top": {"set": "top", "fix": ["y"]}},
+        tools={"die": {"profile": [[-5, 0], [6, 0]], "contact": "frictionless", "heat": die}},
+        heat={"initial_temperature": 1200},
+        stages=[{"name": "press", "duration": time, "tools": {"die": {"stroke": 0.001, "direction": [0, 1]}}}],
+    )
+    nodes = done.model.mesh.node_sets["bottom"]
+    arrays = done.state[HeatArrays]
+    assert arrays.temperature[nodes] == pytest.approx(hot, abs=3.0)
+    column = Column(30.0, 7800e-12 * 650e6, 0.005 * time)
+    # the workpiece gets wider by its elastic strain, 4e-6
+    gained = column.content(arrays.columns[0, nodes] - 200.0).mean() * 1.0
+    assert gained == pytest.approx(-arrays.heat[2], rel=1e-5), "what the workpiece gives the tool has"
+    assert done.heat is not None
+    assert 200 < done.heat.hottest(done.state)["die"] < 1400 - hot

@@ -16,6 +16,7 @@ import numpy as np
 from presswork.body.heat import Conduction, PointShapes, sum_at_nodes
 from presswork.body.solids import Mechanics
 from presswork.implicit.heat_equation import HeatEquation, HeatProblem, HeatStep
+from presswork.interaction.chilled_tool import CELLS, Column, ColumnFilm
 from presswork.interaction.heat_films import Film, ToolFilm, make_surroundings, measure_sides
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays
@@ -38,6 +39,23 @@ class HeatArrays(Arrays):
     """(n_points,) [degrees C]."""
     heat: FloatArray
     """Since the start, by KINDS (5,) [N mm]."""
+    columns: FloatArray
+    """Of the steel of every tool behind every node, from the surface on (n_tools, n_points, CELLS) [degrees C]; no
+    tools where none warms up."""
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Where a tool touches the body."""
+
+    tool: int
+    heat: ToolHeat
+    nodes: IntArray
+    """(n,)"""
+    area: FloatArray
+    """That they stand for (n,) [mm2]."""
+    pressure: FloatArray
+    """(n,) [MPa]."""
 
 
 class HeatOfForming:
@@ -53,6 +71,10 @@ class HeatOfForming:
         self._edges = find_open_edges(model)
         n = len(model.mesh.points)
         self._none: FloatArray = np.zeros(n)
+        usual = min(stage.duration for stage in model.stages) * model.solver.max_increment
+        self._columns = {
+            name: Column(*tool.steel, usual) for name, tool in model.heat.tools.items() if tool.steel is not None
+        }
         self._free_of_prescription = np.zeros(n, dtype=np.uint8)
 
     @property
@@ -62,7 +84,19 @@ class HeatOfForming:
 
     def at_rest(self) -> HeatArrays:
         """Return the temperatures at the start."""
-        return HeatArrays(start_temperatures(self._model, self._heat), np.zeros(len(KINDS)))
+        start = start_temperatures(self._model, self._heat)
+        tools = self._model.plane_tools if self._columns else ()
+        columns = np.zeros((len(tools), len(start), CELLS))
+        for t, tool in enumerate(tools):
+            if tool.name in self._columns:
+                columns[t] = self._heat.tools[tool.name].temperature
+        return HeatArrays(start, np.zeros(len(KINDS)), columns)
+
+    def hottest(self, state: State) -> dict[str, float]:
+        """Return the highest temperature at the surface of every tool that warms up [degrees C]."""
+        names = [tool.name for tool in self._model.plane_tools]
+        columns = state[HeatArrays].columns
+        return {name: float(columns[names.index(name), :, 0].max()) for name in self._columns}
 
     def stored(self, state: State) -> float:
         """Return the heat stored since the start [N mm]."""
@@ -75,18 +109,21 @@ class HeatOfForming:
 
         Raises GaveUpError if the heat equation has no solution.
         """
-        plastic, friction = self._make_heat(state_n, trial, dt)
-        films = self._find_films(trial, step)
+        plastic, friction, into_tools = self._make_heat(state_n, trial, dt)
+        touches, around = self._find_surface(trial, step)
+        columns = state_n[HeatArrays].columns
         points = self._model.mesh.points + trial.nodes.displacement
         arrays = trial[HeatArrays]
         temperature, heat = state_n[HeatArrays].temperature, np.zeros(len(KINDS))
         time, part = 0.0, dt
         while time < dt * (1 - 1e-12):
+            chilled = self._chill(touches, columns, into_tools / dt, part)
+            plain = [ToolFilm(t.heat, t.nodes, t.area, t.pressure) for t in touches if t.tool not in chilled]
             problem = HeatProblem(
                 points=points,
                 temperature_n=temperature,
                 dt=part,
-                films=films,
+                films=[*plain, *chilled.values(), *around],
                 time=time + part,
                 mask=self._free_of_prescription,
                 prescribed=self._none,
@@ -100,33 +137,63 @@ class HeatOfForming:
                     raise GaveUpError(f"stage {name!r}: {found.reason} in an increment of {dt:.2e} s")
                 continue
             temperature, time = found.temperature, time + part
+            columns = self._warm_up(columns, chilled, temperature, part)
             heat += part * self._count(found)
             part = min(part, dt - time)
         heat[:2] = plastic.sum(), friction.sum()
         arrays.temperature, arrays.heat = temperature, state_n[HeatArrays].heat + heat
+        arrays.columns = columns
         for i, given in enumerate(trial.cells.temperature):
             if given.size:
                 trial.cells.temperature[i] = self._shapes.to_points(i, temperature)
+
+    def _chill(self, touches: list[Touch], columns: FloatArray, rubbed: FloatArray, dt: float) -> dict[int, ColumnFilm]:
+        """Return the films of the tools that warm up, over a time step of dt [s]; rubbed: (n_points,) [N mm/s]."""
+        films = {}
+        for touch in touches:
+            column = self._columns.get(self._model.plane_tools[touch.tool].name)
+            if column is not None:
+                own, flux = columns[touch.tool, touch.nodes], rubbed[touch.nodes] / touch.area
+                films[touch.tool] = ColumnFilm(
+                    touch.heat, column, touch.nodes, touch.area, touch.pressure, own, flux, dt
+                )
+        return films
+
+    def _warm_up(
+        self, columns: FloatArray, chilled: Mapping[int, ColumnFilm], temperature: FloatArray, dt: float
+    ) -> FloatArray:
+        """Return the columns after a time step: of nodes that touch nothing heat only spreads."""
+        after = columns.copy()
+        for t, tool in enumerate(self._model.plane_tools if self._columns else ()):
+            if tool.name in self._columns:
+                after[t], _ = self._columns[tool.name].step(columns[t], dt)
+            if t in chilled:
+                after[t, chilled[t].nodes] = chilled[t].finish(temperature)
+        return after
 
     @staticmethod
     def _count(found: HeatStep) -> FloatArray:
         power: Mapping[str, float] = found.power
         return np.array([power.get(kind, 0.0) for kind in KINDS])
 
-    def _make_heat(self, state_n: State, trial: State, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Return the heat of plastic work and that of friction which an increment makes at the nodes [N mm]."""
+    def _make_heat(self, state_n: State, trial: State, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the heat of plastic work, that of friction, and the part of friction that heats the tools.
+
+        Each is made in the increment at the nodes (n_points,) [N mm].
+        """
         n = len(self._none)
         plastic = np.zeros(n)
         for i, work in enumerate(self._cells.plastic_work_at_points(state_n, trial, dt)):
             plastic += self._shapes.to_nodes(i, work)
-        friction = np.zeros(n)
+        friction, into_tools = np.zeros(n), np.zeros(n)
         contact = self._interactions.tools.contact
         lost = self._interactions.tools.friction.lost_at
         if self._model.plane_tools and lost.any():
             tool = np.argmax((trial[ContactArrays].status > 0), axis=0) // 2
             share = np.array([self._share(self._heat.tools.get(t.name)) for t in self._model.plane_tools])
             friction = sum_at_nodes(contact.nodes, share[tool] * lost, n)
-        return self._heat.plastic_fraction * plastic, friction
+            into_tools = sum_at_nodes(contact.nodes, (1.0 - share[tool]) * lost, n)
+        return self._heat.plastic_fraction * plastic, friction, into_tools
 
     def _share(self, tool: ToolHeat | None) -> float:
         """Return the part of friction heat that goes into the workpiece, by the effusivities of both."""
@@ -135,15 +202,15 @@ class HeatOfForming:
             return 0.5
         return own / (own + tool.effusivity)
 
-    def _find_films(self, trial: State, step: Step) -> list[Film]:
-        """Return the films of the surface as it lies now.
+    def _find_surface(self, trial: State, step: Step) -> tuple[list[Touch], list[Film]]:
+        """Return where tools touch the surface as it lies now, and the films of what is free.
 
         Edges both of whose ends a tool holds touch it, all others are free.
         """
         points = self._model.mesh.points + trial.nodes.displacement
         areas = measure_sides(self._model, self._edges, points)
         free: BoolArray = np.ones(len(areas), dtype=bool)
-        films: list[Film] = []
+        touches: list[Touch] = []
         if self._model.plane_tools:
             forces = self._interactions.tools.contact.forces(trial, self._interactions.supports.fixed(step.stage))
             for t, tool in enumerate(self._model.plane_tools):
@@ -156,11 +223,11 @@ class HeatOfForming:
                 area = sum_at_nodes(self._edges[touching], areas[touching], len(points))
                 push = sum_at_nodes(forces.nodes[own], np.maximum(forces.push[own], 0.0), len(points))
                 nodes = np.flatnonzero(area).astype(np.int32)
-                films.append(ToolFilm(heat, nodes, area[nodes], push[nodes] / area[nodes]))
-        if self._heat.surroundings is not None:
-            area = sum_at_nodes(self._edges[free], areas[free], len(points))
-            films += make_surroundings(self._heat.surroundings, area)
-        return films
+                touches.append(Touch(t, heat, nodes, area[nodes], push[nodes] / area[nodes]))
+        if self._heat.surroundings is None:
+            return touches, []
+        area = sum_at_nodes(self._edges[free], areas[free], len(points))
+        return touches, make_surroundings(self._heat.surroundings, area)
 
 
 def start_temperatures(model: Model, heat: Heat) -> FloatArray:

@@ -97,14 +97,16 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class ToolHeat:
-    """A tool of constant temperature."""
+    """A tool of constant temperature, or one whose steel takes up heat behind the nodes that touch it."""
 
     temperature: float
-    """[degrees C]"""
+    """At the start [degrees C]."""
     conductance: FloatArray
     """By contact pressure [MPa], rows (n, 2) [N/(mm s K)]."""
     effusivity: float | None = None
     """sqrt(conductivity density specific heat) [N/(mm K s^0.5)]; None: that of the workpiece."""
+    steel: tuple[float, float] | None = None
+    """Of one that takes up heat: conductivity [N/(s K)], heat capacity of a volume [N/(mm2 K)]."""
 
 
 @dataclass(frozen=True, kw_only=True)

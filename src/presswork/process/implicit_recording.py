@@ -60,6 +60,8 @@ class ImplicitRecording(IncrementRecording):
         tools = [t.name for t in self.model.tools]
         contacts = [c.name for c in self.model.contacts]
         heat = heat_columns(HEAT_KINDS) if self.procedure.heat else []
+        if self.procedure.heat:
+            heat += [f"{name}.temperature_max" for name in self.procedure.heat.hottest(self.procedure.state)]
         return [*history_columns(tools, self.turning, contacts), *heat, *self.reactions.columns]
 
     def begin_log(self) -> str:
@@ -95,6 +97,7 @@ class ImplicitRecording(IncrementRecording):
         if (heat := self.procedure.heat) is not None:
             own = state[HeatArrays]
             row |= measure_heat(heat.conduction, own.temperature, heat.stored(state), HEAT_KINDS, own.heat)
+            row |= {f"{name}.temperature_max": value for name, value in heat.hottest(state).items()}
         moved = self.moved(state.nodes.displacement)
         return row | self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
 

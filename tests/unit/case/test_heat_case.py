@@ -187,6 +187,7 @@ BAD_FORMING = [
     ("stages.0.duration", None, "stages.0.duration", "heat takes time"),
     ("tools.die.heat.conductance", -1, "tools.die.heat.conductance", "is not negative"),
     ("tools.die.heat.conductivity", 25, "tools.die.heat.conductivity", "stands without the others"),
+    ("tools.die.heat.warms_up", True, "tools.die.heat.warms_up", "needs a steel"),
     ("heat.surroundings", {"emissivity": 2}, "emissivity", "<= 1"),
 ]
 

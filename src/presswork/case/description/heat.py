@@ -51,7 +51,8 @@ def describe_heat_of_forming(problem: model.Model, heat: model.Heat) -> Iterator
     yield f"at the start {heat.initial[0]:g} °C, {heat.plastic_fraction:g} of the plastic work becomes heat"
     for name, tool in heat.tools.items():
         conductance = _describe_table(tool.conductance, 1e3, "W/(m2 K)", "MPa")
-        yield f"heat passes into {name} at {tool.temperature:g} °C, {conductance}"
+        stays = "" if tool.steel is None else ", which warms up behind the nodes that touch it"
+        yield f"heat passes into {name} at {tool.temperature:g} °C{stays}, {conductance}"
     around = heat.surroundings
     if around is not None:
         yield (

@@ -32,9 +32,9 @@ class Surroundings(Part):
 
 
 class ToolHeat(Part):
-    """A tool of constant temperature, and how well heat passes into it."""
+    """The temperature of a tool, and how well heat passes into it."""
 
-    temperature: Temperature = Field(description="temperature of the tool [degrees C]")
+    temperature: Temperature = Field(description="temperature of the tool at the start [degrees C]")
     conductance: HeatTransferByPressure = Field(
         description='conductance of the contact [N/(mm s K)], e.g. "10 kW/(m^2*K)", or rows [contact pressure, it]'
     )
@@ -43,6 +43,10 @@ class ToolHeat(Part):
     )
     specific_heat: HeatCapacity | None = Field(default=None, ge=1e6, description="of the tool's steel")
     density: Density | None = Field(default=None, gt=0, description="of the tool's steel")
+    warms_up: bool = Field(
+        default=False,
+        description="true: the steel behind each node that touches it takes up heat; false: its temperature stays",
+    )
 
     @model_validator(mode="after")
     def _check_steel(self) -> Self:
@@ -50,14 +54,19 @@ class ToolHeat(Part):
         if len(given) in (1, 2):
             remedy = "give conductivity, specific_heat and density, or none: friction heat is then halved"
             raise fault("stands without the others", remedy, key=given[0])
+        if self.warms_up and not given:
+            remedy = "give conductivity, specific_heat and density of its steel"
+            raise fault("a tool that warms up needs a steel", remedy, key="warms_up")
         return self
 
     def to_model(self) -> model.ToolHeat:
         """Return the Model's."""
-        effusivity = None
-        if self.conductivity is not None and self.specific_heat is not None and self.density is not None:
-            effusivity = float(np.sqrt(self.conductivity * self.specific_heat * self.density))
-        return model.ToolHeat(self.temperature, to_array(self.conductance), effusivity)
+        if self.conductivity is None or self.specific_heat is None or self.density is None:
+            return model.ToolHeat(self.temperature, to_array(self.conductance))
+        capacity = self.specific_heat * self.density
+        effusivity = float(np.sqrt(self.conductivity * capacity))
+        steel = (self.conductivity, capacity) if self.warms_up else None
+        return model.ToolHeat(self.temperature, to_array(self.conductance), effusivity, steel)
 
 
 class FormingHeat(Part):

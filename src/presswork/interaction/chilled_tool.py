@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The steel of a tool behind the nodes that touch it: a half-space each, in cells along the normal.
+
+Heat flows along the normal alone, which holds while its depth, the square root of diffusivity and time, is small beside
+the tool and the contact. Each column is a row of finite volumes by backward Euler. It is linear, so its answer to the
+flux q into it is a + g q; with the conductance h of the contact and half a cell before its first temperature
+
+    q = (T - a_1) / (1/h + d_1 / (2 k) + g_1),
+
+which stands in the equation of the workpiece's node: both temperatures are those at the end of the step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from presswork.body.heat import sum_at_nodes
+from presswork.interaction.heat_films import HeatFlow, interpolate
+from presswork.model import FloatArray, IntArray, ToolHeat
+
+CELLS = 20
+GROWTH = 1.3
+FIRST = 1 / 3
+"""Of the way that heat goes in a step, sqrt(diffusivity dt): the first cell."""
+
+
+class Column:
+    """The cells behind a contact node, of one steel."""
+
+    def __init__(self, conductivity: float, capacity: float, dt: float) -> None:
+        """Take conductivity [N/(s K)], heat capacity of a volume [N/(mm2 K)] and a usual time step [s]."""
+        self._width = FIRST * np.sqrt(conductivity / capacity * dt) * GROWTH ** np.arange(CELLS)
+        self._between = 2 * conductivity / (self._width[1:] + self._width[:-1])
+        self._capacity = capacity * self._width
+        self.surface = float(self._width[0] / (2 * conductivity))
+        """Resistance from the surface to the first temperature [mm s K/N]."""
+
+    def step(self, temperature: FloatArray, dt: float) -> tuple[FloatArray, FloatArray]:
+        """Return the temperatures after dt [s] without a flux (n, CELLS), and what a flux of 1 adds (CELLS,)."""
+        bands = np.zeros((2, CELLS))
+        bands[1] = self._capacity / dt
+        bands[1, :-1] += self._between
+        bands[1, 1:] += self._between
+        bands[0, 1:] = -self._between
+        unit = np.zeros(CELLS)
+        unit[0] = 1.0
+        rhs = np.column_stack([(self._capacity / dt)[:, None] * temperature.T, unit])
+        found = scipy.linalg.solveh_banded(bands, rhs)
+        return np.ascontiguousarray(found[:, :-1].T), found[:, -1]
+
+    def content(self, temperature: FloatArray) -> FloatArray:
+        """Return the heat of columns (n, CELLS) over an area of 1 mm2 (n,) [N/mm]."""
+        return np.asarray(temperature @ self._capacity)
+
+
+class ColumnFilm:
+    """Conductance by pressure between nodes and the columns behind them, over one time step."""
+
+    kind = "tools"
+
+    def __init__(
+        self,
+        tool: ToolHeat,
+        column: Column,
+        nodes: IntArray,
+        area: FloatArray,
+        pressure: FloatArray,
+        temperature: FloatArray,
+        rubbed: FloatArray,
+        dt: float,
+    ) -> None:
+        """Take nodes in contact (n,), their areas [mm2] and pressures [MPa], and their columns (n, CELLS).
+
+        rubbed: friction heat that goes into the tool (n,) [N/(mm s)].
+        """
+        conductance, _ = interpolate(tool.conductance, pressure)
+        still, self._answer = column.step(temperature, dt)
+        self._still = still + rubbed[:, None] * self._answer
+        resistance = 1.0 / np.maximum(conductance, 1e-12) + column.surface + self._answer[0]
+        self.nodes, self._area, self._through = nodes, area, 1.0 / resistance
+
+    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
+        """Return the flow."""
+        n, factor = len(temperature), self._area * self._through
+        flow = factor * (self._still[:, 0] - temperature[self.nodes])
+        return HeatFlow(sum_at_nodes(self.nodes, flow, n), sum_at_nodes(self.nodes, factor, n))
+
+    def finish(self, temperature: FloatArray) -> FloatArray:
+        """Return the columns at the end of the step (n, CELLS), from the temperatures of all nodes."""
+        flux = self._through * (temperature[self.nodes] - self._still[:, 0])
+        return np.asarray(self._still + flux[:, None] * self._answer)
