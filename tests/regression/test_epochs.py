@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 
 from presswork.case import Case, build_model
+from presswork.examples import copy_example
 from presswork.implicit.epochs import Epoch, MeshChange
 from presswork.implicit.progress import Progress
+from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import Model
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.recorder import Outcome, run_model
 from presswork.results.history import read_history
-from tests.problems.renumbered import renumber
+from tests.problems.renumbered import renumber, touching
 from tests.regression.whole_runs import assert_same_bits, stop_after
 
 CHANGED_AFTER = 4
@@ -119,3 +121,50 @@ def test_a_mesh_without_a_set_that_the_model_names_stops_the_run(tmp_path: Path)
     outcome = run(tmp_path / "out", hook=ask_for_a_mesh_without_sets)
     assert outcome.status == "gave_up"
     assert "the new mesh has no node set 'bottom'" in outcome.reason
+
+
+SIDE_BY_SIDE = ["stages.0.tools.punch.stroke=2", "solver.max_increment=0.05", "output.steps=1"]
+SIDE_BY_SIDE += ["bodies.ring.mesh.size=[4,10.6]", "bodies.ring.mesh.origin=[6.2,0]", "bodies.ring.mesh.cells=[4,7]"]
+SIDE_BY_SIDE += ["tools.punch.profile=[[0,10.6],[30,10.6]]"]
+
+
+def test_one_of_two_bodies_changes_its_mesh_and_both_go_on(tmp_path: Path) -> None:
+    """The core has more cells from the third increment on, while the ring alone is pressed: as if from the start."""
+    path = copy_example("two_bodies", tmp_path)
+    coarse, fine = (
+        build_model(Case.from_toml(path, [*SIDE_BY_SIDE, f"workpiece.mesh.cells={cells}"]))
+        for cells in ([3, 8], [5, 10])
+    )
+
+    def ask_for_more_cells(epoch: Epoch) -> MeshChange | None:
+        return MeshChange(fine.mesh, carry_ring) if epoch.state[Progress].increments == 3 else None
+
+    histories = {}
+    for name, model, hook in (("changed", coarse, ask_for_more_cells), ("from the start", fine, None)):
+        recording = ImplicitRecording(model, threads=1, ask_for_mesh=hook)
+        outcome = run_model(model, tmp_path / name, procedure=lambda _, __, r=recording: r)
+        assert outcome.status == "completed"
+        assert recording.model.bodies == fine.bodies
+        histories[name] = read_history(tmp_path / name / "history.csv")
+    found, wanted = histories.values()
+    assert wanted["bore.force_x"][2] == 0.0, "the core is still untouched"
+    assert wanted["bore.force_x"][-1] > 1e3
+    for name in wanted:
+        if wanted[name].dtype.kind == "f":
+            scale = np.abs(wanted[name]).max()
+            np.testing.assert_allclose(found[name], wanted[name], rtol=0.0, atol=1e-8 * scale + 1e-12, err_msg=name)
+
+
+def carry_ring(before: Epoch, after: Epoch) -> None:
+    """Fill the State of the ring, whose mesh stays; the core is at rest."""
+    old, new = before.state, after.state
+    ring_n, ring = (np.asarray(epoch.run.model.bodies[1].points) for epoch in (before, after))
+    for name in ("displacement", "increment", "reaction", "external_force"):
+        getattr(new.nodes, name)[ring] = getattr(old.nodes, name)[ring_n]
+    for name in ("stress", "eqps", "history", "temperature", "hourglass"):
+        getattr(new.cells, name)[1] = getattr(old.cells, name)[1].copy()
+    held_n, held = (np.isin(touching(epoch.mesh), own) for epoch, own in ((before, ring_n), (after, ring)))
+    old_contact, contact = old[ContactArrays], new[ContactArrays]
+    contact.status[:, held] = old_contact.status[:, held_n]
+    for name in ("anchor", "drag", "shear_part"):
+        getattr(contact, name)[held] = getattr(old_contact, name)[held_n]

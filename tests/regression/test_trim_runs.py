@@ -115,6 +115,7 @@ def test_lines_verdicts_and_pictures_are_those_of_the_trimmed_part(pan, tmp_path
 def test_a_run_stopped_round_the_trimming_resumes_to_the_same_bits(explicit_pan, tmp_path: Path, reports: int) -> None:
     run_in_two_parts(cup(), tmp_path / "out", reports)
     assert_same_bits(tmp_path / "out", explicit_pan.folder)
+    assert Result(tmp_path / "out").summary["trim"] == explicit_pan.summary["trim"]
 
 
 def test_a_part_may_be_trimmed_and_stay_in_its_tools(tmp_path: Path) -> None:

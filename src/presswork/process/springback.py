@@ -35,14 +35,17 @@ from presswork.model import (
     Support,
 )
 from presswork.outcome import GaveUpError, StartError
+from presswork.process.epochs import EpochRecording, NamedArrays
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.limits import Watched
-from presswork.process.recording import ModelRecording, Report, Row, Snapshot
+from presswork.process.recording import Meta, Report, Row, Snapshot
 from presswork.process.stamping import ExplicitStamping
 from presswork.process.transfer import TransferError, begin_with
-from presswork.process.trim import TrimError, TrimmedSheet, explain_beside, trim_sheet
+from presswork.process.trim import Cut, TrimError, explain_beside, trim_sheet
 
 TRIM, NAME, DEVIATION = "trim", "springback", "deviation"
+FORMING, FORMED, ELASTIC = "forming.", "formed", "elastic"
+"""Names in a checkpoint: the prefix of the formed part, and what _Released keeps."""
 ELEMENTS: dict[int, ShellElement] = {3: "shell3_mitc_plus", 4: "shell4_mitc_plus"}
 """By number of nodes."""
 SYMMETRY = tuple(tuple(i in held for i in range(6)) for held in ((0, 4, 5), (1, 3, 5)))
@@ -127,22 +130,22 @@ class _Released:
     """The part without its tools."""
 
     implicit: ImplicitProcedure
-    trimmed: TrimmedSheet | None
+    cut: Cut | None
     formed: FloatArray
     """Displacement when it was let go (n_points, 3) [mm]."""
     elastic: float
     """Energy stored then [N mm]."""
 
 
-class ReleasedStamping(ModelRecording):
-    """A stamping after which the part is trimmed, or springs back, or both."""
+class ReleasedStamping(EpochRecording):
+    """A stamping after which the part is trimmed, or springs back, or both: with that the last epoch begins."""
 
     model: Model
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
+        super().__init__(model)
         procedure = ImplicitStamping if model.explicit is None else ExplicitStamping
         self.forming: ExplicitStamping | ImplicitStamping = procedure(model, threads=threads)
-        self.model = model
         self.timing = self.forming.timing
         self._threads = threads
         self._released: _Released | None = None
@@ -161,22 +164,23 @@ class ReleasedStamping(ModelRecording):
             yield SpringbackReport(before + report.number, report, report.is_save_point)
 
     def _release(self) -> _Released:
-        """Cut the part, and hand its state over to an implicit procedure, which knows no hanging nodes."""
+        """Begin the epoch of the part without its tools: the implicit procedure knows no hanging nodes."""
         if isinstance(self.forming, ExplicitStamping):
             self.forming.split_evenly()
-        mesh, state, trimmed = self.forming.mesh, self.forming.sheet(), None
+        mesh, state, cut = self.forming.mesh, self.forming.sheet(), None
         try:
             if self.model.trim:
                 trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS, self.model.symmetry)
-                mesh, state = trimmed.mesh, trimmed.state
+                mesh, state, cut = trimmed.mesh, trimmed.state, trimmed.cut
             implicit = ImplicitProcedure(make_springback_model(self.model, mesh), threads=self._threads)
             begin_with(state, implicit)
         except TrimError as error:
             raise GaveUpError(str(error)) from error
         except (MeshError, StartError, TransferError) as error:
             raise GaveUpError(f"springback cannot begin: {error}") from error
-        formed = state.position - mesh.points
-        return _Released(implicit, trimmed, formed, implicit.mechanics.elastic_energy(implicit.state))
+        self._begin_epoch(mesh)
+        elastic = implicit.mechanics.elastic_energy(implicit.state)
+        return _Released(implicit, cut, state.position - mesh.points, elastic)
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed; springback counts as a small one."""
@@ -198,8 +202,7 @@ class ReleasedStamping(ModelRecording):
     @property
     def mesh(self) -> Mesh:
         """The undeformed sheet: the blank, and what trimming leaves of it."""
-        trimmed = None if self._released is None else self._released.trimmed
-        return self.forming.mesh if trimmed is None else trimmed.mesh
+        return self.forming.mesh if self._released is None else self.model.mesh
 
     @property
     def columns(self) -> list[str]:
@@ -214,11 +217,11 @@ class ReleasedStamping(ModelRecording):
         """Say where the row or increment ended."""
         if isinstance(report, TrimReport):
             assert self._released is not None
-            assert self._released.trimmed is not None
+            assert self._released.cut is not None
             before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.forming.mesh, self.mesh))
-            trimmed = self._released.trimmed
-            cut = f"{TRIM}: {after} of {before} shells, cut within {trimmed.off_line:.3g} mm of the line"
-            return [cut, *(f"warning: {text}" for text in explain_beside(trimmed))]
+            cut = self._released.cut
+            line = f"{TRIM}: {after} of {before} shells, cut within {cut.off_line:.3g} mm of the line"
+            return [line, *(f"warning: {text}" for text in explain_beside(cut))]
         if not isinstance(report, SpringbackReport):
             return self.forming.log_lines(report)
         found = report.increment
@@ -288,39 +291,57 @@ class ReleasedStamping(ModelRecording):
         cells = [block.connectivity for block in self.mesh.blocks]
         return measure_deviation(formed + self._moved(), formed, cells, self.model.symmetry)
 
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return every array that the next row or increment depends on."""
-        arrays = self.forming.to_arrays()
-        if self._released is not None:
-            own = self._released.implicit.state.to_arrays()
-            arrays |= {f"{NAME}.{name}": values for name, values in own.items()}
-        return arrays
+    def _epoch_arrays(self) -> NamedArrays:
+        released = self._released
+        return {} if released is None else {FORMED: released.formed, ELASTIC: np.array(released.elastic)}
 
-    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
-        own = {name.removeprefix(f"{NAME}."): v for name, v in arrays.items() if name.startswith(f"{NAME}.")}
-        self._released = None
-        self.forming.load_arrays({name: v for name, v in arrays.items() if not name.startswith(f"{NAME}.")})
-        if own:
-            self._released = self._release()
-            self._released.implicit.state.load_arrays(own)
+    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        if not self.epoch:
+            self._released = None
+            return
+        implicit = ImplicitProcedure(make_springback_model(self.model, self.model.mesh), threads=self._threads)
+        self._released = _Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]))
+
+    def _state_arrays(self) -> NamedArrays:
+        parts = {FORMING: self.forming.to_arrays()}
+        if self._released is not None:
+            parts[f"{NAME}."] = self._released.implicit.state.to_arrays()
+        return {f"{part}{name}": values for part, arrays in parts.items() for name, values in arrays.items()}
+
+    def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        def of(part: str) -> dict[str, NDArray[Any]]:
+            return {name.removeprefix(part): values for name, values in arrays.items() if name.startswith(part)}
+
+        self.forming.load_arrays(of(FORMING))
+        if self._released is not None:
+            self._released.implicit.state.load_arrays(of(f"{NAME}."))
+
+    def meta(self) -> Meta:
+        """Return how the part was cut, which no array holds."""
+        cut = None if self._released is None else self._released.cut
+        return {} if cut is None else {TRIM: cut.to_text()}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+        if self._released is not None and TRIM in meta:
+            self._released = replace(self._released, cut=Cut.from_text(str(meta[TRIM])))
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
         summary = self.forming.summary(history)
         if self._released is None:
             return summary
-        if self._released.trimmed is not None:
+        cut = self._released.cut
+        if cut is not None:
             cells = sum(len(block.connectivity) for block in self.mesh.blocks)
-            miss = self._released.trimmed.off_line
-            beside = self._released.trimmed.beside
+            miss = cut.off_line
             summary[TRIM] = {
                 "cells": cells,
                 "off_line_mm": miss,
-                "beside_sheet": {name: asdict(each) for name, each in beside.items()},
+                "beside_sheet": {name: asdict(each) for name, each in cut.beside.items()},
             }
-            summary["warnings"] = [*summary["warnings"], *explain_beside(self._released.trimmed)]
-            if miss > WORTH_A_WARNING * self._released.trimmed.element_size:
+            summary["warnings"] = [*summary["warnings"], *explain_beside(cut)]
+            if miss > WORTH_A_WARNING * cut.element_size:
                 text = f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there"
                 summary["warnings"] = [*summary["warnings"], text]
         if self.model.springback is None:

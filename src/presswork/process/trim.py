@@ -8,8 +8,9 @@ its way to that point, at most half an element.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -23,18 +24,38 @@ from presswork.process.transfer import SheetBlock, SheetState
 
 
 @dataclass(frozen=True)
-class TrimmedSheet:
-    """A sheet after it was cut."""
+class Cut:
+    """How well a sheet was cut along its lines."""
 
-    mesh: Mesh
-    """Undeformed; its node sets hold the nodes whose neighbours before the cut were all in them."""
-    state: SheetState
     off_line: float
     """The farthest that a trim line is from the outline [mm]."""
     element_size: float
     """Mean length of the new outline's edges [mm]."""
     beside: Mapping[str, Beside]
     """By line, where one runs beside the sheet."""
+
+    def to_text(self) -> str:
+        """Return all of it as a text."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_text(cls, text: str) -> Cut:
+        """Return what to_text gave."""
+        values = json.loads(text)
+        beside = {
+            name: Beside(**(each | {"place": tuple(each["place"])})) for name, each in values.pop("beside").items()
+        }
+        return cls(**values, beside=beside)
+
+
+@dataclass(frozen=True)
+class TrimmedSheet:
+    """A sheet after it was cut."""
+
+    mesh: Mesh
+    """Undeformed; its node sets hold the nodes whose neighbours before the cut were all in them."""
+    state: SheetState
+    cut: Cut
 
 
 class TrimError(Exception):
@@ -69,16 +90,16 @@ def trim_sheet(
         sizes.append(float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).mean()))
         state = _cut_state(state, cut, elements)
         mesh = _cut_mesh(mesh, cut, elements)
-    return TrimmedSheet(mesh, state, off_line, float(np.mean(sizes)), beside)
+    return TrimmedSheet(mesh, state, Cut(off_line, float(np.mean(sizes)), beside))
 
 
-def explain_beside(trimmed: TrimmedSheet) -> list[str]:
+def explain_beside(cut: Cut) -> list[str]:
     """Say of each line that runs beside the sheet where, and by how much."""
     return [
         f"the line trim.{name} runs beside the formed sheet over {each.length:.4g} of its {each.whole:.4g} mm, by up "
         f"to {each.depth:.3g} mm at ({each.place[0]:.4g}, {each.place[1]:.4g}) mm: there the part keeps the edge of "
         "the blank; make the blank larger or the line smaller, unless this is meant"
-        for name, each in trimmed.beside.items()
+        for name, each in cut.beside.items()
     ]
 
 
