@@ -3,7 +3,7 @@
 #pragma once
 
 #include "arrays.hpp"
-#include "explicit/space_loop.hpp"
+#include "explicit/space/loop.hpp"
 
 namespace presswork::bindings {
 

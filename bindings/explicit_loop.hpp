@@ -10,8 +10,8 @@
 
 #include "arrays.hpp"
 #include "explicit/loop.hpp"
-#include "explicit/plane_nodes.hpp"
-#include "explicit/space_nodes.hpp"
+#include "explicit/plane/nodes.hpp"
+#include "explicit/space/nodes.hpp"
 #include "material/umat.hpp"
 
 namespace presswork::bindings {

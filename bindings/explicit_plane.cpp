@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "arrays.hpp"
-#include "explicit/plane_loop.hpp"
+#include "explicit/plane/loop.hpp"
 #include "explicit_loop.hpp"
 
 namespace presswork::bindings {

@@ -5,9 +5,9 @@
 
 #include "arrays.hpp"
 #include "drawbeads.hpp"
-#include "explicit/shell_section.hpp"
-#include "explicit/space_loop.hpp"
-#include "explicit/space_solids.hpp"
+#include "explicit/space/loop.hpp"
+#include "explicit/space/shell_section.hpp"
+#include "explicit/space/solids.hpp"
 #include "sheet_layers.hpp"
 #include "tabulated_mises.hpp"
 #include "tool_contact.hpp"

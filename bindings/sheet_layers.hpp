@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "arrays.hpp"
-#include "explicit/space_loop.hpp"
+#include "explicit/space/loop.hpp"
 #include "explicit_loop.hpp"
 
 namespace presswork::bindings {

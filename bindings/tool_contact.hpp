@@ -9,7 +9,7 @@
 #include <array>
 
 #include "arrays.hpp"
-#include "explicit/space_loop.hpp"
+#include "explicit/space/loop.hpp"
 
 namespace presswork::bindings {
 

@@ -42,7 +42,7 @@ constexpr ShellType stabilized(std::string_view name, std::string_view descripti
   return {row, Evaluator::internal_values, &Evaluator::evaluate_pack, &tabulate<Quad4, 1>};
 }
 
-// Of the explicit loop alone (explicit/one_point_shells.cpp).
+// Of the explicit loop alone (explicit/space/one_point_shells.cpp).
 constexpr ShellType explicit_shell(std::string_view name, std::string_view description) {
   return {{name, Tri3::name, 3, 1, Family::shell, description, false, true}, 0, nullptr, nullptr};
 }

@@ -2,7 +2,7 @@
 // Nodes of a pack of elements, lane by lane: positions, velocities, angular velocities, room between tools.
 #pragma once
 
-#include "explicit/space_nodes.hpp"
+#include "explicit/space/nodes.hpp"
 #include "tensor/records.hpp"
 
 namespace presswork::explicit_dynamics {

@@ -7,8 +7,8 @@
 
 #include <omp.h>
 
-#include "explicit/plane_nodes.hpp"
-#include "explicit/space_nodes.hpp"
+#include "explicit/plane/nodes.hpp"
+#include "explicit/space/nodes.hpp"
 
 namespace presswork::explicit_dynamics {
 

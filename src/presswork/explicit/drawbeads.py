@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drawbeads of an explicit run: lines in the plan that hold the sheet back (cpp/explicit/drawbeads.hpp)."""
+"""Drawbeads of an explicit run: lines in the plan that hold the sheet back (cpp/explicit/contact/drawbeads.hpp)."""
 
 from __future__ import annotations
 

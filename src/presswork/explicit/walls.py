@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rigid walls of an explicit run in the plane (cpp/explicit/rigid_wall.hpp)."""
+"""Rigid walls of an explicit run in the plane (cpp/explicit/plane/rigid_wall.hpp)."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 """Shells split in four where it is asked for: neighbours one level apart at most, hanging nodes on the sides between.
 
 Triangles have their last node twice. The middle of a side is one node, however many shells have the side; where one
-shell has the whole side and two others its halves, that node hangs: cpp/explicit/hanging.hpp says how it moves.
+shell has the whole side and two others its halves, that node hangs: cpp/explicit/space/hanging.hpp says how it moves.
 """
 
 from __future__ import annotations

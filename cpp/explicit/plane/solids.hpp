@@ -8,7 +8,7 @@
 
 #include "element/solid2d_one_point.hpp"
 #include "explicit/element_block.hpp"
-#include "explicit/plane_nodes.hpp"
+#include "explicit/plane/nodes.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "explicit/drawbeads.hpp"
-#include "explicit/hanging.hpp"
+#include "explicit/contact/drawbeads.hpp"
+#include "explicit/contact/tool_contact.hpp"
 #include "explicit/loop.hpp"
-#include "explicit/sheet_block.hpp"
-#include "explicit/tool_contact.hpp"
+#include "explicit/space/hanging.hpp"
+#include "explicit/space/sheet_block.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/space_nodes.hpp"
+#include "explicit/space/nodes.hpp"
 
 namespace presswork::explicit_dynamics {
 

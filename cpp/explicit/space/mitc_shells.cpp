@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "element/shell4_mitc.hpp"
-#include "explicit/shell_block.hpp"
+#include "explicit/space/shell_block.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/plane_nodes.hpp"
+#include "explicit/plane/nodes.hpp"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "explicit/nodes.hpp"
-#include "explicit/rigid_wall.hpp"
+#include "explicit/plane/rigid_wall.hpp"
 #include "explicit/state_field.hpp"
 #include "explicit/step.hpp"
 

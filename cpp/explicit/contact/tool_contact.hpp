@@ -34,10 +34,10 @@
 #include <type_traits>
 #include <vector>
 
-#include "explicit/edge_contact.hpp"
+#include "explicit/contact/edge_contact.hpp"
+#include "explicit/contact/tools.hpp"
 #include "explicit/lane_sums.hpp"
 #include "explicit/state_field.hpp"
-#include "explicit/tools.hpp"
 #include "tensor/records.hpp"
 
 namespace presswork::explicit_dynamics {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // All that contact with tools remembers: of each tool its motion, its pairs with the points and its edges; of the
 // points half thickness, room and held energy; sums. It does not depend on the SIMD width.
-#include "explicit/tool_contact.hpp"
+#include "explicit/contact/tool_contact.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/plane_solids.hpp"
+#include "explicit/plane/solids.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/edge_contact.hpp"
+#include "explicit/contact/edge_contact.hpp"
 
 #include <algorithm>
 #include <cmath>

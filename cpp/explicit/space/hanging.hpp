@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "explicit/interaction.hpp"
-#include "explicit/space_nodes.hpp"
+#include "explicit/space/nodes.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "explicit/edge_contact.hpp"
+#include "explicit/contact/edge_contact.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -24,9 +24,9 @@
 
 #include "contact/sheet_under.hpp"
 #include "contact/vectors.hpp"
-#include "explicit/space_nodes.hpp"
+#include "explicit/contact/tools.hpp"
+#include "explicit/space/nodes.hpp"
 #include "explicit/state_field.hpp"
-#include "explicit/tools.hpp"
 
 namespace presswork::explicit_dynamics {
 

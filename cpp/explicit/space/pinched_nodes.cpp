@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nodes that two tools hold from opposite faces (squeezed_section.hpp).
-#include "explicit/tool_contact.hpp"
+#include "explicit/contact/tool_contact.hpp"
 
 namespace presswork::explicit_dynamics {
 

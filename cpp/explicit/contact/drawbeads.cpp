@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/drawbeads.hpp"
+#include "explicit/contact/drawbeads.hpp"
 
 #include <stdexcept>
 

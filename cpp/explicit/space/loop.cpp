@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/space_loop.hpp"
+#include "explicit/space/loop.hpp"
 
 #include <algorithm>
 #include <cmath>

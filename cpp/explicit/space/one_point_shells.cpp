@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "element/shell3_one_point.hpp"
 #include "element/shell4_stabilized.hpp"
-#include "explicit/shell_block.hpp"
+#include "explicit/space/shell_block.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "explicit/loop.hpp"
-#include "explicit/plane_solids.hpp"
+#include "explicit/plane/solids.hpp"
 
 namespace presswork::explicit_dynamics {
 

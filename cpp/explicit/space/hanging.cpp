@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/hanging.hpp"
+#include "explicit/space/hanging.hpp"
 
 #include <algorithm>
 #include <cmath>

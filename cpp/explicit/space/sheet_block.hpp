@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "explicit/element_block.hpp"
-#include "explicit/space_nodes.hpp"
+#include "explicit/space/nodes.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/tool_contact.hpp"
+#include "explicit/contact/tool_contact.hpp"
 
 #include <cmath>
 #include <cstring>

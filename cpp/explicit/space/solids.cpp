@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explicit/space_solids.hpp"
+#include "explicit/space/solids.hpp"
 
 #include <algorithm>
 #include <stdexcept>

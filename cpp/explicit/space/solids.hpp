@@ -11,7 +11,7 @@
 #include <variant>
 
 #include "explicit/element_block.hpp"
-#include "explicit/space_nodes.hpp"
+#include "explicit/space/nodes.hpp"
 #include "material/elastic_plastic.hpp"
 #include "material/law_data.hpp"
 #include "material/von_mises.hpp"

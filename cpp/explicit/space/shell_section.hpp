@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "element/shell4_one_point.hpp"
-#include "explicit/sheet_block.hpp"
+#include "explicit/space/sheet_block.hpp"
 
 namespace presswork::explicit_dynamics {
 

@@ -18,7 +18,7 @@
 #include <string>
 
 #include "explicit/gather.hpp"
-#include "explicit/shell_section.hpp"
+#include "explicit/space/shell_section.hpp"
 #include "material/umat.hpp"
 
 namespace presswork::explicit_dynamics {

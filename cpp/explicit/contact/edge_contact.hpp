@@ -30,9 +30,9 @@
 #include <vector>
 
 #include "contact/sharp_places.hpp"
+#include "explicit/contact/tools.hpp"
 #include "explicit/lane_sums.hpp"
 #include "explicit/state_field.hpp"
-#include "explicit/tools.hpp"
 #include "tensor/pack.hpp"
 
 namespace presswork::explicit_dynamics {
