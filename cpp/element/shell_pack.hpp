@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <optional>
 
 #include "element/layered_section.hpp"
 #include "element/shell.hpp"
@@ -132,8 +131,12 @@ struct ShellPack {
       for (int i = 0; i < size; ++i) lanes::set(to[i], lane, array[(cells[lane] * rows + row) * size + i]);
   }
   void save(const T* from, std::size_t rows, std::size_t row, int size, double* array) const {
+    save(from, rows, row, size, size, array);
+  }
+  // the first `count` of them
+  void save(const T* from, std::size_t rows, std::size_t row, int count, int size, double* array) const {
     for (int lane = 0; lane < used; ++lane)
-      for (int i = 0; i < size; ++i) array[(cells[lane] * rows + row) * size + i] = lanes::get(from[i], lane);
+      for (int i = 0; i < count; ++i) array[(cells[lane] * rows + row) * size + i] = lanes::get(from[i], lane);
   }
 
   ShellFailure find(Mask<T> bad, ShellFault fault) const {
@@ -162,6 +165,14 @@ struct ShellPack {
     return found;
   }
 
+  // A layer whose law is from a shared library, by what takes a LayerLaw. On a frame of its own: the lanes take room.
+  template <class Advance>
+  [[gnu::noinline]] Mask<T> advance_user(int q, int k, const typename Kernel::Surface& surface,
+                                         const Advance& advance) const {
+    const UmatLanes place = find_lanes(q, k, surface);
+    return advance({law, &place, first, &view.fault[first / width]});
+  }
+
   // All layers of point q: their resultants, new thickness and volumes
   ShellFailure run_layers(int q, const typename Kernel::Surface& surface, const typename Kernel::Strain& strain,
                           bool with_modulus, typename Kernel::Resultants& sum, Retained<T>* retained = nullptr) const {
@@ -186,12 +197,11 @@ struct ShellPack {
       StressSquares<T> squares;
       T given(law.start_temperature());
       if (view.temperature) load(view.temperature, rows, row, 1, &given);
-      std::optional<UmatLanes> place;
-      if (law.user) place = find_lanes(q, k, surface);
-      const LayerLaw layer_law{law, place ? &*place : nullptr, first, place ? &view.fault[first / width] : nullptr};
       const auto respond = view.small ? &respond_layer_linearly<T> : &respond_layer<T>;
-      auto failed =
-          respond(layer_law, view.dt, given, E, with_modulus, at, end, response, retained ? &squares : nullptr);
+      const auto advance = [&](const LayerLaw& layer_law) {
+        return respond(layer_law, view.dt, given, E, with_modulus, at, end, response, retained ? &squares : nullptr);
+      };
+      auto failed = law.own ? advance({law}) : advance_user(q, k, surface, advance);
       if (retained) retained->add(squares, Q, 0.5 * view.layer_weight[k], view.layer_position[k], z);
       if (auto bad = find(failed, ShellFault::law); bad.cell >= 0) return bad;
       T weight = T(0.5 * table.shape.weight[q] * view.layer_weight[k]) * area * h;
@@ -206,10 +216,7 @@ struct ShellPack {
       }
       Kernel::add_layer(response, Q, weight, z, with_modulus, sum);
       save(end.state, rows, row, 3, view.stress);
-      if (law.own)
-        save(end.state + 3, rows, row, view.n_history, view.history);
-      else
-        for (int lane = 0; lane < used; ++lane) place->history[lane][-1] = lanes::get(end.state[3], lane);
+      save(end.state + 3, rows, row, law.own ? view.n_history : 1, view.n_history, view.history);
       save(end.direction, rows, row, 2, view.direction);
       save(&volume, rows, row, 1, view.volume);
     }

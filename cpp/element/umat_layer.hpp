@@ -81,7 +81,8 @@ struct LayerLaw {
   // As update_sheet (elastic_plastic.hpp). s0 and s1 hold what a law of our own keeps; a routine's history is in lanes,
   // but for the equivalent plastic strain.
   template <class T>
-  Mask<T> update(const LawInput<3, T>& in, const T* s0, T* s1, T& thickness, T (*tangent)[3]) const {
+  [[gnu::always_inline]] inline Mask<T> update(const LawInput<3, T>& in, const T* s0, T* s1, T& thickness,
+                                               T (*tangent)[3]) const {
     return law.own ? update_sheet(*law.own, in, s0, s1, thickness, tangent) : call(in, s0, s1, thickness, tangent);
   }
 
