@@ -118,6 +118,14 @@ def test_a_held_node_that_a_tool_passes_beside_is_no_obstacle() -> None:
     build_model(Case(**case))
 
 
+def test_a_punch_may_go_deeper_than_it_is_wide() -> None:
+    """Nodes of the symmetry plane lie nearer to the side of the punch then, and gave way to its face before."""
+    case = {**SOLID, "materials": {"steel": STEEL}}
+    case["tools"] = {"punch": {"profile": [[3, 50], [3, 15], [0, 15]], "contact": "sticking"}}
+    case["stages"] = [{"name": "pierce", "tools": {"punch": {"stroke": 8, "direction": [0, -1]}}}]
+    build_model(Case(**case))
+
+
 @pytest.mark.parametrize(
     "name", ["a/b", "../x", ".", "", " ", "a\0b", "a\nb", "x" * 300, "a:b", ".hidden", "a,b", "\ud800"]
 )

@@ -25,7 +25,9 @@ ROOM = 1e-3
 ALONG = 0.05
 """Part of a tool's normal, across what is held, up to which a node cannot slide out of its way."""
 _SAMPLES = 16
-"""Places along each stage's motion."""
+"""Places along each stage's motion where the distance to the workpiece is taken."""
+_PLACES = 128
+"""Places along it where nodes are sought that the tool meets."""
 
 
 def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> list[Problem]:
@@ -65,7 +67,8 @@ def check_room(
 ) -> list[Problem]:
     """Return a problem for each tool that is driven through nodes which are held against it: no metal fits between.
 
-    Only tools whose way is known, by strokes and moves, are looked at.
+    A node gives way to the surface of the tool that meets it first, unless it is held across that surface. Only tools
+    whose way is known, by strokes and moves, are looked at.
     """
     held = np.zeros((len(mesh.points), 2), dtype=bool)
     for support in supports:
@@ -81,43 +84,54 @@ def check_room(
         motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
         if tool.spring is not None or any(m.turn or m.push is not None or m.start is not None for m in motions):
             continue
-        place, nodes = np.zeros(2), mesh.points[chosen]
-        free = _gap_to_held(tool, nodes, held[chosen], place) > tolerance
+        place, ahead = np.zeros(2), chosen[_touch(tool, mesh.points[chosen], tolerance)[0] > 0.0]
         for index, move in enumerate(np.array(motion.move[:2]) for motion in motions):
-            if _is_driven_through(tool, nodes[free], held[chosen][free], place + move, tolerance):
-                problems.append(_explain_room(tool, index, nodes[free], held[chosen][free], place, move, tolerance))
+            nodes = mesh.points[ahead]
+            part, normal = _find_meetings(tool, nodes, place, move, tolerance)
+            across = np.linalg.norm(np.where(held[ahead], 0.0, normal), axis=1)
+            against = np.flatnonzero((part <= 1.0) & (across < ALONG))
+            if len(against):
+                first = against[np.argmin(part[against])]
+                problems.append(_explain_room(tool, index, nodes[first], float(part[first]), move))
                 break
-            place = place + move
+            place, ahead = place + move, ahead[part > 1.0]
     return problems
 
 
-def _gap_to_held(tool: Tool, nodes: FloatArray, held: BoolArray, place: FloatArray) -> FloatArray:
-    """Return the gap of nodes to a tool moved to `place` [mm]; infinite where they are free to give way."""
-    gap, normal, *_ = _core.touch_profile(start_profile(tool), nodes - place)
-    across = np.linalg.norm(np.where(held, 0.0, normal), axis=1)
-    return np.where(across < ALONG, gap, np.inf)
+def _touch(tool: Tool, nodes: FloatArray, tolerance: float) -> tuple[FloatArray, FloatArray]:
+    """Return how far nodes are from touching a tool [mm], below 0 where they touch it, and its normal there (n, 2)."""
+    gap, normal, *_ = _core.touch_profile(start_profile(tool), nodes)
+    return gap - tolerance, normal
 
 
-def _is_driven_through(tool: Tool, nodes: FloatArray, held: BoolArray, place: FloatArray, tolerance: float) -> bool:
-    return len(nodes) > 0 and float(_gap_to_held(tool, nodes, held, place).min()) <= tolerance
-
-
-def _explain_room(
-    tool: Tool, stage: int, nodes: FloatArray, held: BoolArray, place: FloatArray, move: FloatArray, tolerance: float
-) -> Problem:
-    """Say where a tool meets held nodes, and how far it can go until then."""
-    worst = int(np.argmin(_gap_to_held(tool, nodes, held, place + move)))
-    low, high = 0.0, 1.0
+def _find_meetings(
+    tool: Tool, nodes: FloatArray, place: FloatArray, move: FloatArray, tolerance: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the part of a tool's move at which it meets each node (n,), infinite where never, and its normal then."""
+    before, after = np.zeros(len(nodes)), np.full(len(nodes), np.inf)
+    for part in np.linspace(0.0, 1.0, _PLACES + 1)[1:] if move.any() else ():
+        waiting = np.isinf(after)
+        met = waiting & (_touch(tool, nodes - place - part * move, tolerance)[0] <= 0.0)
+        after[met] = part
+        before[waiting & ~met] = part
+    normal = np.zeros_like(nodes)
+    found = np.flatnonzero(np.isfinite(after))
+    if len(found) == 0:
+        return after, normal
     for _ in range(30):
-        middle = 0.5 * (low + high)
-        if _is_driven_through(tool, nodes, held, place + middle * move, tolerance):
-            high = middle
-        else:
-            low = middle
-    (x, y), way = nodes[worst], float(np.linalg.norm(move))
+        middle = 0.5 * (before[found] + after[found])
+        met = _touch(tool, nodes[found] - place - middle[:, None] * move, tolerance)[0] <= 0.0
+        after[found[met]], before[found[~met]] = middle[met], middle[~met]
+    normal[found] = _touch(tool, nodes[found] - place - after[found, None] * move, tolerance)[1]
+    return after, normal
+
+
+def _explain_room(tool: Tool, stage: int, node: FloatArray, part: float, move: FloatArray) -> Problem:
+    """Say where a tool meets a held node, and how far it can go until then."""
+    (x, y), way = node, float(np.linalg.norm(move))
     return Problem(
         f"stages.{stage}.tools.{tool.name}",
-        f"after {low * way:.4g} of its {way:.4g} mm the tool meets nodes that are held against it, at "
+        f"after {part * way:.4g} of its {way:.4g} mm the tool meets nodes that are held against it, at "
         f"({x:.4g}, {y:.4g}): no metal fits between",
         "shorten the stroke, or let these nodes go",
     )
