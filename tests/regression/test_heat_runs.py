@@ -60,6 +60,17 @@ def test_two_threads_give_the_bits_of_one(model, tmp_path) -> None:
     assert (tmp_path / "1/history.csv").read_bytes() == (tmp_path / "2/history.csv").read_bytes()
 
 
+@pytest.mark.parametrize(("flux", "said"), [("1e6", "degrees C at"), ("-5e4", "-2")])
+def test_a_run_gives_up_at_temperatures_of_no_forming(flux, said, tmp_path) -> None:
+    path = copy_example("billet_cooling", tmp_path)
+    film = f'stages.0.flux=[{{set="right",value={flux}}}]'
+    outcome = run_model(build_model(read_case(path, [*OVERRIDES, film])), tmp_path / "out", threads=1)
+    assert outcome.status == "gave_up"
+    assert said in outcome.reason
+    assert "temperature of no forming" in outcome.reason
+    assert "Look at the fluxes" in outcome.reason
+
+
 def test_temperatures_beyond_a_table_are_warned_of(tmp_path) -> None:
     path = copy_example("billet_cooling", tmp_path)
     short = "materials.C45.conductivity=[[20, 53.3], [800, 27.3]]"

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 from presswork import Case, CaseError, build_model
+from presswork.case.description import describe
+from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import find_boundary_edges
 from presswork.outcome import StartError
 from presswork.post import measure_die_fill
+from presswork.process import remeshing
 from presswork.process.remeshing import RemeshedForming
 from presswork.recorder import run_model
 from presswork.results import Result, read_history
@@ -128,7 +131,11 @@ def test_every_key_changes_the_meshes(base, change):
         ({"workpiece": {"material": "steel", "element": "tri6_7pt", "mesh": {"size": [10, 15], "cells": [4, 4]}}},
          "workpiece.element"),
         ({"solver": {"inertia": 1.0}}, "solver.inertia"),
+        ({"solver": {"displacements": "small"}}, "solver.displacements"),
         ({"remesh": {"size": 1.0, "smallest_size": 2.0}}, "remesh.smallest_size"),
+        ({"remesh": {"smallest_size": 5.0}}, "remesh.smallest_size"),
+        ({"remesh": {"size": 50.0}}, "remesh.size"),
+        ({"remesh": {"size": 1e-9}}, "remesh.size"),
         ({"stages": [{"name": "press", "displacement": [{"set": "top", "component": "y", "value": -1.0}]}]},
          "stages.0.displacement"),
     ],
@@ -137,6 +144,26 @@ def test_what_does_not_go_together_is_told_by_its_key(changes, key):
     with pytest.raises(CaseError) as error:
         build_model(upsetting(**({"remesh": {}} | changes)))
     assert key in str(error.value)
+
+
+def test_a_run_that_gives_up_tells_why_there_is_no_other_mesh(tmp_path, monkeypatch):
+    """A sticking punch turns a cell of the first mesh inside out, and no other mesh can be made."""
+
+    def fold(old, settings):
+        raise MeshError("the boundary folds", "another shape")
+
+    monkeypatch.setattr(remeshing, "remesh_section", fold)
+    case = upsetting(12, (4, 4), remesh={"quality": 1e-9}, contact={"contact": "sticking"})
+    outcome = run_model(build_model(case), tmp_path / "run", threads=1)
+    assert outcome.status == "gave_up"
+    assert "not remeshed (" in outcome.reason
+    assert "the boundary folds" in outcome.reason
+
+
+def test_check_says_that_there_are_new_meshes():
+    words = describe(build_model(upsetting(remesh={"every": 0.2, "size": 0.8})))
+    assert "new meshes: cells of 0.2 to 0.8 mm, at most 20,000" in words
+    assert "after every 0.2 of a stage" in words
 
 
 def test_a_section_with_a_hole_is_refused_before_anything_is_computed():

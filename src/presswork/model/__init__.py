@@ -18,6 +18,8 @@ from presswork.model.elements import (
     list_names,
 )
 from presswork.model.heat import (
+    COLDEST,
+    HOTTEST,
     STEFAN_BOLTZMANN,
     ZERO_CELSIUS,
     Convection,
@@ -87,7 +89,9 @@ from presswork.model.tool import (
 )
 
 __all__ = [
+    "COLDEST",
     "ELEMENTS",
+    "HOTTEST",
     "STEFAN_BOLTZMANN",
     "ZERO_CELSIUS",
     "Analysis",

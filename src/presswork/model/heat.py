@@ -15,6 +15,8 @@ from presswork.model.arrays import FloatArray
 
 STEFAN_BOLTZMANN = 5.670374419e-11
 """[N/(mm s K^4)] (CODATA 2018)."""
+COLDEST, HOTTEST = -200.0, 4000.0
+"""Temperatures of no forming [degrees C]."""
 ZERO_CELSIUS = 273.15
 """[K]"""
 

@@ -17,7 +17,7 @@ from presswork import _core
 from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem, HeatStep
 from presswork.implicit.stepping import IncrementReport
 from presswork.interaction.heat_films import Film, make_contacts, make_films, read_at
-from presswork.model import FloatArray, HeatStage, MaskArray, Model
+from presswork.model import COLDEST, HOTTEST, FloatArray, HeatStage, MaskArray, Model
 from presswork.outcome import Failed, GaveUpError
 from presswork.threads import available_threads
 from presswork.timing import Timing
@@ -114,6 +114,7 @@ class HeatProcedure:
                     f"{where}: even a step of {duration * step:.1e} s is not solved ({reason}). Look for tables that "
                     "jump, or for films that are out of proportion"
                 )
+        self._check_range(stage, duration * fraction, found.temperature)
         self._commit(found, stage, fraction_n, fraction, self._next_size(size, step, error), len(cutbacks))
         return IncrementReport(
             number=int(self.state["progress"][STEPS]),
@@ -142,6 +143,17 @@ class HeatProcedure:
             prescribed=values,
         )
         return self.equation.solve(problem, temperature + dt * self._foretold(fraction_n))
+
+    def _check_range(self, stage: int, time: float, temperature: FloatArray) -> None:
+        """Raise GaveUpError where a temperature is that of no forming."""
+        worst = int(np.argmax(np.maximum(temperature - HOTTEST, COLDEST - temperature)))
+        if not COLDEST <= temperature[worst] <= HOTTEST:
+            where = ", ".join(f"{x:.4g}" for x in self._points[worst])
+            raise GaveUpError(
+                f"stage {self.model.stages[stage].name!r} at {time:.4g} s: {temperature[worst]:.5g} degrees C at "
+                f"({where}) mm is a temperature of no forming ({COLDEST:g} to {HOTTEST:g}). Look at the fluxes, which "
+                "are in kW/m^2, and at the duration"
+            )
 
     def _films_of(self, stage: int, entries: HeatStage) -> list[Film]:
         """Return the films of a stage; the bodies do not move."""

@@ -51,7 +51,7 @@ class IncrementRecording(EpochRecording):
                     raise
                 self._failed_at = self.number
                 if not self._may_change_mesh(str(error)):
-                    raise
+                    raise GaveUpError("; ".join([str(error), *self._notes])) from error
                 continue
             yield report
 

@@ -50,6 +50,8 @@ def describe(problem: model.Model | OneStepModel) -> str:
         return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
     if problem.heat is not None:
         lines += describe_heat_of_forming(problem, problem.heat)
+    if problem.remeshing is not None:
+        lines += [_describe_remeshing(problem.remeshing)]
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
     lines += [f"output: {_describe_output(problem)}"]
     lines += list(_warn_of_steps(problem))
@@ -104,6 +106,14 @@ def _describe_space_solid(problem: model.Model) -> Iterator[str]:
     yield f"nodes: {n_points}, freedoms: {freedoms} before supports, boundary faces: {len(mesh.boundary_faces)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     yield f"face sets: {', '.join(f'{name} ({len(faces)})' for name, faces in sorted(mesh.face_sets.items()))}"
+
+
+def _describe_remeshing(remeshing: model.Remeshing) -> str:
+    due = f", and after every {remeshing.every:g} of a stage" if remeshing.every else ""
+    return (
+        f"new meshes: cells of {remeshing.smallest_size:.3g} to {remeshing.size:.3g} mm, at most "
+        f"{remeshing.max_cells:,}; made where a cell's quality falls below {remeshing.quality:g}{due}"
+    )
 
 
 def _describe_tool(tool: model.Tool) -> str:

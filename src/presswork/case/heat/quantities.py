@@ -24,10 +24,8 @@ from presswork.case.units import (
     fault,
     to_number,
 )
-from presswork.model import ZERO_CELSIUS, FloatArray
+from presswork.model import COLDEST, HOTTEST, ZERO_CELSIUS, FloatArray
 
-COLDEST, HOTTEST = -200.0, 4000.0
-"""Temperatures of no forming [degrees C]: nearly always kelvin taken for degrees C or the reverse."""
 MOST_ROWS = 1000
 
 _WITH_UNIT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(°C|degC|K)\s*$", re.ASCII)

@@ -23,6 +23,7 @@ from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
+from presswork.case.solid.remesh import check_sizes
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.cavity import check_cavity
 from presswork.mesh.edges import edge_areas
@@ -59,6 +60,8 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         return float(edge_areas(mesh.points, mesh.edge_sets[edge_set], thickness).sum())
 
     stages = tuple(_build_stage(stage, area_of, explicit=explicit) for stage in case.stages)
+    if case.remesh is not None:
+        problems += check_sizes(case.remesh, mesh)
     problems = problems or check_motions(case, tools)
     if not problems and case.workpiece.velocity is None:
         problems = check_reach(tools, stages, mesh)

@@ -47,14 +47,16 @@ class Remesh(Part):
 
     def build(self, mesh: model.Mesh) -> model.Remeshing:
         """Return the Model's settings for a workpiece's first mesh."""
-        if self.size is not None:
-            size = self.size
-        else:
-            cells = np.concatenate([block.connectivity for block in mesh.blocks])
-            corners = mesh.points[cells]
-            size = float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
+        size = self.find_size(mesh)
         smallest = SMALLEST * size if self.smallest_size is None else self.smallest_size
         return model.Remeshing(size, smallest, self.max_cells, self.quality, self.every)
+
+    def find_size(self, mesh: model.Mesh) -> float:
+        """Return the largest edge of cells [mm]."""
+        if self.size is not None:
+            return self.size
+        corners = mesh.points[np.concatenate([block.connectivity for block in mesh.blocks])]
+        return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
 
 
 def check_remesh(case: Case) -> list[Problem]:
@@ -68,6 +70,7 @@ def check_remesh(case: Case) -> list[Problem]:
         "contacts": bool(case.contacts),
         "solver.inertia": case.solver.inertia > 0.0,
         "solver.control": case.solver.control == "arc_length",
+        "solver.displacements": case.solver.displacements == "small",
     }
     for number, stage in enumerate(case.stages):
         for key in ("displacement", "force", "edge_force", "pressure"):
@@ -76,8 +79,22 @@ def check_remesh(case: Case) -> list[Problem]:
     if not case.workpiece.element.startswith("quad4"):
         fault = f"{case.workpiece.element!r} cannot be meshed anew: new meshes are of four-node quadrilaterals"
         problems.append(Problem("workpiece.element", fault, 'use "quad4_fbar", or leave out [remesh]'))
-    size, smallest = case.remesh.size, case.remesh.smallest_size
-    if size is not None and smallest is not None and smallest > size:
-        fault = f"smallest_size ({smallest:g} mm) exceeds size ({size:g} mm)"
+    return problems
+
+
+def check_sizes(remesh: Remesh, mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of sizes that do not fit each other or the workpiece."""
+    size, smallest, problems = remesh.find_size(mesh), remesh.smallest_size, []
+    if smallest is not None and smallest > size:
+        fault = f"smallest_size ({smallest:g} mm) exceeds the largest edge of cells ({size:g} mm)"
         problems.append(Problem("remesh.smallest_size", fault, "make it smaller, or leave it out"))
+    extent = float(np.ptp(mesh.points, axis=0).min())
+    if remesh.size is not None and size > extent:
+        fault = f"size ({size:g} mm) exceeds the least extent of the workpiece ({extent:g} mm)"
+        problems.append(Problem("remesh.size", fault, "make it smaller, or leave it out"))
+    edges = mesh.points[mesh.boundary_edges[:, :2]]
+    round_it = float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).sum())
+    if round_it > 10 * size * remesh.max_cells:
+        fault = f"size ({size:g} mm) is too small for max_cells = {remesh.max_cells}: the boundary has {round_it:g} mm"
+        problems.append(Problem("remesh.size", fault, "make it larger, or leave it out"))
     return problems
