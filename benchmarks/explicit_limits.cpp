@@ -53,7 +53,8 @@ struct Shell {
   [[gnu::noinline]] void advance(const FastMises& law, const LayerRule& rule) {
     for (int a = 0; a < 4; ++a)
       for (int j = 0; j < 2; ++j) x[a][j] = T(value_of_lane(x[a][j]) + step * value_of_lane(v[a][j]));
-    shell4::advance_stabilized(law, rule, step, x, v, w, static_cast<const T*>(nullptr), state, force);
+    shell4::advance_stabilized(law, rule, LayerConditions<T>{step}, x, v, w, static_cast<const T*>(nullptr), state,
+                               force);
   }
   double plastic_strain() const { return value_of_lane(state[shell4::head_rows + 3]); }
 

@@ -59,7 +59,8 @@ Shell<T> unit_square() {
 template <class T>
 double microseconds(const FastMises& law, const LayerRule& rule, int threads) {
   constexpr int width = sizeof(T) / sizeof(double);
-  const ShellControl control{step};
+  const ShellControl control;
+  const LayerConditions<T> conditions{step};
   std::vector<Shell<T>> shells(n_shells / width, unit_square<T>());
   const int count = static_cast<int>(shells.size());
   auto evaluate = [&] {
@@ -68,7 +69,8 @@ double microseconds(const FastMises& law, const LayerRule& rule, int threads) {
       auto& s = shells[i];
       for (int a = 0; a < 4; ++a)
         for (int j = 0; j < 2; ++j) s.x[a][j] += T(step) * s.v[a][j];
-      shell4::advance<true>(law, rule, control, s.x, s.v, s.w, static_cast<const T*>(nullptr), s.state, s.force);
+      shell4::advance<true>(law, rule, control, conditions, s.x, s.v, s.w, static_cast<const T*>(nullptr), s.state,
+                            s.force);
     }
   };
   for (int k = 0; k < 200; ++k) evaluate();  // into the plastic range
