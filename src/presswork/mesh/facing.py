@@ -17,8 +17,9 @@ def find_shared_areas(
 ) -> tuple[IntArray, FloatArray]:
     """Return pairs of nodes of straight edges that lie on each other (n, 2) and their areas, int N_a N_b dA (n,) [mm2].
 
-    own, other: edges of two bodies (n_edges, 2). thickness [mm]: out of the plane; None: the edges are rings about the
-    axis. The areas of a node's pairs add up to the area that it stands for.
+    own, other: edges of two bodies (n_edges, 2), each with its body on the left; they face each other. thickness [mm]:
+    out of the plane; None: the edges are rings about the axis. The areas of a node's pairs add up to the
+    area that it stands for.
     """
     pairs, areas = [np.zeros((0, 2), dtype=np.int32)], [np.zeros(0)]
     a, b = points[other[:, 0]], points[other[:, 1]]
@@ -29,7 +30,8 @@ def find_shared_areas(
         ends = np.stack([(a - start) @ along, (b - start) @ along], axis=1) / length**2
         off = np.maximum(np.abs((a - start) @ across), np.abs((b - start) @ across))
         low, high = np.clip(ends.min(axis=1), 0.0, 1.0), np.clip(ends.max(axis=1), 0.0, 1.0)
-        for k in np.flatnonzero((off <= TOUCH * length) & (high - low > TOUCH)):
+        facing = ends[:, 1] < ends[:, 0]
+        for k in np.flatnonzero(facing & (off <= TOUCH * length) & (high - low > TOUCH)):
             area = np.zeros((2, 2))
             for s, weight in GAUSS_3:
                 at = low[k] + 0.5 * (1 + s) * (high[k] - low[k])

@@ -28,12 +28,16 @@ def list_names(
 if TYPE_CHECKING:
     SolidElement = str
     SpaceElement = str
+    HeatElement = str
     ShellElement = str
     ExplicitElement = str
     ElementName = str
 else:
     SolidElement = Literal[list_names(_core.Family.plane, in_implicit=True)]
     SpaceElement = Literal[list_names(_core.Family.space, in_implicit=True)]
+    HeatElement = Literal[
+        list_names(_core.Family.plane, in_implicit=True) + list_names(_core.Family.space, in_implicit=True)
+    ]
     ShellElement = Literal[list_names(_core.Family.shell, in_implicit=True)]
     ExplicitElement = Literal[
         tuple(n for n in list_names(_core.Family.shell, in_explicit=True) if ELEMENTS[n].nodes == 4)

@@ -97,7 +97,7 @@ class HeatRecording(ModelRecording):
             time=float(state["progress"][TIME]),
             point_data=at_points,
             cell_data=in_cells,
-            info=describe_plane(self.model),
+            info={**describe_plane(self.model), "physics": "heat"},
         )
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:

@@ -34,7 +34,7 @@ def pack_run(result: Result, blocks: Blocks, budget: int) -> dict[str, Any]:
         return {
             "name": result.folder.resolve().name,
             "title": str(result.info.get("title", "")).strip() or result.folder.resolve().name,
-            "analysis": str(result.info.get("analysis", "")),
+            "analysis": _name_analysis(result),
             "axisymmetric": result.info.get("analysis") == "axisymmetric",
             "sheet": result.is_shell,
             "dimension": result.mesh.points.shape[1],
@@ -51,6 +51,12 @@ def pack_run(result: Result, blocks: Blocks, budget: int) -> dict[str, Any]:
             "draw_in": _pack_draw_in(result, choice),
             "notes": list(choice.notes),
         }
+
+
+def _name_analysis(result: Result) -> str:
+    """Return the kind of analysis, which of heat alone is no strain: "heat, plane"."""
+    analysis = str(result.info.get("analysis", ""))
+    return f"heat, {analysis.split('_')[0]}" if result.info.get("physics") == "heat" else analysis
 
 
 def _describe(result: Result, shown: Shown, bounds: tuple[float, float]) -> dict[str, Any]:

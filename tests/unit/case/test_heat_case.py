@@ -75,7 +75,7 @@ BAD = [
     ("stages.0.duration", 0, "stages.0.duration", "> 0"),
     ("workpiece.material", "stele", "workpiece.material", "no such material"),
     ("workpiece.element", "hex8", "workpiece.element", "no element of geometry = plane"),
-    ("workpiece.element", "tri3x", "workpiece.element", "unknown choice"),
+    ("workpiece.element", "tri3x", 'workpiece.element = "tri3x"', "did you mean `tri3`"),
     ("workpiece.mesh", {"size": [1, 1, 1], "cells": [1, 1, 1]}, "workpiece.mesh", "a box does not go with"),
     ("workpiece.mesh.origin", [-5, 0], "workpiece.mesh", "beyond the axis"),
     ("geometry", "solid", "workpiece.mesh", "a rectangle does not go with"),
@@ -112,6 +112,9 @@ def test_contacts_of_bodies() -> None:
     apart = with_die(mesh={"origin": [0, -6], "size": [10, 5], "cells": [3, 2]})
     with pytest.raises(CaseError, match="do not lie on each other"):
         build_model(HeatCase.model_validate(apart))
+    within = with_die(mesh={"origin": [2, 0], "size": [5, 5], "cells": [3, 2]})
+    with pytest.raises(CaseError, match="do not lie on each other"):
+        build_model(HeatCase.model_validate(within))
     alone = with_die()
     del alone["contacts"]
     with pytest.raises(CaseError, match="no heat would reach it"):

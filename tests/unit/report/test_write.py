@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from presswork import read_case, run
 from presswork.cli import app
 from presswork.examples import copy_example
 from presswork.report import write_report
@@ -50,6 +51,14 @@ def test_first_field_is_the_one_that_pictures_show_first(tmp_path: Path) -> None
     (run,) = read_page(write_report(Result(write_upset_output(tmp_path / "upset"))))[0]["runs"]
     first = run["fields"][0]
     assert (first["name"], first["label"], first["unit"]) == ("effective_stress", "effective stress", "MPa")
+
+
+def test_heat_alone_is_no_plane_strain(tmp_path: Path) -> None:
+    path = copy_example("billet_cooling", tmp_path)
+    quick = ["workpiece.mesh.cells=[3,6]", "solver.tolerance=100", "output.steps=1", 'geometry="plane"']
+    outcome = run(read_case(path, quick), tmp_path / "out", threads=1)
+    (page,) = read_page(write_report(outcome.result))[0]["runs"]
+    assert page["analysis"] == "heat, plane"
 
 
 def test_steps_are_thinned_to_the_budget_and_the_page_says_so(tmp_path: Path) -> None:

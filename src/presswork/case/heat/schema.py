@@ -52,7 +52,7 @@ class HeatBody(Part):
     """A body that conducts heat."""
 
     material: str = Field(description="name of one of the [materials]")
-    element: model.SolidElement | model.SpaceElement | None = Field(
+    element: model.HeatElement | None = Field(
         default=None, description="element, of which the cell counts; without it quad4, in space hex8"
     )
     mesh: Annotated[Rectangle | Box | MeshFile, Field(discriminator="kind"), BeforeValidator(choose_kind)] = Field(
