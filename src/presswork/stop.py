@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ctrl-C and SIGTERM during a run: counted, and looked at between its steps, so that no step and no file is cut short.
+"""Ctrl-C and SIGTERM during a run: counted, and read between its steps, so that no step and no file is cut short.
 
 A signal that raised at once could do so inside a callback of the HDF5 library, which loses it, or in the middle of a
 state. `look` is called once an iteration or a second of cycles, and after every write.
@@ -21,7 +21,7 @@ _seen = False
 
 @contextmanager
 def listen() -> Iterator[None]:
-    """Count signals until the block ends. One that nobody looked at raises KeyboardInterrupt there.
+    """Count signals until the block ends. One that nobody read raises KeyboardInterrupt there.
 
     In a thread other than the main one, where Python does not allow it, nothing changes.
     """

@@ -8,7 +8,7 @@ import numpy as np
 from presswork.model import BoolArray, FloatArray
 
 _AT_ONCE = 4096
-"""Pairs of points and sides that are looked at together; more of them fall out of the cache."""
+"""Pairs of points and sides that are computed together; more of them fall out of the cache."""
 _AT_A_TIME = 200_000
 """Pairs of points and sides held in memory."""
 

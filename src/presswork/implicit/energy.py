@@ -38,7 +38,7 @@ def add_external_work(state_n: State, trial: State, fixed_n: BoolArray, fixed: B
     """Add the work of supports and loads in an increment to that of the trial state.
 
     fixed_n, fixed (n_points, freedoms): what supports and prescribed displacements hold at state_n, and in the
-    increment. What they let go of at the start of a stage loses its reaction over the first increment.
+    increment. What they release at the start of a stage loses its reaction over the first increment.
     """
     on_nodes = (
         state_n.nodes.reaction * fixed_n

@@ -33,7 +33,7 @@ GROWTH = 1.5
 SMALLEST = 10.0
 """Times min_increment: increments that converge slowly are made no smaller, or the end would never come."""
 BACK = 1e-3
-"""Of the last increment, by which the first guess goes back where a stage lets go of what held the workpiece: the
+"""Of the last increment, by which the first guess goes back where a stage releases what held the workpiece: the
 tangent from there is that of unloading."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""

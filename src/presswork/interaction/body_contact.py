@@ -145,7 +145,7 @@ class BodyContacts(Interaction):
             self._believed[interface.places] = np.asarray(result.pressure) + rise
 
     def update(self, trial: State, point: Point, own: Any, *, near: bool, pull: float) -> int:
-        """Take hold of slots that penetrate and, near equilibrium, let go of those that pull; return the changes."""
+        """Hold slots that penetrate and, near equilibrium, release those that pull; return the changes."""
         before = self._held.copy()
         fresh = (own.pressure > 0) & (before != KEEPS_HOLD)
         self._believed[fresh] = np.minimum(own.pressure, self._credible)[fresh]

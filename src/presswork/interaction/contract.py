@@ -7,7 +7,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     begin_stage       a stage begins; what stands elsewhere from now on is put there
     begin_increment   the increment begins; what is taken from the converged state is taken here
     evaluate          forces on the nodes at a guess, with their derivative, or why the guess is bad
-    update            take hold and let go: changes of an active set at a guess
+    update            hold and release nodes: changes of an active set at a guess
     constrain         what is prescribed of the nodes, in frames of their own
     resist            forces that follow from the reactions of what is held, such as friction
     tune              near equilibrium: what a law leaves open, such as a friction between none and all
@@ -158,7 +158,7 @@ class Interaction:
         return ()
 
     def begin_stage(self, state: State, stage: int) -> bool:
-        """Prepare a copy of the converged state for a stage that begins; return whether it lets go of what it held."""
+        """Prepare a copy of the converged state for a stage that begins; return whether it releases what it held."""
         return False
 
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
@@ -178,7 +178,7 @@ class Interaction:
         """Take note of a change of the nodes (n_points, freedoms) [mm] that is about to be evaluated."""
 
     def update(self, trial: State, point: Point, own: Forces | None, *, near: bool, pull: float) -> int:
-        """Take hold and let go of nodes; return the changes.
+        """Hold and release nodes; return the changes.
 
         near: equilibrium is near enough for reactions to be believed. pull: force below which a pull says nothing [N].
         """

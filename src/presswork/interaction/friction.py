@@ -5,8 +5,8 @@ A node in contact hangs on its tool by a stiff tangential spring: over an increm
 the slip, from T_n. Where that exceeds what the law allows, the node slides and T = T_max against the slip (return
 mapping with a small elastic slip). The force is kept and not the spring's length, so that a change of the node's area
 is no jump. k_t = k A' / the elastic slip, A' the node's share of all edges beside it, in contact or not: a lone node in
-contact rubs too. T_max by law, A the node's share of the surface in contact and k = flow stress / sqrt(3) at the start
-of the increment:
+contact has friction, too. T_max by law, A the node's share of the surface in contact and k = flow stress / sqrt(3) at
+the start of the increment:
 
     shear m k A        coulomb mu N        coulomb_capped min(mu N, m k A)
 

@@ -2,7 +2,7 @@
 """Nodes under constant shear that neither push nor lift off: the part of the shear that acts there.
 
 Constant shear m k acts where a node is in contact and nowhere else, whatever the pressure. So a node may have no place:
-held, its shear and that of the edges beside it drag it off the tool; let go, without that shear, it comes back. The
+held, its shear and that of the edges beside it drag it off the tool; released, without that shear, it comes back. The
 equilibrium lies between, on the vertical branch of the law: the node touches, its normal force is zero, and a part of
 the shear between 0 and 1 acts on the edges beside it. The part is looked for between two that have been tried (rule of
 Illinois), and is kept in ContactArrays.shear_part, from which the next increment starts.

@@ -87,7 +87,7 @@ class PlaneTools(Interaction):
         placed.displacement, placed.angle = pose[:, :2] + placed.restart + placed.travel, pose[:, 2]
 
     def begin_stage(self, state: State, stage: int) -> bool:
-        """Place the tools that a stage places anew; what they held is let go over the first increment."""
+        """Place the tools that a stage places anew; what they held is released over the first increment."""
         placed, held = state[ToolArrays], state[ContactArrays]
         lets_go = False
         for t, tool in enumerate(self._model.plane_tools):
@@ -150,7 +150,7 @@ class PlaneTools(Interaction):
             self.friction.begin_increment(state_n, self._cells.nodal_flow_stress(state_n))
 
     def update(self, trial: State, point: Point, own: Forces | None, *, near: bool, pull: float) -> int:
-        """Take hold of nodes inside tools; near equilibrium let go of those that pull."""
+        """Hold nodes inside tools; near equilibrium release those that pull."""
         self.contact.search(trial, point.guess.displacement)
         fixed = self._supports.fixed(point.guess.step.stage)
         return self.contact.update(trial, point.reaction, self.friction.drag, fixed, near=near, tolerance=pull)

@@ -3,13 +3,13 @@
 
 A node that would be inside a tool is put on its surface and held there along the normal (SLIDING); on a sticking tool
 it is held in both directions from the next increment on (STUCK), at the place in the tool's frame where it has come to
-rest: so the converged answer does not depend on the way the iteration took. A held node lets go when it pulls. There
+rest: so the converged answer does not depend on the path of the iteration. A held node is released when it pulls. There
 is no penalty: the tangent stays as well conditioned as the workpiece itself, and the gap of a held node is zero.
 
 No increment converges with a node that pulls by more than what may be out of balance (`tolerance`). What prevents
-chatter: a node lets go only near equilibrium, and only if it pulls with more than that; where constant shear drags a
-node off that comes back without it, a part of the shear is found with which it neither pulls nor lifts (grazing.py);
-and a node that has changed its state MAX_CHANGES times in an increment keeps hold for the rest of it. If it still pulls
+chatter: a node is released only near equilibrium, and only if it pulls with more than that; where constant shear drags
+a node off that comes back without it, a part of the shear is found with which it neither pulls nor lifts (grazing.py);
+and a node that has changed its state MAX_CHANGES times in an increment stays held for the rest of it. If it still pulls
 when all else is in equilibrium, the increment has failed.
 
 Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
@@ -168,7 +168,7 @@ class Contact:
     def update(
         self, trial: State, reaction: FloatArray, drag: Drag, fixed: BoolArray, *, near: bool, tolerance: float
     ) -> int:
-        """Take hold of nodes inside tools and, near equilibrium, let go of those that pull; return the changes.
+        """Hold nodes inside tools and, near equilibrium, release those that pull; return the changes.
 
         tolerance: pull below which nothing can be said [N].
         """
@@ -189,7 +189,7 @@ class Contact:
         return int(changed.sum())
 
     def _let_go(self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, tolerance: float) -> None:
-        """Let go of nodes that pull, but for those that their shear may drag off the tool."""
+        """Release nodes that pull, except those that their shear may drag off the tool."""
         touch = trial[ContactArrays]
         held = (before > 0) & (touch.status > 0)
         judged = np.where(held, self._judge(push), 0.0)

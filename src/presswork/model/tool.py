@@ -71,7 +71,7 @@ class Spring:
     preload: float
     """[N] on the whole tool."""
     direction: tuple[float, float]
-    """Unit vector along which the tool gives way."""
+    """Unit vector along which the workpiece pushes the tool back."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 """Whether holders have done what they are there for: keep the flange flat, and let it flow.
 
 A pushed holder is lifted by a sheet that thickens, and by one that wrinkles or curls; what the thickest element does
-not explain is the height of the wrinkles. A holder that stands at a distance from the die does not give way: a sheet
+not explain is the height of the wrinkles. A holder that stands at a distance from the die does not move back: a sheet
 that thickens to more than the distance is squeezed, and friction keeps it from being drawn in.
 """
 

@@ -213,7 +213,7 @@ class ImplicitStamping(IncrementRecording):
         return self.procedure.state[Progress].time
 
     def row_at_rest(self) -> Row:
-        """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
+        """Return the row of the history once the part is released: strokes, and what the energies have come to."""
         balance = self.procedure.energy_balance()
         tools = tool_columns(self.model, self._displacement(), np.zeros((len(self.model.tools), 3)))
         energies = {name: balance[name] for name in ENERGIES}

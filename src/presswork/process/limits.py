@@ -37,7 +37,7 @@ class Measure:
 
 @dataclass(frozen=True)
 class Watched:
-    """What is looked at in a converged state."""
+    """Measures of a converged state that limits apply to."""
 
     measures: tuple[Measure, ...] = ()
     margin: Extreme | None = None
@@ -67,7 +67,7 @@ def explain_breach(measure: Measure, limits: Limits) -> str:
 
 
 def watch_sheet(verdict: FormingVerdict) -> Watched:
-    """Return what is looked at in the strains of a sheet."""
+    """Return the measures of a sheet's strains that limits apply to."""
     thinnest = verdict.thinning
     fact = f"the sheet is thinned by {thinnest.value:.1f} % {thinnest.where()}"
     return Watched((Measure("thinning", thinnest.value / 100.0, fact),), verdict.margin)

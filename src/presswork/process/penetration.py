@@ -3,7 +3,7 @@
 how deep bodies are in each other.
 
 A rib that is narrower than an edge cuts it deeply, yet no point of the edge is farther from the rib's face than half
-its width; so the profile's own points are looked at, too.
+its width; so the profile's own points are checked, too.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from presswork.model import FloatArray, IntArray, Mesh
 from presswork.process.limits import Measure
 
 _BETWEEN = np.linspace(-1.0, 1.0, 10)[1:-1]
-"""Where edges are looked at."""
+"""Where edges are checked."""
 _SPACING = 0.25
-"""Of the places where profiles are looked at, over the mean edge."""
+"""Of the places where profiles are checked, over the mean edge."""
 _MOST_PLACES = 400
 """On a piece of a profile."""
 
@@ -63,7 +63,7 @@ class Penetration:
         tools: Mapping[str, FloatArray],
         find_gaps: Callable[[FloatArray], FloatArray],
     ) -> Measure | None:
-        """Look at a converged state, and return where a tool is deepest, by the length of the edge at the start.
+        """Measure a converged state, and return where a tool is deepest, by the length of the edge at the start.
 
         points: of the nodes now (n_points, 2) [mm]; tools: profiles where they are now (n_segments, 7). find_gaps: of
         places from each tool (n_tools, n) [mm].

@@ -20,7 +20,7 @@ from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Refinement
 Planes = Sequence[tuple[int, IntArray]]
 """Of each symmetry plane the axis that it is normal to, and its nodes."""
 LOOK_AHEAD = 1.0
-"""How near a tool must be to be looked at, over the side of the shell."""
+"""How near a tool must be to be checked, over the side of the shell."""
 
 
 @dataclass(frozen=True)

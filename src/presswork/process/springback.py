@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What follows forming: the part is trimmed, and springs back.
 
-It is cut along the trim lines while its tools hold it (trim.py). Then it is let go, and the implicit procedure finds
+It is cut along the trim lines while its tools hold it (trim.py). Then it is released, and the implicit procedure finds
 where it comes to rest. The tools are gone; what they and inertia held fades over a few increments (transfer.py), and so
 does what the cut took away. Only symmetry planes stay, and as many freedoms of three nodes as rigid motions are left:
 such supports bear no force, so they leave the shape alone and only choose from where it is seen. The first node lies in
@@ -132,7 +132,7 @@ class _Released:
     implicit: ImplicitProcedure
     cut: Cut | None
     formed: FloatArray
-    """Displacement when it was let go (n_points, 3) [mm]."""
+    """Displacement when it was released (n_points, 3) [mm]."""
     elastic: float
     """Energy stored then [N mm]."""
 
@@ -256,13 +256,13 @@ class ReleasedStamping(EpochRecording):
         return self.forming.time + self._released.implicit.state[Progress].time
 
     def watch(self) -> Watched:
-        """Return how far forming is towards its limits; a part that is let go has passed none of its own."""
+        """Return how far forming is towards its limits; a released part has passed none of its own."""
         return self.forming.watch() if self._released is None else Watched()
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state.
 
-        `springback` is the displacement since the part was let go, `deviation` how far it lies off the shape that it
+        `springback` is the displacement since the part was released, `deviation` how far it lies off the shape that it
         had in its tools, along that shape's normal, after the best fit.
         """
         now = self.forming.show()

@@ -293,7 +293,7 @@ class ExplicitStamping(RowRecording):
         return float(self._progress[ADDED_MASS])
 
     def row_at_rest(self) -> Row:
-        """Return the row of the history once the part is let go: strokes, and what the energies have come to."""
+        """Return the row of the history once the part is released: strokes, and what the energies have come to."""
         energies = self.shells.energies(damping=self.settings.damping, velocity_scale=0.0)
         report = RowReport(self.number, "", 1.0, self.time, 0, self.shells.dt, energies, is_save_point=True)
         gone = {

@@ -29,7 +29,7 @@ class Watch:
         self._fields: dict[str, dict[str, dict[str, Any]]] = {}
 
     def look(self, watched: Watched, row: Mapping[str, Any]) -> str | None:
-        """Look at a converged state; return why the run must stop, if it must.
+        """Measure a converged state; return why the run must stop, if it must.
 
         row: of the history, which says when this is.
         """

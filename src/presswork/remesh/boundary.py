@@ -28,7 +28,7 @@ LARGEST_OFFSET = 0.25
 VOID = 1.05
 """Way along an inner bend of a tool over its chord, from which on the metal is taken not to fill it."""
 _CLOSE = 0.35
-"""Of the size of cells, within which a corner gives way to another hard place."""
+"""Of the size of cells, within which another hard place replaces a corner."""
 _BULGE = 0.3
 """Of its chord, by which a cubic may leave an edge; the edge stays straight where it would leave it by more."""
 _SAMPLES = 16

@@ -19,7 +19,7 @@ GRADATION = np.log(1.3)
 OF_RADIUS = 0.4
 OF_GAP = 0.25
 REACH = 2.5
-"""Cells of the largest size ahead of contact over which a tool's curvature is looked at."""
+"""Cells of the largest size ahead of contact over which a tool's curvature counts."""
 _CLASSES = 1.15
 _CELLS_OF_GRID = 160
 

@@ -68,7 +68,7 @@ def check_room(
     """Return a problem for each tool that is driven through nodes which are held against it: no metal fits between.
 
     A node gives way to the surface of the tool that meets it first, unless it is held across that surface. Only tools
-    whose way is known, by strokes and moves, are looked at.
+    whose way is known, by strokes and moves, are checked.
     """
     held = np.zeros((len(mesh.points), 2), dtype=bool)
     for support in supports:

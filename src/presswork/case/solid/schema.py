@@ -136,8 +136,8 @@ class Spring(Part):
     """A spring behind a tool, which stands at its stop until it is pushed with more than the preload."""
 
     stiffness: Stiffness = Field(gt=0, description="of the whole tool [N/mm]")
-    preload: Force = Field(default=0.0, ge=0, description="push from which the tool gives way [N]")
-    direction: Direction = Field(description="direction [x, y] in which the tool gives way, of any length")
+    preload: Force = Field(default=0.0, ge=0, description="push from which the tool moves back [N]")
+    direction: Direction = Field(description="direction [x, y] in which the tool is pushed back, of any length")
 
     @model_validator(mode="after")
     def _check_direction(self) -> Self:

@@ -147,7 +147,7 @@ class Explicit(Part):
 
 
 class Springback(Part):
-    """The formed part let go, after the last stage: tools and boundaries away, symmetry planes kept."""
+    """The formed part is released after the last stage: tools and boundaries away, symmetry planes kept."""
 
     increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
 
