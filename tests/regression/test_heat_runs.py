@@ -130,3 +130,24 @@ def test_cold_dies_make_the_billet_harder(tmp_path) -> None:
         outcome = run_model(build_model(read_case(path, [*HOT, *more])), tmp_path / name, threads=1)
         force[name] = outcome.result.history["die.force"][-1]
     assert force["cold"] > 1.02 * force["insulated"]
+
+
+def test_heat_flows_while_nothing_moves(tmp_path) -> None:
+    """Transfer, upset, dwell: the first loses heat to air alone; in the last the dies take it and the force stays."""
+    path = copy_example("hot_upsetting", tmp_path)
+    text = path.read_text()
+    transfer = '[[stages]]\nname = "transfer"\nduration = 4\n\n'
+    dwell = '[[stages]]\nname = "dwell"\nduration = 1\n\n[output]'
+    path.write_text(text.replace("[[stages]]", transfer + "[[stages]]").replace("[output]", dwell))
+    apart = "tools.die.profile=[[0, 31], [60, 31]]"
+    upset = "stages.1.tools.die.stroke=3"
+    quick = ["workpiece.mesh.cells=[4,6]", "workpiece.mesh.grading=[1,1]", "output.steps=1", apart, upset]
+    outcome = run_model(build_model(read_case(path, quick)), tmp_path / "out", threads=1)
+    assert outcome.status == "completed", outcome.reason
+    history = outcome.result.history
+    transfer_rows, dwell_rows = (history["stage"] == name for name in ("transfer", "dwell"))
+    assert not history["heat_tools"][transfer_rows].any()
+    assert not history["die.force"][transfer_rows].any()
+    assert (history["heat_radiation"][transfer_rows] < 0).all()
+    assert (np.diff(history["heat_tools"][dwell_rows]) < 0).all()
+    assert history["die.force"][dwell_rows] == pytest.approx(history["die.force"][-1], rel=1e-3)

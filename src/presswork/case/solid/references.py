@@ -63,7 +63,7 @@ def check_references(case: schema.Case) -> list[Problem]:
                 remedy = suggest(tool, case.tools, "tools")
                 problems.append(Problem(f"{key}.tools.{tool}", "no such tool", remedy))
         problems += _check_forces(case, stage, key)
-        if not (_moves(stage) or unloads):
+        if not (_moves(stage) or unloads or case.heat is not None):
             problems.append(
                 Problem(
                     key,
