@@ -176,19 +176,37 @@ function setLines(geometry, positions, lines) {
 }
 
 /** Return a profile in the plane as drawn for rigid bodies: its line, doubled to be thick, and hatched metal on its right. */
-function makeProfile(line, width) {
-  const corners = [], edges = [];
-  let way = 0;
+function makeProfile(profile, width) {
+  const line = profile.filter((p, i) => !i || Math.hypot(p[0] - profile[i - 1][0], p[1] - profile[i - 1][1]) > 0);
+  const normals = findNormals(line), corners = [], edges = [];
+  const at = (i, across) => [line[i][0] + across * normals[i][0], line[i][1] + across * normals[i][1], -0.01];
+  const reached = [0];
   for (let i = 0; i + 1 < line.length; i++) {
-    const [a, b] = [line[i], line[i + 1]], length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
-    const along = [(b[0] - a[0]) / length, (b[1] - a[1]) / length], right = [along[1], -along[0]];
-    const at = (place, across, on = 0) => [place[0] + across * right[0] + on * along[0], place[1] + across * right[1] + on * along[1], -0.01];
-    corners.push(...at(a, 0), ...at(b, 0), ...at(a, width), ...at(a, width), ...at(b, 0), ...at(b, width));
-    for (const across of [0, 0.04, 0.08]) edges.push(...at(a, across * width), ...at(b, across * width));
-    for (let on = Math.ceil(way / width) * width - way; on < length; on += width) edges.push(...at(a, 0, on), ...at(a, width, on - width));
-    way += length;
+    corners.push(...at(i, 0), ...at(i + 1, 0), ...at(i, width), ...at(i, width), ...at(i + 1, 0), ...at(i + 1, width));
+    for (const across of [0, 0.04, 0.08]) edges.push(...at(i, across * width), ...at(i + 1, across * width));
+    reached.push(reached[i] + Math.hypot(line[i + 1][0] - line[i][0], line[i + 1][1] - line[i][1]));
   }
+  const find = (length, across) => {
+    const after = Math.max(1, reached.findIndex((r) => r >= length)), i = after - 1;
+    const part = (length - reached[i]) / (reached[after] - reached[i]), [a, b] = [at(i, across), at(after, across)];
+    return a.map((value, k) => value + part * (b[k] - value));
+  };
+  for (let on = width; on < reached.at(-1); on += width) edges.push(...find(on, 0), ...find(on - width, width));
   return { corners: new Float32Array(corners), edges: new Float32Array(edges) };
+}
+
+/** Return the normal to the right of a line at each of its points: to both sides' parallels, twice its length at most. */
+function findNormals(line) {
+  const sides = line.slice(1).map((p, i) => {
+    const length = Math.hypot(p[0] - line[i][0], p[1] - line[i][1]);
+    return [(p[1] - line[i][1]) / length, (line[i][0] - p[0]) / length];
+  });
+  return line.map((_, i) => {
+    const before = sides[i - 1] ?? sides[i], after = sides[i] ?? before;
+    const sum = [before[0] + after[0], before[1] + after[1]], length = Math.hypot(...sum) || 1;
+    const scale = Math.min(2, 2 / length) / length;
+    return [sum[0] * scale, sum[1] * scale];
+  });
 }
 
 function joinArrays(parts) {
