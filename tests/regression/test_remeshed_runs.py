@@ -160,6 +160,14 @@ def test_a_run_that_gives_up_tells_why_there_is_no_other_mesh(tmp_path, monkeypa
     assert "the boundary folds" in outcome.reason
 
 
+def test_a_run_that_gives_up_names_a_tool_that_ends_on_the_metal(tmp_path):
+    """The billet spreads past the end of the platen, at a radius of 12 mm."""
+    contact = {"profile": [[0, HEIGHT], [12, HEIGHT]], "contact": "frictionless"}
+    outcome = run_model(build_model(upsetting(14, (4, 4), contact=contact)), tmp_path / "run", threads=1)
+    assert outcome.status == "gave_up"
+    assert "the profile of punch ends on the metal, at (12, " in outcome.reason
+
+
 def test_check_says_that_there_are_new_meshes():
     words = describe(build_model(upsetting(remesh={"every": 0.2, "size": 0.8})))
     assert "new meshes: cells of 0.2 to 0.8 mm, at most 20,000" in words

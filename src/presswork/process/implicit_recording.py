@@ -28,6 +28,7 @@ from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_
 from presswork.process.penetration import Penetration, measure_bodies
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Meta, Row, Snapshot, find_never_touched
+from presswork.process.tool_ends import explain_passed_ends
 from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
 from presswork.results import history_columns
 
@@ -110,10 +111,7 @@ class ImplicitRecording(IncrementRecording):
         mechanics = procedure.mechanics
         assert isinstance(mechanics, Mechanics)
         points = model.mesh.points + state.nodes.displacement
-        placed = {
-            t.name: place_segments(start_profile(t), ToolPose(start_centre(t), moved, angle))
-            for t, (moved, angle) in zip(model.plane_tools, self._tool_places(), strict=True)
-        }
+        placed = self._placed_profiles()
         deepest = self.penetration.note(
             model.mesh, points, placed, lambda places: procedure.interactions.tools.contact.find_gaps(state, places)
         )
@@ -139,6 +137,22 @@ class ImplicitRecording(IncrementRecording):
             return []
         tools = state[ToolArrays]
         return [(moved, float(angle)) for moved, angle in zip(tools.displacement, tools.angle, strict=True)]
+
+    def _placed_profiles(self) -> dict[str, FloatArray]:
+        """Return the segments of each tool in the plane where it stands, by its name."""
+        return {
+            t.name: place_segments(start_profile(t), ToolPose(start_centre(t), moved, angle))
+            for t, (moved, angle) in zip(self.model.plane_tools, self._tool_places(), strict=True)
+        }
+
+    def _find_hints(self) -> list[str]:
+        """Name tools whose profiles end on the metal."""
+        mesh, state = self.model.mesh, self.procedure.state
+        if not self.model.plane_tools:
+            return []
+        held = np.asarray(self.procedure.interactions.supports.fixed(self._stage()))[:, :2].any(axis=1)
+        points = mesh.points + state.nodes.displacement
+        return explain_passed_ends(self._placed_profiles(), points, mesh.boundary_edges, np.asarray(held))
 
     def _stage(self) -> int:
         """The stage that the converged state belongs to."""

@@ -47,13 +47,15 @@ class IncrementRecording(EpochRecording):
             try:
                 report = next(self.procedure.advance())
             except GaveUpError as error:
-                if self._failed_at == self.number:
-                    raise
-                self._failed_at = self.number
-                if not self._may_change_mesh(str(error)):
-                    raise GaveUpError("; ".join([str(error), *self._notes])) from error
+                has_failed, self._failed_at = self._failed_at == self.number, self.number
+                if has_failed or not self._may_change_mesh(str(error)):
+                    raise GaveUpError("; ".join([str(error), *self._notes, *self._find_hints()])) from error
                 continue
             yield report
+
+    def _find_hints(self) -> list[str]:
+        """Return what may have made the increment fail."""
+        return []
 
     def _may_change_mesh(self, failure: str = "") -> bool:
         """Ask for another mesh, and go on with it; return whether there is one."""
