@@ -28,11 +28,11 @@ class Thermal:
     density: float
     """[t/mm3] at the start: the mesh has the dimensions that the body has then."""
     conductivity: FloatArray
-    """By temperature [N/(s K)], which is W/(m K)."""
+    """Conductivity by temperature [N/(s K)], which is W/(m K)."""
     specific_heat: FloatArray
-    """By temperature [mm2/(s2 K)]."""
+    """Specific heat by temperature [mm2/(s2 K)]."""
     latent_heat: float = 0.0
-    """Taken up on the way from the start to the end of a transformation, evenly in temperature [mm2/s2]."""
+    """Heat taken up from the start to the end of a transformation, evenly in temperature [mm2/s2]."""
     transformation: tuple[float, float] = (0.0, 1.0)
     """Start and end [degrees C]."""
 
@@ -52,7 +52,7 @@ class HeatFlux:
 
     side_set: str
     value: FloatArray
-    """By time [N/(mm s)], which is kW/m2."""
+    """Flux by time [N/(mm s)], which is kW/m2."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Convection:
 
     side_set: str
     coefficient: FloatArray
-    """By temperature of the surface [N/(mm s K)]."""
+    """Coefficient by temperature of the surface [N/(mm s K)]."""
     ambient: FloatArray
     """By time [degrees C]."""
 
@@ -102,13 +102,13 @@ class ToolHeat:
     """A tool of constant temperature, or one whose steel takes up heat behind the nodes that touch it."""
 
     temperature: float
-    """At the start [degrees C]."""
+    """Temperature at the start [degrees C]."""
     conductance: FloatArray
-    """By contact pressure [MPa], rows (n, 2) [N/(mm s K)]."""
+    """Rows of contact pressure [MPa] and conductance [N/(mm s K)] (n, 2)."""
     effusivity: float | None = None
     """sqrt(conductivity density specific heat) [N/(mm K s^0.5)]; None: that of the workpiece."""
     steel: tuple[float, float] | None = None
-    """Of one that takes up heat: conductivity [N/(s K)], heat capacity of a volume [N/(mm2 K)]."""
+    """Of a tool that takes up heat: conductivity [N/(s K)], heat capacity per volume [N/(mm2 K)]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,21 +128,21 @@ class Heat:
     initial: tuple[float, ...]
     """Temperature of each body at the start [degrees C]."""
     alone: bool = True
-    """Whether bodies are heated and cooled without forming; else heat goes with the forming."""
+    """Whether bodies are heated and cooled without forming; otherwise heat accompanies forming."""
     surroundings: Surroundings | None = None
-    """In forming; None: free surfaces are insulated."""
+    """In forming: what free surfaces lose heat to; None: they are insulated."""
     tools: Mapping[str, ToolHeat] = field(default_factory=dict)
-    """In forming, by name; other tools are insulated."""
+    """In forming: tools that take heat, by name; other tools are insulated."""
     plastic_fraction: float = 0.9
     """In forming: part of the plastic work that becomes heat (Taylor & Quinney 1934)."""
     effusivity: float | None = None
-    """In forming: that of the workpiece at the start [N/(mm K s^0.5)]."""
+    """In forming: effusivity of the workpiece at the start [N/(mm K s^0.5)]."""
     contacts: tuple[HeatContact, ...] = ()
     tolerance: float = 1.0
     """Largest error that a time step may add at any node, as estimated [K]."""
     initial_step: float = 1e-4
-    """Of each stage, over its duration."""
+    """First time step of each stage, over its duration."""
     max_step: float = 0.05
-    """Over the duration of the stage."""
+    """Largest time step over the duration of the stage."""
     fixed_step: float | None = None
     """All steps are of this part of the stage, whatever their errors."""

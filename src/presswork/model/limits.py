@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Limits beyond which a state is no longer physics."""
+"""Limits beyond which a state has no physical meaning."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ class Limits:
     """A run stops at the first converged state beyond one of these; docs/guide.md has the reasons."""
 
     stop: bool = True
-    """False: the run goes on, and warns."""
+    """False: the run continues, and warns."""
     penetration: float = 0.5
-    """Of a tool, or of another body, into an edge of a solid, over the edge's length at the start; into the surface of
-    a sheet, over its thickness."""
+    """Penetration of a tool, or of another body, into an edge of a solid, over the edge's length at the start; into the
+    surface of a sheet, over its thickness."""
     thinning: float = 0.7
-    """Of a sheet, over its thickness at the start."""
+    """Thinning of a sheet, over its thickness at the start."""
     hydrostatic_stress: float = 30.0
-    """Either way, over the flow stress."""
+    """Hydrostatic stress, tension or compression, over the flow stress."""

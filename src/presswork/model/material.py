@@ -40,7 +40,7 @@ class YieldFunction:
     """hill1948: F, G, H, L, M, N; barlat1989: a, c, h, p; yld2000: alpha 1 to 8; yld2004: c12, c13, c21, c23, c31, c32,
     c44, c55, c66 of the first transformation, then of the second."""
     exponent: int = 2
-    """6 or 8 of all but hill1948."""
+    """Exponent, 6 or 8, of all but hill1948."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Umat:
     library: str
     """Full path of the shared library."""
     props: tuple[float, ...]
-    """PROPS, in mm, s, MPa as the routine wants them."""
+    """PROPS, in mm, s, MPa as the routine expects them."""
     n_state: int
     """NSTATV."""
     jacobian: UmatJacobian = "stress_increment"
@@ -94,7 +94,7 @@ class Umat:
     plastic_strain: int = 0
     """Which state variable is the equivalent plastic strain, from 1; 0: none."""
     yield_stress: float = 0.0
-    """First flow stress [MPa], by which forces and energies of a stamping are judged; 0: not told."""
+    """First flow stress [MPa], by which forces and energies of a stamping are judged; 0: not given."""
 
 
 @dataclass(frozen=True)
@@ -106,22 +106,22 @@ class Material:
     """Young's modulus [MPa]; of a UMAT that of its first tangent, by which stiffness and energy are judged."""
     poisson: float
     hardening: Hardening | None
-    """None of a UMAT."""
+    """Hardening law; None for a UMAT."""
     yield_function: YieldFunction | None = None
-    """x along the rolling direction; None is von Mises."""
+    """Yield function, x along the rolling direction; None is von Mises."""
     kinematic: Kinematic | None = None
     rate: Rate | None = None
     young_decrease: tuple[float, float] | None = None
-    """Young's modulus after large plastic strain [MPa], and the rate at which it gets there."""
+    """Young's modulus after large plastic strain [MPa], and the rate at which it falls to that."""
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    """Of a solid: unit vector; of a sheet the Model has it."""
+    """Unit vector of a solid's rolling direction; that of a sheet is in the Model."""
     umat: Umat | None = None
     """The law, instead of hardening."""
     density: float = 0.0
-    """[t/mm3]; dynamics and heating ask for it."""
+    """[t/mm3]; needed for dynamics and heating."""
     heating: Heating | None = None
-    """None: the material does not know of temperature."""
+    """Softening and heating; None: the material does not depend on temperature."""
     thermal: Thermal | None = None
-    """None: it conducts no heat."""
+    """Conduction and storage of heat; None: it conducts no heat."""
     formability: Formability = field(default_factory=Formability)
-    """Of a sheet: what its strains are judged by."""
+    """Forming limit that the strains of a sheet are compared with."""

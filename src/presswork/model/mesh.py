@@ -38,7 +38,7 @@ class CellBlock:
     material: int
     """Index into Model.materials."""
     section: Section | None = None
-    """Of a shell."""
+    """Section of shells; None for solids."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,8 @@ class Mesh:
     boundary_edges: IntArray
     """Every boundary edge of the mesh, in the same form; of a solid in space none."""
     normals: FloatArray | None = None
-    """Of a shell whose exact surface is known: its unit normals at the nodes (n_points, 3); without it, means of the
-    cells' normals."""
+    """Unit normals at the nodes of a shell whose exact surface is known (n_points, 3); None: means of the cells'
+    normals are used."""
     face_sets: Mapping[str, IntArray] = field(default_factory=dict)
     """Boundary faces of a solid in space by name, shape (n_faces, 4), counter-clockwise seen from outside."""
     boundary_faces: IntArray = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))

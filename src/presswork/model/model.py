@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Model itself: all of a forming problem in one piece."""
+"""The Model: all data of a forming problem."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Model:
     """A complete forming problem.
 
     The blank of a stamping lies about z = 0 between tools that move along z; forces and strokes of its tools are those
-    of the whole, whatever symmetry planes cut away.
+    of the whole part, with symmetry planes too.
     """
 
     title: str
@@ -38,32 +38,32 @@ class Model:
     supports: tuple[Support, ...]
     stages: tuple[Stage, ...]
     solver: SolverSettings
-    """Of the implicit procedure."""
+    """Settings of the implicit procedure."""
     output: OutputSettings
     depth: float = 1.0
     """Plane strain: extent normal to the plane [mm]; 1 in axisymmetry."""
     tools: tuple[Tool, ...] = ()
     bodies: tuple[Body, ...] = ()
-    """The workpiece first; empty stands for a single body."""
+    """The workpiece first; empty for a single body."""
     beads: tuple[Drawbead, ...] = ()
     contacts: tuple[BodyContact, ...] = ()
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    """Of a shell: unit vector that, laid into the sheet, is x of its laws."""
+    """Shells: unit vector whose projection into the sheet is x of its laws."""
     symmetry: tuple[bool, bool] = (False, False)
-    """Of a stamping: whether the planes x = 0 and y = 0 cut the whole part."""
+    """Stampings: whether x = 0 and y = 0 are symmetry planes of the whole part."""
     explicit: ExplicitSolid | ExplicitSheet | None = None
-    """The explicit procedure, of a solid or of a stamping; None: the implicit one."""
+    """Settings of the explicit procedure, for a solid or a stamping; None: the implicit procedure computes."""
     refinement: Refinement | None = None
-    """Of an explicit stamping; None: the mesh stays as it is."""
+    """Explicit stampings: refinement of the blank; None: the mesh stays as it is."""
     trim: tuple[TrimLine, ...] = ()
-    """Of a stamping, after the last stage."""
+    """Stampings: lines along which the part is cut after the last stage."""
     springback: Springback | None = None
-    """Of a stamping, after the last stage and the trimming; None: the part stays as it is."""
+    """Stampings: springback after the last stage and the trimming; None: the part stays as it is."""
     heat: Heat | None = None
-    """Of bodies that conduct heat; None: temperatures are those of the materials' own heating."""
+    """Conduction of heat; None: temperatures are those of the materials' own heating."""
     limits: Limits = field(default_factory=Limits)
     remeshing: Remeshing | None = None
-    """Of a solid in the plane or in axisymmetry; None: one mesh to the end."""
+    """Solids in the plane or in axisymmetry: new meshes in the run; None: one mesh to the end."""
     case_text: str = ""
     """The case file as read, kept with the results."""
 
@@ -74,7 +74,7 @@ class Model:
 
     @property
     def freedoms(self) -> int:
-        """How many freedoms a node has: its displacement, of a shell its rotation too; of heat one."""
+        """How many freedoms a node has: displacements, in shells also rotations; one in heat alone."""
         if self.heat is not None and self.heat.alone:
             return 1
         return 6 if self.analysis in ("shell", "stamping") else self.dimension
@@ -105,5 +105,5 @@ class Model:
 
     @property
     def whole(self) -> int:
-        """How many times what is modelled the whole part is."""
+        """How many times larger the whole part is than what is modelled."""
         return int(2 ** sum(self.symmetry))

@@ -15,8 +15,8 @@ class Remeshing:
     smallest_size: float
     """[mm]"""
     max_cells: int = 20_000
-    """Budget: where it would be exceeded, all cells become larger."""
+    """Largest number of cells; where it would be exceeded, all cells become larger."""
     quality: float = 0.2
-    """Of the worst cell, expected after the next increment, below which the section is meshed anew; 1 is a square."""
+    """Quality of the worst cell, expected after the next increment, below which a new mesh is made; 1 is a square."""
     every: float = 0.0
     """Fraction of a stage after which it is meshed anew in any case; 0: never."""

@@ -44,7 +44,7 @@ class SolverSettings:
     pressure_stiffness: bool = True
     """K_t: the follower stiffness of pressures."""
     friction_tangent: FrictionTangent = "return_mapping"
-    """What friction adds to the tangent; the answer does not depend on it."""
+    """What friction adds to the tangent; the result does not depend on it."""
     line_search: bool = True
     force_tolerance: float = 1e-4
     """Largest out-of-balance force over the largest internal nodal force."""
@@ -72,9 +72,9 @@ class SolverSettings:
     contact_stiffness: float = 0.01
     """Shells on tools in space: stiffness of contact over that of the sheet across its thickness."""
     inertia: float = 0.0
-    """Mass over that of the material; what moves then resists, by backward Euler in the time of the stages."""
+    """Mass over that of the material, for inertia by backward Euler in the time of the stages."""
     damping: float = 0.0
-    """Of this mass [1/s]."""
+    """Damping in proportion to this mass [1/s]."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class OutputSettings:
     at: tuple[float, ...] = ()
     """Further stage fractions at which an increment ends and fields are saved, counted in the last stage."""
     checkpoint_every: int = 10
-    """Increments between checkpoints; of an explicit run rows."""
+    """Increments between checkpoints; in an explicit run rows of the history."""
     rows: int = 200
     """Explicit: rows of the history of each stage."""
 
@@ -101,7 +101,7 @@ class ExplicitSolid:
     """How the explicit procedure computes a solid."""
 
     velocity: tuple[float, float] = (0.0, 0.0)
-    """Of the whole workpiece at the start [mm/s]."""
+    """Velocity of the whole workpiece at the start [mm/s]."""
     target_step: float | None = None
     """Time step to reach by adding mass [s]; None: no mass is added."""
     damping: float = 0.0
@@ -115,16 +115,16 @@ class ExplicitSheet:
     """How the explicit procedure computes a sheet and steps through time."""
 
     element: ExplicitElement = "shell4_1pt"
-    """Of the blank."""
+    """Element of the blank."""
     target_step: float | None = None
     """Time step [s] that mass is added for; None: no mass is added, the step follows from the mesh."""
     safety: float = 0.9
-    """Time step over the bound of the stable one."""
+    """Time step over the bound of the stable step."""
     damping: float = 0.0
     """Mass damping [1/s]."""
     precision: Literal["double", "single"] = "double"
-    """Of shells and velocities; positions and energies are always double."""
+    """Precision of shells and velocities; positions and energies are always double."""
     contact_points: Literal["nodes", "edges"] = "edges"
-    """What of the blank touches tools: nodes alone, or where a tool is sharp the edges between them, too."""
+    """Where the blank touches tools: at nodes alone, or where a tool is sharp also at the edges between them."""
     ironing: bool = True
-    """Whether two tools squeeze the sheet thinner that leave it less room than it is thick."""
+    """Whether two tools squeeze a sheet that is thicker than the room between them."""

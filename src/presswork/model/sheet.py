@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What becomes of a sheet that is stamped, beside its forming: it is refined, trimmed, and springs back."""
+"""What happens to a stamped sheet beside forming: refinement, trimming, springback."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Refinement:
     levels: int
     """How often a shell may be split."""
     angle: float
-    """From a shell to its neighbour, or of a tool along it, above which it is split [rad]."""
+    """Turn of the sheet to a neighbour, or of a tool along the shell, above which it is split [rad]."""
 
 
 @dataclass(frozen=True)
@@ -25,13 +25,13 @@ class TrimLine:
 
     name: str
     polygon: FloatArray
-    """Its corners in turn (m, 2) [mm], closed by itself."""
+    """Its corners in order (m, 2) [mm]; the last is joined to the first."""
     keep: Literal["inside", "outside"]
 
 
 @dataclass(frozen=True)
 class Springback:
-    """How the implicit procedure lets the formed part go."""
+    """How the implicit procedure releases the formed part."""
 
     increments: int = 5
-    """In which the forces of the tools are taken away."""
+    """Number of increments in which the forces of the tools fade to zero."""

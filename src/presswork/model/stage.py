@@ -20,9 +20,9 @@ class Support:
 
     node_set: str
     fix: tuple[bool, ...]
-    """Of x, y; of a solid in space x, y, z; of a shell x, y, z and the rotations about x, y, z."""
+    """Whether x, y are held; of a solid in space x, y, z; of a shell also the rotations about x, y, z."""
     name: str = ""
-    """By which its reaction is recorded; empty: it is not."""
+    """Name under which its reaction is recorded; empty: it is not recorded."""
 
 
 @dataclass(frozen=True)
@@ -108,15 +108,15 @@ class Push:
     """A force that places a tool."""
 
     direction: tuple[float, ...]
-    """Unit vector along which it pushes, and the tool is free to move."""
+    """Unit vector along which it pushes and the tool is free to move."""
     force: FloatArray
     """Rows of part of the stage (0 to 1, increasing) and force on the whole tool [N] (n, 2), linear between them and
-    constant beyond. Before the first row: in the plane it goes over linearly from what the tool pushed with when the
-    stage began, in space it is that of the first row."""
+    constant beyond. Before the first row: in the plane it changes linearly from the tool's force when the stage began,
+    in space it is that of the first row."""
     stop: str = ""
-    """In space: name of a tool that no force places, on which it comes to stand; empty: none."""
+    """In space: name of a tool that no force places, on which this one stands at last; empty: none."""
     clearance: float = math.inf
-    """How much further than that tool it has then gone along direction since the start [mm]."""
+    """By how much its travel along direction then exceeds that of the other tool, since the start [mm]."""
 
 
 @dataclass(frozen=True)
@@ -128,10 +128,10 @@ class ToolMotion:
     turn: float = 0.0
     """In the plane: angle [rad], counter-clockwise, about the tool's centre."""
     push: Push | None = None
-    """Instead of a move."""
+    """Force that places the tool, instead of a move."""
     start: tuple[float, float] | Literal["touch"] | None = None
-    """In the plane: where the origin of its frame stands when the stage begins [mm]; touch: where the tool touches the
-    workpiece on its way; None: where the stage before has left it."""
+    """In the plane: position of the origin of its frame when the stage begins [mm]; touch: where the tool first touches
+    the workpiece along its motion; None: where the stage before has left it."""
 
 
 @dataclass(frozen=True)
@@ -140,17 +140,17 @@ class Stage:
 
     name: str
     duration: float = 1.0
-    """[s]; counts for laws with a strain rate and for inertia alone."""
+    """[s]; in increments it matters only to laws with a rate, to heat and to inertia."""
     ramp: float = 0.0
-    """Explicit: time of the smooth start, and of the smooth end, of all that moves [s], at most half the duration; 0:
-    it moves evenly."""
+    """Explicit: time of the smooth start, and of the smooth end, of all motions [s], at most half the duration; 0:
+    constant velocity."""
     clock: FloatArray | None = None
-    """Of shells: rows of part done (0 to 1) and time [s] (n, 2), linear between them; None: in proportion."""
+    """Shells: rows of part of the stage (0 to 1) and time [s] (n, 2), linear between them; None: in proportion."""
     tool_motion: Mapping[str, ToolMotion] = field(default_factory=dict)
-    """By tool; one that is not named stands still, or in a stamping goes on pushing."""
+    """Motion by name of tool; a tool that is not named stands still, or in a stamping keeps pushing."""
     bead_share: Mapping[str, FloatArray] = field(default_factory=dict)
-    """By drawbead: rows of part of the stage (0 to 1) and share of its force (n, 2), linear between them; one that is
-    not named holds with all of it."""
+    """Share of its force by name of drawbead: rows of part of the stage (0 to 1) and share (n, 2), linear between them;
+    a bead that is not named holds with its whole force."""
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()

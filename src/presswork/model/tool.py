@@ -85,13 +85,13 @@ class Tool:
     """Where the origin of its frame is at the start [mm]; in the plane x and y count."""
     friction: Friction = Friction()
     kind: ToolKind | None = None
-    """Of a stamping: what it is for."""
+    """Stampings: what the tool is for."""
     way: tuple[float, float, float] | None = None
     """Unit vector along which its stroke and its force count; None: that of its first motion or push."""
     centre: tuple[float, float] = (0.0, 0.0)
-    """In the plane, in its own frame: about which it turns, and its torque is taken [mm]."""
+    """In the plane, in its own frame: the point about which it turns and its torque is taken [mm]."""
     spring: Spring | None = None
-    """In the plane: on which it rests; its stages move the spring's foot."""
+    """In the plane: the spring on which it rests; its stages move the spring's foot."""
     mirrored_across: tuple[bool, bool] = (False, False)
     """Plane strain: whether the whole tool is twice what is modelled, mirrored by a symmetry plane normal to x | y."""
 
@@ -115,18 +115,18 @@ class Tool:
 
 @dataclass(frozen=True)
 class Drawbead:
-    """A drawbead: a line in the plan x, y, cut into points, that holds a shell back from flowing across it."""
+    """A drawbead: a line in the plan x, y, cut into points, that restrains a shell from flowing across it."""
 
     name: str
     place: FloatArray
-    """Of its points in the plan (n, 2) [mm]."""
+    """Positions of its points in the plan (n, 2) [mm]."""
     across: FloatArray
     """Unit normals of the line there (n, 2)."""
     length: FloatArray
-    """Of the line that each point stands for (n,) [mm]."""
+    """Length of the line that each point stands for (n,) [mm]."""
     force: float
     """Restraining force per length [N/mm]."""
     tool: str | None = None
-    """That it moves with; None: it stands still."""
+    """Name of the tool that it moves with; None: it stands still."""
     closing_force: float = 0.0
     """Of a stamping: per length [N/mm], taken off the force of a pushed holder."""
