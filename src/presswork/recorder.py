@@ -51,7 +51,7 @@ class Progress:
     """What a progress display needs after each increment."""
 
     fraction: float
-    """Of the whole process."""
+    """Fraction of the whole process."""
     text: str
     """Stage, increment and tools in a line."""
 

@@ -67,13 +67,14 @@ def _copy(value: NDArray[np.generic] | list[NDArray[np.generic]] | float) -> obj
 
 @dataclass
 class NodeArrays(Arrays):
-    """Where the nodes are and what acts on them, f freedoms a node: 2 in the plane, 3 in space, 6 of shells."""
+    """Displacements of the nodes and forces on them, f freedoms a node: 2 in the plane, 3 in space, 6 in shells."""
 
     owner = "nodes"
     displacement: FloatArray
-    """Since the start (n_points, f) [mm]; of a shell x, y, z and the sum of the increments' rotation vectors [rad]."""
+    """Displacement from the points of the mesh (n_points, f) [mm]; of a shell also the sum of the increments' rotation
+    vectors [rad]."""
     increment: FloatArray
-    """Of the last increment, in the same form: the first guess of the next."""
+    """Displacement of the last increment, in the same form: the first guess of the next."""
     reaction: FloatArray
     """Force that tools and supports exert on the nodes (n_points, f) [N]; of a shell with moments [N mm]."""
     external_force: FloatArray
@@ -81,13 +82,13 @@ class NodeArrays(Arrays):
 
     @classmethod
     def at_rest(cls, n_points: int, freedoms: int) -> NodeArrays:
-        """Return those of nodes that have not moved."""
+        """Return the arrays of nodes that have not moved."""
         return cls(*(np.zeros((n_points, freedoms)) for _ in fields(cls)))
 
 
 @dataclass
 class CellArrays(Arrays):
-    """What the integration points of the cells keep, a list entry for each block.
+    """Arrays of the integration points of the cells, a list entry for each block.
 
     p points a cell; of shells q points in the plane times k layers from bottom to top, layers within points.
     """
@@ -99,17 +100,18 @@ class CellArrays(Arrays):
     eqps: list[FloatArray]
     """Equivalent plastic strain (n_cells, p)."""
     temperature: list[FloatArray]
-    """Given to the points from outside at the end of the increment (n_cells, p) [degrees C]; what a law heats itself
-    comes on top. At rest that of the start; no rows where the material does not know of temperature."""
+    """Temperature given to the points at the end of the increment (n_cells, p) [degrees C]; the rise that a law
+    computes from plastic work is added. At rest that of the start; no rows where the material does not depend on
+    temperature."""
     history: list[FloatArray]
-    """What the law keeps. Of solids besides eqps (n_cells, p, n_history): of von Mises with isotropic hardening
-    nothing; of other laws the rise of temperature where they heat, back stresses, and the directions of the law's axes;
-    of one from a shared library its state variables, then deformation gradient, strain, energies and work. Of shells
-    with eqps first (n_cells, q, k, n_history)."""
+    """History of the law. In solids besides eqps (n_cells, p, n_history): nothing for von Mises with
+    isotropic hardening; for other laws the rise of temperature where they heat, back stresses, and the directions of
+    the law's axes; for one from a shared library its state variables, then deformation gradient, strain, energies and
+    work. In shells with eqps first (n_cells, q, k, n_history)."""
     volume: list[FloatArray]
     """Volume of each point (n_cells, p) [mm3]."""
     hourglass: list[FloatArray]
-    """Hourglass forces of solids (n_cells, 2) [N]; zero but for quad4_1pt."""
+    """Hourglass forces of solids (n_cells, 2) [N]; zero except for quad4_1pt."""
 
 
 class State:

@@ -31,10 +31,10 @@ from presswork.timing import Timing
 
 GROWTH = 1.5
 SMALLEST = 10.0
-"""Times min_increment: increments that converge slowly are made no smaller, or the end would never come."""
+"""Times min_increment: increments that converge slowly are made no smaller, or the run would not end."""
 BACK = 1e-3
-"""Of the last increment, by which the first guess goes back where a stage releases what held the workpiece: the
-tangent from there is that of unloading."""
+"""Fraction of the last increment by which the first guess is reversed where a stage releases what held the workpiece:
+the tangent from there is that of unloading."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
 
@@ -46,7 +46,7 @@ class IncrementReport:
     number: int
     stage: str
     fraction: float
-    """Of the stage, at the end of the increment."""
+    """Fraction of the stage at the end of the increment."""
     time: float
     log: IterationLog
     cutbacks: list[str] = field(default_factory=list)
@@ -283,7 +283,7 @@ class ImplicitProcedure:
 
     @property
     def _may_turn(self) -> bool:
-        """Say whether the next increment may go another way than the last: shells that buckle, snap or collapse.
+        """Say whether the next increment may differ in direction from the last: shells that buckle, snap or collapse.
 
         Between tools contact leads the sheet, and another start has not been seen to help.
         """
