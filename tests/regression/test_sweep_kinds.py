@@ -78,6 +78,16 @@ def test_a_drawn_strip_has_force_draw_in_margin_and_springback_in_its_row(tmp_pa
     assert (tmp_path / "out/force_stroke.png").is_file()
 
 
+def test_heat_alone_sweeps(tmp_path) -> None:
+    billet = copy_example("billet_cooling", tmp_path)
+    settings = ["workpiece.mesh.cells=[3,6]", "solver.tolerance=50", "output.steps=1"]
+    swept = run_sweep(billet, {"stages.2.duration": [5, 40]}, tmp_path / "out", settings=settings)
+    hot, cold = swept.rows
+    assert hot["min_temperature"] > cold["min_temperature"] > 20
+    assert hot["max_temperature"] > cold["max_temperature"] > cold["min_temperature"]
+    assert "max_equivalent_plastic_strain" not in hot
+
+
 def test_shells_and_impacts_sweep(tmp_path) -> None:
     roof = copy_example("scordelis_lo_roof", tmp_path)
     swept = run_sweep(

@@ -72,8 +72,12 @@ def measure_run(
         key: summary.get(key) for key in ("fraction_computed", "increments", "iterations", "cutbacks")
     }
     numbers["wall_seconds"] = summary.get("wall_seconds", {}).get("total")
+    extremes = summary.get("extremes", {})
     for key in ("equivalent_plastic_strain", "effective_stress"):
-        numbers[f"max_{key}"] = summary.get("extremes", {}).get(key, [None, None])[1]
+        if key in extremes or not extremes:
+            numbers[f"max_{key}"] = extremes.get(key, [None, None])[1]
+    if "temperature" in extremes:
+        numbers["min_temperature"], numbers["max_temperature"] = extremes["temperature"]
     faults = []
     try:
         result = Result(folder)
