@@ -55,6 +55,7 @@ def load_checkpoint(path: Path | str) -> tuple[dict[str, NDArray[Any]], Meta]:
             text.encode()  # damage may lie in the text, too
             if version == FORMAT_VERSION:
                 arrays = {name: values[()] for name, values in _walk(file)}
+                "".join(arrays).encode()  # HDF5 gives bytes where it cannot decode a name
     except Exception as error:  # HDF5 meets damage with errors of every kind
         raise OutputError(damaged) from error
     if version != FORMAT_VERSION:

@@ -53,6 +53,7 @@ def test_any_changed_or_missing_byte_of_the_data_is_noticed(tmp_path: Path) -> N
         whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :],
         whole[: len(whole) // 2],
         whole[:10],
+        whole.replace(b"displacement\0", b"displacemen\xff\0"),
         b"",
         bytes(len(whole)),
     ):
