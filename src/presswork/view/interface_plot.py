@@ -67,7 +67,8 @@ def plot_interface(
         if pressed and last:
             title += f",\n{last.direction} reduction"
         title = f"{roll} turned by" if (roll := find_turning_tool(result)) is not None else title
-        figure.legend(loc="outside right upper", frameon=False, title=title, alignment="left")
+        curves = upper.get_legend_handles_labels()  # the friction limit has a legend of its own
+        figure.legend(*curves, loc="outside right upper", frameon=False, title=title, alignment="left")
     what = f"contact with {tool}" if tool else "contact"
     lines = [*textwrap.wrap(str(result.info.get("title", "")), 60), what]
     upper.set_title("\n".join(lines), loc="left", fontsize="medium")

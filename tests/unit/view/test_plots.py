@@ -159,7 +159,9 @@ def test_interface_shows_what_friction_allows(tmp_path: Path) -> None:
             tool_displacement={"die": np.array([0.0, -stroke])},
             info={"title": "friction", "analysis": "axisymmetric"},
         )
-    upper, lower = plot_interface(Result(tmp_path), "die").axes
+    figure = plot_interface(Result(tmp_path), "die")
+    upper, lower = figure.axes
+    assert not any("limit" in text.get_text() for text in figure.legends[0].get_texts())
     dashed = [line for line in lower.lines if line.get_linestyle() == "--"]
     assert sorted(float(line.get_ydata()[0]) for line in dashed) == [-106.0, 106.0], "at the last step, both ways"
     assert [text.get_text() for text in lower.get_legend().get_texts()] == ["friction limit, last step shown"]
