@@ -40,13 +40,14 @@ def draw_curves(members: Sequence[MemberResult], folder: Path) -> Path | None:
         line.set(color=colours[min(i // tools, len(drawn) - 1)], linestyle=("-", "--", ":")[i % tools % 3])
     if len(ax.lines) == 1:
         ax.lines[0].set_label(_name(drawn[0]))
-    ax.legend(
-        frameon=False,
-        fontsize="small",
-        ncols=-(-len(ax.lines) // _ENTRIES_A_COLUMN),
-        loc="upper left",
-        bbox_to_anchor=(1.0, 1.0),
-    )
+    if ax.get_legend_handles_labels()[1]:
+        ax.legend(
+            frameon=False,
+            fontsize="small",
+            ncols=-(-len(ax.lines) // _ENTRIES_A_COLUMN),
+            loc="upper left",
+            bbox_to_anchor=(1.0, 1.0),
+        )
     return save_picture(figure, folder / PICTURE)
 
 
