@@ -22,9 +22,9 @@ CASE: dict[str, Any] = {
 }
 
 
-def change(key: str, value: object) -> dict[str, Any]:
-    """Return the case with one key set, or removed by None."""
-    data = deepcopy(CASE)
+def change(key: str, value: object, case: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return the case, that of heat alone by default, with one key set, or removed by None."""
+    data = deepcopy(CASE if case is None else case)
     here: Any = data
     *path, last = key.split(".")
     for name in path:
@@ -152,20 +152,6 @@ FORMING: dict[str, Any] = {
 }
 
 
-def change_forming(key: str, value: object) -> dict[str, Any]:
-    """Return the case of hot forming with one key set, or removed by None."""
-    data = deepcopy(FORMING)
-    here: Any = data
-    *path, last = key.split(".")
-    for name in path:
-        here = here[int(name)] if isinstance(here, list) else here.setdefault(name, {})
-    if value is None:
-        del here[last]
-    else:
-        here[last] = value
-    return data
-
-
 def test_heat_in_forming_is_taken() -> None:
     built = build_model(Case.model_validate(FORMING))
     assert built.heat is not None
@@ -198,6 +184,12 @@ BAD_FORMING = [
 @pytest.mark.parametrize(("key", "value", "where", "what"), BAD_FORMING)
 def test_bad_heat_in_forming_is_told(key, value, where, what) -> None:
     with pytest.raises(CaseError) as caught:
-        build_model(Case.model_validate(change_forming(key, value)))
+        build_model(Case.model_validate(change(key, value, FORMING)))
     assert where in str(caught.value)
     assert what in str(caught.value)
+
+
+def test_two_temperatures_on_one_set_are_refused() -> None:
+    rows = [{"set": "right", "value": 20}, {"set": "right", "value": 900}]
+    with pytest.raises(CaseError, match=r"stages\.0\.temperature\.1\.set.*two temperatures"):
+        build_model(HeatCase.model_validate(change("stages.0.temperature", rows)))

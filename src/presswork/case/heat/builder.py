@@ -134,6 +134,11 @@ def _check_stages(case: HeatCase) -> Iterator[Problem]:
     for index, stage in enumerate(case.stages):
         if stage.name in names[:index]:
             yield Problem(f"stages.{index}.name", "two stages have this name", "give each its own", stage.name)
+        held = [entry.set for entry in stage.temperature]
+        for row, name in enumerate(held):
+            if name in held[:row]:
+                key = f"stages.{index}.temperature.{row}.set"
+                yield Problem(key, "two temperatures are prescribed on this set", "leave one of them", name)
     if not case.contacts and not any(
         stage.temperature or stage.flux or stage.convection or stage.radiation for stage in case.stages
     ):
