@@ -38,11 +38,10 @@ from .solid.schema import (
     Material,
     NodeForce,
     Pressure,
-    ProfilePoint,
     Stage,
-    Tool,
     ToolMotion,
 )
+from .solid.tool import ProfilePoint, Tool
 from .solid.workpiece import MeshFile, Rectangle, Workpiece, Zone
 from .stamping.schema import StampingCase
 

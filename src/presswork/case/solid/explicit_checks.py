@@ -10,6 +10,7 @@ from presswork.case.errors import Problem
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import list_bodies
+from presswork.case.solid.tool import Tool
 
 CONTACTS = ("frictionless", "coulomb")
 LARGEST_MU = 2.0
@@ -111,7 +112,7 @@ def _check_target_step(case: schema.Case) -> list[Problem]:
     return [Problem("explicit.target_step", fault, "take a few times the step without it", target)]
 
 
-def _check_tool(key: str, tool: schema.Tool) -> list[Problem]:
+def _check_tool(key: str, tool: Tool) -> list[Problem]:
     problems = []
     if tool.contact not in CONTACTS:
         remedy = f"take {' or '.join(CONTACTS)}"

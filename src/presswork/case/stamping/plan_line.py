@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from presswork.case.errors import Problem
 from presswork.case.part import Part
-from presswork.case.solid import schema
+from presswork.case.solid.tool import ProfilePoint
 from presswork.case.tools.dxf import read_drawing
 from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.case.tools.profile_file import is_drawing, read_points
@@ -107,7 +107,7 @@ def _draw(corners: list[tuple[float, float]], radius: float) -> FloatArray:
     if len(corners) > 3 and np.allclose(corners[0], corners[-1], rtol=0.0, atol=1e-9 * float(np.ptp(corners))):
         corners = corners[:-1]
     _check_radius(np.array(corners), radius)
-    return draw_outline([schema.ProfilePoint(to=corner, radius=radius) for corner in corners], closed=True).segments
+    return draw_outline([ProfilePoint(to=corner, radius=radius) for corner in corners], closed=True).segments
 
 
 def _check_radius(corners: FloatArray, radius: float) -> None:

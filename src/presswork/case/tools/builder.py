@@ -10,6 +10,8 @@ import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.case.solid import schema
+from presswork.case.solid.tool import Tool as CaseTool
+from presswork.case.solid.tool import unit_vector
 from presswork.case.tools.profile import Outline, ProfileError, draw_outline
 from presswork.case.tools.profile_file import read_outline
 from presswork.geometry.chain import ProfileFileError
@@ -24,7 +26,7 @@ TOLERANCE = 1e-6
 
 def build_tool(
     name: str,
-    tool: schema.Tool,
+    tool: CaseTool,
     mesh: Mesh,
     symmetry_planes: tuple[FloatArray, FloatArray],
     folder: Path,
@@ -70,7 +72,7 @@ def build_tool(
         mirrored = ("x" in tool.mirrored, "y" in tool.mirrored)
     spring = None
     if tool.spring:
-        direction = schema.unit_vector(tool.spring.direction)
+        direction = unit_vector(tool.spring.direction)
         spring = Spring(tool.spring.stiffness, tool.spring.preload, direction)
     return Tool(
         name,
@@ -84,7 +86,7 @@ def build_tool(
 
 
 def _find_place(
-    name: str, tool: schema.Tool, segments: FloatArray, nodes: FloatArray, way: FloatArray
+    name: str, tool: CaseTool, segments: FloatArray, nodes: FloatArray, way: FloatArray
 ) -> FloatArray | Problem:
     """Return how far a tool is moved from where it is drawn to where it starts (2) [mm]."""
     if tool.position != "touch":
@@ -106,7 +108,7 @@ def find_way(case: schema.Case, name: str) -> tuple[float, float]:
         motion = stage.tools[name].build() if name in stage.tools else None
         x, y = (motion.push.direction if motion.push else motion.move[:2]) if motion else (0.0, 0.0)
         if x or y:
-            return schema.unit_vector((x, y))
+            return unit_vector((x, y))
     return 0.0, 0.0
 
 
@@ -141,12 +143,12 @@ def find_centre(segments: FloatArray) -> tuple[float, float] | None:
     return float(centres[0, 0]), float(centres[0, 1])
 
 
-def _key(name: str, tool: schema.Tool) -> str:
+def _key(name: str, tool: CaseTool) -> str:
     """Return the key that gives a tool's profile."""
     return f"tools.{name}.{'profile' if tool.profile_file is None else 'profile_file'}"
 
 
-def _draw(name: str, tool: schema.Tool, folder: Path) -> Outline | Problem:
+def _draw(name: str, tool: CaseTool, folder: Path) -> Outline | Problem:
     """Draw a tool's profile from its points or its file."""
     if tool.profile_file is not None:
         try:
@@ -167,7 +169,7 @@ def _draw(name: str, tool: schema.Tool, folder: Path) -> Outline | Problem:
         return Problem(f"tools.{name}.profile.{error.point}", error.fault, error.remedy, list(value))
 
 
-def _check_crossing(name: str, tool: schema.Tool, outline: Outline) -> Problem | None:
+def _check_crossing(name: str, tool: CaseTool, outline: Outline) -> Problem | None:
     """Return a problem when the profile crosses or touches itself."""
     crossing = find_crossing(outline.segments)
     if crossing is None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.case.solid import schema
+from presswork.case.solid.tool import ProfilePoint, Tool
 from presswork.case.tools.dxf import read_drawing
 from presswork.case.tools.profile import MEETING, Outline, ProfileError, draw_outline
 from presswork.case.units import LENGTH, unit_factor
@@ -21,7 +21,7 @@ def is_drawing(path: str | Path) -> bool:
     return Path(path).suffix.lower() == ".dxf"
 
 
-def read_outline(path: Path, tool: schema.Tool) -> Outline:
+def read_outline(path: Path, tool: Tool) -> Outline:
     """Return the profile in a file, in mm; raises ProfileFileError.
 
     A text's points are joined by a smooth curve unless the tool says otherwise. In a drawing lines and arcs stay what
@@ -45,7 +45,7 @@ def read_outline(path: Path, tool: schema.Tool) -> Outline:
     return Outline(chain.segments, chain.pieces, unset, unset)
 
 
-def _outline_of_text(path: Path, tool: schema.Tool) -> Outline:
+def _outline_of_text(path: Path, tool: Tool) -> Outline:
     points, lines = read_points(path, unit_factor(tool.unit or "mm", LENGTH))
     least = 3 if tool.closed else 2
     if len(points) < least:
@@ -54,7 +54,7 @@ def _outline_of_text(path: Path, tool: schema.Tool) -> Outline:
         )
     try:
         return draw_outline(
-            [schema.ProfilePoint(to=point) for point in points],
+            [ProfilePoint(to=point) for point in points],
             tool.closed,
             spline=tool.curve != "polyline",
             corner_angle=tool.corner_angle,
