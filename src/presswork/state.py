@@ -7,14 +7,33 @@ model has are `state.nodes` and `state.cells`. Units are mm, s, N, MPa.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import ClassVar, Self, TypeVar, cast
+from typing import ClassVar, Literal, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork.model import FloatArray
+
+
+@dataclass(frozen=True)
+class OnNewMesh:
+    """What becomes of an array where the mesh changes.
+
+    run: it fits any mesh and goes along. anew: the new mesh finds it for itself, as at rest. motion: moves of the
+    nodes, by the shape functions of the old cells. node: a field given at the nodes. point: a field given at the
+    integration points, one entry for each block. surface: values at nodes of the boundary, carried along its arc.
+    surface_force: the same of forces, carried per area.
+    """
+
+    kind: Literal["run", "anew", "motion", "node", "point", "surface", "surface_force"]
+    axis: int = 0
+    """Of the array, along which nodes are counted."""
+
+
+RUN, ANEW, MOTION, NODE, POINT = (OnNewMesh(kind) for kind in ("run", "anew", "motion", "node", "point"))
+SURFACE, SURFACE_FORCE = OnNewMesh("surface"), OnNewMesh("surface_force")
 
 
 @dataclass
@@ -26,8 +45,8 @@ class Arrays:
 
     owner: ClassVar[str]
     """Their prefix in a checkpoint."""
-    of_run: ClassVar[tuple[str, ...]] = ()
-    """Names of arrays that fit any mesh, and go along when the mesh changes."""
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {}
+    """What becomes of each array where the mesh changes; solids with an array that is not named are not remeshed."""
 
     def duplicate(self) -> Self:
         """Return a deep copy."""
@@ -70,6 +89,12 @@ class NodeArrays(Arrays):
     """Displacements of the nodes and forces on them, f freedoms a node: 2 in the plane, 3 in space, 6 in shells."""
 
     owner = "nodes"
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        "displacement": ANEW,
+        "increment": MOTION,
+        "reaction": ANEW,
+        "external_force": ANEW,
+    }
     displacement: FloatArray
     """Displacement from the points of the mesh (n_points, f) [mm]; of a shell also the sum of the increments' rotation
     vectors [rad]."""
@@ -94,6 +119,14 @@ class CellArrays(Arrays):
     """
 
     owner = "cells"
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        "stress": POINT,
+        "eqps": POINT,
+        "temperature": POINT,
+        "history": POINT,
+        "volume": ANEW,
+        "hourglass": ANEW,
+    }
     stress: list[FloatArray]
     """Cauchy stress xx, yy, zz, xy (n_cells, p, 4), in space also yz, zx (n_cells, p, 6); of shells xx, yy, xy in the
     lamina frame (n_cells, p, 3) [MPa]."""
@@ -150,11 +183,16 @@ class State:
         """Return a deep copy."""
         return State(*(arrays.duplicate() for arrays in self._owned.values()))
 
+    def __iter__(self) -> Iterator[Arrays]:
+        """Go through the arrays of all owners."""
+        return iter(self._owned.values())
+
     def take_over(self, before: State) -> None:
         """Take over from another mesh the arrays that fit any mesh."""
         for kind, owned in self._owned.items():
-            for name in owned.of_run:
-                setattr(owned, name, _copy(getattr(before._owned[kind], name)))
+            for name, becomes in owned.on_new_mesh.items():
+                if becomes == RUN:
+                    setattr(owned, name, _copy(getattr(before._owned[kind], name)))
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array as `owner.name`, for a checkpoint."""

@@ -14,9 +14,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from presswork.model import BoolArray
-from presswork.state import Arrays, State
+from presswork.state import RUN, Arrays, OnNewMesh, State
 
 
 @dataclass
@@ -24,7 +25,9 @@ class Work(Arrays):
     """Work done since the start [N mm], by the names of energy.balance."""
 
     owner = "work"
-    of_run = ("external_work", "plastic_work", "friction_work", "inertia_work")
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
+        ("external_work", "plastic_work", "friction_work", "inertia_work"), RUN
+    )
     external_work: float = 0.0
     """Of tools, supports and loads."""
     plastic_work: float = 0.0

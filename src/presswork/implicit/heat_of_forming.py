@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,12 +23,13 @@ from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import BoolArray, FloatArray, Heat, IntArray, Model, ToolHeat
 from presswork.outcome import Failed, GaveUpError, Step
-from presswork.state import Arrays, State
+from presswork.state import NODE, RUN, Arrays, OnNewMesh, State
 from presswork.timing import Timing
 
 KINDS = ("plastic", "friction", "tools", "convection", "radiation")
 """What heats and cools a body that is formed."""
 MOST_HALVINGS = 6
+_CONTENT_ROUNDS = 5
 
 
 @dataclass
@@ -35,6 +37,11 @@ class HeatArrays(Arrays):
     """Temperatures, and the heat that has come in."""
 
     owner = "heat"
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        "temperature": NODE,
+        "heat": RUN,
+        "columns": OnNewMesh("surface", axis=1),
+    }
     temperature: FloatArray
     """(n_points,) [degrees C]."""
     heat: FloatArray
@@ -104,6 +111,31 @@ class HeatOfForming:
         before, _ = self._equation.conduction.content(start_temperatures(self._model, self._heat))
         return float((now - before).sum())
 
+    def keep_stored(self, state: State, stored: float) -> float:
+        """Bring temperatures carried to this mesh to a heat stored since the start [N mm]; return the largest change.
+
+        What is missing goes to the nodes in proportion to the range of temperature in the cells round them, where
+        carrying errs: an even temperature stays.
+        """
+        arrays = state[HeatArrays]
+        conduction, carried = self._equation.conduction, arrays.temperature.copy()
+        span = np.zeros(len(carried))
+        for block in self._model.mesh.blocks:
+            own = carried[block.connectivity]
+            np.maximum.at(span, block.connectivity, np.ptp(own, axis=1)[:, None])
+        change = 0.0
+        for _ in range(_CONTENT_ROUNDS if span.max() > 0.0 else 0):
+            _, slope = conduction.content(arrays.temperature)
+            change += (stored - self.stored(state)) / float((slope * span).sum())
+            arrays.temperature = carried + change * span
+        return float(np.abs(arrays.temperature - carried).max())
+
+    def spread(self, state: State) -> None:
+        """Give the nodes' temperatures to the integration points of materials that depend on them."""
+        for i, given in enumerate(state.cells.temperature):
+            if given.size:
+                state.cells.temperature[i] = self._shapes.to_points(i, state[HeatArrays].temperature)
+
     def advance(self, state_n: State, trial: State, step: Step, dt: float) -> None:
         """Bring the temperatures of a converged trial state to the end of its increment of dt [s].
 
@@ -143,9 +175,7 @@ class HeatOfForming:
         heat[:2] = plastic.sum(), friction.sum()
         arrays.temperature, arrays.heat = temperature, state_n[HeatArrays].heat + heat
         arrays.columns = columns
-        for i, given in enumerate(trial.cells.temperature):
-            if given.size:
-                trial.cells.temperature[i] = self._shapes.to_points(i, temperature)
+        self.spread(trial)
 
     def _chill(self, touches: list[Touch], columns: FloatArray, rubbed: FloatArray, dt: float) -> dict[int, ColumnFilm]:
         """Return the films of the tools that warm up, over a time step of dt [s]; rubbed: (n_points,) [N mm/s]."""

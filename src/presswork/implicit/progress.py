@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
-from presswork.state import Arrays
+from presswork.state import RUN, Arrays, OnNewMesh
 
 
 @dataclass
@@ -13,9 +15,10 @@ class Progress(Arrays):
     """How far a run has come, and how it steps on."""
 
     owner = "progress"
-    of_run = (
-        "time", "stage", "fraction", "increments", "iterations", "cutbacks", "last_size", "next_size", "peak_force",
-    )  # fmt: skip
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
+        ("time", "stage", "fraction", "increments", "iterations", "cutbacks", "last_size", "next_size", "peak_force"),
+        RUN,
+    )
     time: float = 0.0
     """[s]"""
     stage: int = 0

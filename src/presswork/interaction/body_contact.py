@@ -24,7 +24,7 @@ from presswork.body.contract import Cells
 from presswork.fields.contact_stress import BodyTraction
 from presswork.interaction.body_interface import MARGIN, REACH, TOUCHING, Interface, InterfaceArrays
 from presswork.interaction.contract import Forces, Guess, Interaction, Point
-from presswork.model import BodyContact, FloatArray, MaskArray, Model
+from presswork.model import BodyContact, FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import PassedThrough, Step
 from presswork.state import Arrays, State
 
@@ -81,6 +81,10 @@ class BodyContacts(Interaction):
         """Return the arrays of bodies that do not push each other."""
         slots = [np.zeros(self.n_slots) for _ in range(3)]
         return (InterfaceArrays(*slots, *(np.zeros(self._model.mesh.points.shape) for _ in range(3))),)
+
+    def surface_nodes(self) -> list[IntArray]:
+        """Return the slave nodes of each contact."""
+        return [interface.nodes for interface in self.interfaces]
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Take contact and shear flow stress [MPa] as they are at the start of the increment."""

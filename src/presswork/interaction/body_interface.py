@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from presswork import _core
 from presswork.mesh.topology import chain_edges, count_corners, edge_keys, list_cell_edges
 from presswork.model import BodyContact, FloatArray, IndexArray, IntArray, MaskArray, Model
-from presswork.state import Arrays, State
+from presswork.state import ANEW, SURFACE, Arrays, OnNewMesh, State
 
 STIFFNESS = 100.0
 """Of the contact: times Young's modulus of the softer body over the length of the slave edges."""
@@ -39,6 +41,14 @@ class InterfaceArrays(Arrays):
     """What the contacts of deformable bodies with each other keep; slots are those of all contacts in a row."""
 
     owner = "body_contact"
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        "pressure": SURFACE,
+        "shear": SURFACE,
+        "slip": SURFACE,
+        "force": ANEW,
+        "friction": ANEW,
+        "search_displacement": ANEW,
+    }
     pressure: FloatArray
     """Between bodies, per slave node of each contact (n_slots,) [MPa]."""
     shear: FloatArray

@@ -157,6 +157,13 @@ class Interaction:
         """Return what it owns in the State, before the first increment."""
         return ()
 
+    def surface_nodes(self) -> list[IntArray] | None:
+        """Return the nodes that the rows of its surface arrays stand for (state.OnNewMesh), group after group.
+
+        None: their rows are all nodes of the mesh.
+        """
+        return None
+
     def begin_stage(self, state: State, stage: int) -> bool:
         """Prepare a copy of the converged state for a stage that begins; return whether it releases what it held."""
         return False

@@ -18,7 +18,7 @@ from presswork.interaction.placing import move_tools
 from presswork.interaction.supports import Supports
 from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.interaction.tool_contact import Contact
-from presswork.model import FloatArray, Model, Stage, ToolMotion
+from presswork.model import FloatArray, IntArray, Model, Stage, ToolMotion
 from presswork.outcome import GaveUpError, Step
 from presswork.state import Arrays, State
 
@@ -66,6 +66,10 @@ class PlaneTools(Interaction):
         """Return the arrays of tools that have not moved and touch nothing."""
         n_tools = len(self._model.plane_tools)
         return ToolArrays.at_rest(n_tools), ContactArrays.at_rest(n_tools, len(self.contact.nodes))
+
+    def surface_nodes(self) -> list[IntArray]:
+        """Return the candidates for contact."""
+        return [self.contact.nodes]
 
     def base(self, stage: int) -> FloatArray:
         """Prescribed displacement [mm] and angle [rad] of the tools at the start of a stage (n_tools, 3)."""

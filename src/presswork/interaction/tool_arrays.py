@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork.model import FloatArray
-from presswork.state import Arrays
+from presswork.state import ANEW, RUN, SURFACE_FORCE, Arrays, OnNewMesh
 
 StatusArray = NDArray[np.int8]
 
@@ -22,7 +24,9 @@ class ToolArrays(Arrays):
     """Where the tools in the plane are, and the force on them."""
 
     owner = "tools"
-    of_run = ("displacement", "angle", "restart", "travel", "travel_increment", "gives", "force", "force_start")
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
+        ("displacement", "angle", "restart", "travel", "travel_increment", "gives", "force", "force_start"), RUN
+    )
     displacement: FloatArray
     """Since the start (n_tools, 2) [mm]."""
     angle: FloatArray
@@ -60,6 +64,12 @@ class ContactArrays(Arrays):
     """How tools in the plane hold the nodes that they may touch, the candidates."""
 
     owner = "contact"
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        "status": ANEW,
+        "anchor": ANEW,
+        "drag": SURFACE_FORCE,
+        "shear_part": ANEW,
+    }
     status: StatusArray
     """Per face of each tool and candidate: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
     anchor: FloatArray
@@ -82,7 +92,9 @@ class SheetToolArrays(Arrays):
     """Where the tools in space are, and their force on the nodes of a shell."""
 
     owner = "sheet_tools"
-    of_run = ("displacement", "travel", "travel_increment", "energy")
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
+        ("displacement", "travel", "travel_increment", "energy"), RUN
+    )
     displacement: FloatArray
     """Since the start (n_sheet_tools, 3) [mm]."""
     travel: FloatArray

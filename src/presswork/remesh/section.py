@@ -12,6 +12,7 @@ from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import chain_edges, find_boundary_edges
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Mesh, Remeshing
 from presswork.remesh.boundary import NewLine, OldLine, resample
+from presswork.remesh.carrier import SurfacePlaces
 from presswork.remesh.fill import fill_with_quadrilaterals
 from presswork.remesh.size_field import GradedSize, gap_sources, join_sources, tool_curvature
 
@@ -51,6 +52,14 @@ class NewSection:
     """Its nodes come first among those of the mesh."""
     chain: IndexArray
     """Nodes of the old boundary, to which places on the line refer (k,)."""
+
+    def surface(self) -> SurfacePlaces:
+        """Return where its boundary nodes lie on the old boundary."""
+        before = self.line.place.astype(int)
+        after = np.roll(self.chain, -1)
+        return SurfacePlaces(
+            np.arange(len(before)), self.chain[before], after[before], np.asarray(self.line.place - before)
+        )
 
 
 def measure_sizes(old: OldSection, chain: IndexArray, settings: Remeshing) -> GradedSize:

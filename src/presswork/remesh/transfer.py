@@ -26,15 +26,6 @@ _ENOUGH_FOR_SQUARES, _ENOUGH_FOR_LINES = 8, 4
 _AT_ONCE = 20_000
 _CANDIDATES = (3, 16)
 """Nearest cells that are asked whether they contain a point, then those of points that none of these contains."""
-GAUSS = 1.0 / np.sqrt(3.0)
-_CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-
-
-def place_points(points: FloatArray, cells: IndexArray, n_points: int) -> FloatArray:
-    """Return where the integration points of quadrilaterals are (n_cells, n_points, 2) [mm]: one, or two by two."""
-    local = _CORNERS * GAUSS if n_points == 4 else np.zeros((1, 2))
-    shape = 0.25 * (1.0 + local[:, None, 0] * _CORNERS[:, 0]) * (1.0 + local[:, None, 1] * _CORNERS[:, 1])
-    return np.asarray(np.einsum("qa,cak->cqk", shape, points[cells]))
 
 
 @dataclass(frozen=True)
@@ -163,7 +154,7 @@ class _NearCells:
 
 @dataclass(frozen=True)
 class Places:
-    """Where points lie in a mesh of quadrilaterals."""
+    """Where points lie in a mesh."""
 
     cell: IndexArray
     """(n,)."""
@@ -178,7 +169,7 @@ class Places:
 
 
 def locate(points: FloatArray, cells: IndexArray, wanted: FloatArray) -> Places:
-    """Find the quadrilateral in which, or nearest to which, each wanted point (n, 2) lies."""
+    """Find the cell (triangles or quadrilaterals) in which, or nearest to which, each wanted point (n, 2) lies."""
     tree = cKDTree(points[cells].mean(axis=1))
     best = np.full(len(wanted), -np.inf)
     cell, nodes = np.zeros(len(wanted), dtype=np.intp), np.zeros((len(wanted), 3), dtype=np.intp)
@@ -188,7 +179,7 @@ def locate(points: FloatArray, cells: IndexArray, wanted: FloatArray) -> Places:
         n_near = min(count, len(cells))
         _, near = tree.query(wanted[left], k=n_near)
         for candidate in near.reshape(len(left), n_near).T:
-            for corners in ((0, 1, 2), (0, 2, 3)):
+            for corners in ((0, 1, 2), (0, 2, 3))[: cells.shape[1] - 2]:
                 open_ = best[left] < 0.0
                 asked, own = left[open_], candidate[open_]
                 triangle = cells[own][:, corners]

@@ -4,8 +4,10 @@
 import numpy as np
 import pytest
 
+from presswork.model import CellBlock, Mesh
+from presswork.remesh.carrier import Carrier, Part, SurfacePlaces, place_points
 from presswork.remesh.fill import fill_with_quadrilaterals
-from presswork.remesh.transfer import find_transfer, locate, place_points
+from presswork.remesh.transfer import find_transfer, locate
 
 SIZE = 0.05
 
@@ -23,11 +25,27 @@ def random_mesh(seed):
     return points, cells
 
 
-def carry(old, new, values):
-    """Carry values at the integration points of one mesh to those of another."""
-    start, end = (place_points(*mesh, 4).reshape(-1, 2) for mesh in (old, new))
-    home = locate(*old, end).cell
-    return end, find_transfer(start, end, old[1], home, np.repeat(np.arange(len(old[1])), 4)).apply(values)
+def to_block(cells, element="quad4_fbar"):
+    return CellBlock(element, np.ascontiguousarray(cells, dtype=np.int32), 0)
+
+
+def place(mesh, element="quad4_fbar"):
+    """Integration points of a mesh (n, 2)."""
+    points, cells = mesh
+    return place_points(to_block(cells, element), points)
+
+
+def carry(old, new, values, element="quad4_fbar"):
+    """Carry values at the integration points of one mesh to those of another, as a run does."""
+    edges = np.zeros((0, 2), dtype=np.int32)
+    blocks = to_block(old[1], element), to_block(new[1])
+    meshes = [Mesh(points, (block,), {}, {}, edges) for (points, _), block in zip((old, new), blocks, strict=True)]
+    nowhere = SurfacePlaces(*(np.zeros(0, dtype=np.intp) for _ in range(3)), np.zeros(0))
+    part = Part(range(len(old[0])), range(len(new[0])), 0, nowhere)
+    given = values.reshape(len(old[1]), -1, values.shape[1])
+    rest = np.zeros((len(new[1]), 4, values.shape[1]))
+    (found,) = Carrier(meshes[0], old[0], meshes[1], [part]).points([given], [rest])
+    return place(new), found.reshape(-1, values.shape[1])
 
 
 def test_twenty_remeshings_keep_a_band_and_linear_states():
@@ -41,7 +59,7 @@ def test_twenty_remeshings_keep_a_band_and_linear_states():
         return np.exp(-(((points @ [1.0, 0.6] - 0.8) / np.hypot(1, 0.6) / (2 * SIZE)) ** 2))
 
     mesh = random_mesh(0)
-    points = place_points(*mesh, 4).reshape(-1, 2)
+    points = place(mesh)
     values = np.stack([band(points), 1 + points @ [2.0, -3.0], np.full(len(points), 7.0)], axis=1)
     errors = []
     for seed in range(1, 21):
@@ -58,8 +76,8 @@ def test_twenty_remeshings_keep_a_band_and_linear_states():
 
 def test_results_stay_within_the_range_of_the_donors_beside_a_jump():
     mesh, other = random_mesh(3), random_mesh(4)
-    start = place_points(*mesh, 4).reshape(-1, 2)
-    inner = place_points(*other, 4).reshape(-1, 2)
+    start = place(mesh)
+    inner = place(other)
     _, found = carry(mesh, other, (start[:, :1] > 0.5).astype(float))
     away = (np.abs(inner - 0.5) < 0.4).all(axis=1)  # near the line the linear fit may reach beyond
     assert found[away].min() > -0.2
@@ -80,7 +98,7 @@ def test_values_do_not_cross_a_fold():
         return fill_with_quadrilaterals(np.concatenate(sides), lambda p: np.full(len(p), size))
 
     old, new = mesh(0.1), mesh(0.085)
-    start = place_points(*old, 4).reshape(-1, 2)
+    start = place(old)
     end, found = carry(old, new, (start[:, :1] > 1.01).astype(float))
     arms = end[:, 1] > 1.8
     np.testing.assert_allclose(found[arms, 0], end[arms, 0] > 1.01, atol=1e-12)

@@ -117,8 +117,6 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
         yield Problem("heat", "heat is conducted by the implicit procedure alone, so far", "leave [heat] out")
     if case.bodies:
         yield Problem("heat", "heat in forming knows one body, so far", "leave [heat] or [bodies] out")
-    if case.remesh is not None:
-        yield Problem("heat", "temperatures do not pass to a new mesh, so far", "leave [heat] or [remesh] out")
     if case.solver.displacements == "small":
         yield Problem("heat", "heat in forming is for large displacements", "leave [heat] out")
     name = case.workpiece.material

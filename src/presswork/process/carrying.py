@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The State on a new mesh: every array of every owner as its owner declares it (state.OnNewMesh)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from presswork.body.solids import Mechanics
+from presswork.implicit.epochs import Epoch
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import ContactArrays
+from presswork.mesh.edges import edge_areas
+from presswork.model import FloatArray, IntArray
+from presswork.remesh.carrier import Carrier
+from presswork.state import Arrays, State
+
+_SURFACE = ("surface", "surface_force")
+
+
+def find_undeclared(state: State) -> list[str]:
+    """Return the arrays, as owner.name, of which nobody has said what becomes of them on a new mesh."""
+    return [
+        name
+        for arrays in state
+        for name in arrays.to_arrays()
+        if name.removeprefix(f"{arrays.owner}.").split(".")[0] not in arrays.on_new_mesh
+    ]
+
+
+def carry_state(before: Epoch, after: Epoch, carrier: Carrier) -> None:
+    """Fill the State on a new mesh, contact apart: carry_surface does that once nodes on tools are known."""
+    for arrays_n, arrays in _pair(before.state, after.state):
+        for name, becomes in arrays.on_new_mesh.items():
+            given, rest = getattr(arrays_n, name), getattr(arrays, name)
+            if becomes.kind == "motion":
+                setattr(arrays, name, carrier.motion(given))
+            elif becomes.kind == "node":
+                setattr(arrays, name, carrier.nodes(given))
+            elif becomes.kind == "point":
+                setattr(arrays, name, carrier.points(given, rest))
+    _return_to_law(after)
+    if after.run.heat is not None and before.run.heat is not None:
+        after.run.heat.keep_stored(after.state, before.run.heat.stored(before.state))
+        after.run.heat.spread(after.state)
+
+
+def carry_surface(before: ImplicitProcedure, after: ImplicitProcedure, carrier: Carrier) -> None:
+    """Carry along the boundary what belongs to it; forces go per area, and only to nodes that tools hold."""
+    areas_n, areas = _boundary_areas(before), _boundary_areas(after)
+    for arrays_n, arrays in _pair(before.state, after.state):
+        rows_n, rows = (_find_rows(run, arrays) for run in (before, after))
+        for name, becomes in arrays.on_new_mesh.items():
+            if becomes.kind not in _SURFACE:
+                continue
+            given, rest = (np.moveaxis(getattr(a, name), becomes.axis, 0) for a in (arrays_n, arrays))
+            found = rest.copy()
+            begin_n = begin = 0
+            for nodes_n, nodes in zip(rows_n, rows, strict=True):
+                own_n, own = slice(begin_n, begin_n + len(nodes_n)), slice(begin, begin + len(nodes))
+                begin_n, begin = own_n.stop, own.stop
+                everywhere = np.zeros((len(areas_n), *given.shape[1:]))
+                at_rest = np.zeros((len(areas), *given.shape[1:]))
+                at_rest[nodes] = rest[own]
+                everywhere[nodes_n] = given[own_n]
+                if becomes.kind == "surface":
+                    found[own] = carrier.surface(everywhere, at_rest)[nodes]
+                    continue
+                per_area = carrier.surface(everywhere / np.maximum(areas_n, 1e-300), at_rest)
+                found[own] = per_area[nodes] * areas[nodes]
+            setattr(arrays, name, np.ascontiguousarray(np.moveaxis(found, 0, becomes.axis)))
+    if ContactArrays in after.state:
+        contact = after.state[ContactArrays]
+        contact.drag = np.where((contact.status > 0).any(axis=0), contact.drag, 0.0)
+
+
+def _pair(before: State, after: State) -> Iterator[tuple[Arrays, Arrays]]:
+    """Yield the arrays of every owner on the old and on the new mesh."""
+    for arrays in after:
+        yield before[type(arrays)], arrays
+
+
+def _find_rows(run: ImplicitProcedure, arrays: Arrays) -> list[IntArray]:
+    """Return the nodes that the rows of an owner's surface arrays stand for, group after group."""
+    for interaction in run.interactions.all:
+        if any(isinstance(arrays, type(own)) for own in interaction.at_rest()):
+            groups = interaction.surface_nodes()
+            if groups is not None:
+                return groups
+    return [np.arange(len(run.model.mesh.points), dtype=np.int32)]
+
+
+def _return_to_law(after: Epoch) -> None:
+    """Bring what was fitted back to what a law can have.
+
+    Deviators beyond the flow stress are scaled to it, of laws with isotropic hardening alone. The directions of other
+    laws' axes, their last two values, get their length back.
+    """
+    mechanics, state, model = after.run.mechanics, after.state, after.run.model
+    assert isinstance(mechanics, Mechanics)
+    for number, block in enumerate(model.mesh.blocks):
+        history, stress = state.cells.history[number], state.cells.stress[number]
+        if history.shape[2] > 0:
+            if model.materials[block.material].umat is None:
+                length = np.linalg.norm(history[..., -2:], axis=-1, keepdims=True)
+                history[..., -2:] /= np.where(length > 0.0, length, 1.0)
+            continue
+        flow = mechanics.flow_stress(number, state)
+        mean = stress[..., :3].mean(axis=-1)
+        deviator = stress.copy()
+        deviator[..., :3] -= mean[..., None]
+        effective = np.sqrt(1.5 * ((deviator[..., :3] ** 2).sum(axis=-1) + 2.0 * deviator[..., 3] ** 2))
+        factor = np.minimum(1.0, flow / np.maximum(effective, 1e-300))
+        stress[...] = deviator * factor[..., None]
+        stress[..., :3] += mean[..., None]
+
+
+def _boundary_areas(run: ImplicitProcedure) -> FloatArray:
+    """Return the area of the boundary round each node (n_points,) [mm2]."""
+    model = run.model
+    thickness = None if model.analysis == "axisymmetric" else model.depth
+    edges = model.mesh.boundary_edges
+    areas = edge_areas(model.mesh.points + run.state.nodes.displacement, edges, thickness)
+    return np.asarray(np.bincount(edges.ravel(), areas.ravel(), minlength=len(model.mesh.points)), dtype=float)

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a new mesh takes from the old one: moves and fields of nodes, fields of points, values along the boundary.
+
+Every body of a section is a part of its own, with points and blocks that no other uses. A part that keeps its mesh
+keeps its values to the bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from presswork import _core
+from presswork.mesh.topology import count_corners
+from presswork.model import ELEMENTS, CellBlock, FloatArray, IndexArray, Mesh
+from presswork.remesh.transfer import Places, PointTransfer, find_transfer, locate
+
+
+@dataclass(frozen=True)
+class SurfacePlaces:
+    """Where nodes of a new boundary lie on the old one."""
+
+    node: IndexArray
+    """Of the new mesh (k,)."""
+    before: IndexArray
+    """Node of the old mesh before it on the boundary (k,)."""
+    after: IndexArray
+    """And after it (k,)."""
+    part: FloatArray
+    """Of the way from the one to the other (k,)."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A body with its old and its new mesh."""
+
+    old_points: range
+    new_points: range
+    block: int
+    surface: SurfacePlaces | None
+    """None: the mesh stays."""
+
+
+@dataclass(frozen=True)
+class _Sources:
+    """Where the values of a remeshed part come from."""
+
+    position: FloatArray
+    """Of all nodes of the old mesh (n_old_points, 2) [mm]."""
+    old: CellBlock
+    new: CellBlock
+    points: FloatArray
+    """Of the new mesh, of all parts (n_new_points, 2) [mm]."""
+    own: IndexArray
+    """The part's new nodes."""
+
+    @cached_property
+    def old_cells(self) -> IndexArray:
+        """Corners of the old cells (n_cells, 3 | 4)."""
+        connectivity = self.old.connectivity
+        return connectivity[:, : count_corners(connectivity.shape[1])].astype(np.intp)
+
+    @cached_property
+    def places(self) -> Places:
+        """Where the new nodes lie in the old mesh."""
+        return locate(self.position, self.old_cells, self.points[self.own])
+
+    @cached_property
+    def of_nodes(self) -> tuple[IndexArray, PointTransfer]:
+        """Nodes of the old part, and how fields at them are found at the new ones."""
+        nodes, first = np.unique(self.old_cells, return_index=True)
+        cell_of = first // self.old_cells.shape[1]
+        old, new = self.position[nodes], self.points[self.own]
+        return nodes, find_transfer(old, new, self.old_cells, self.places.cell, cell_of)
+
+    @cached_property
+    def of_points(self) -> PointTransfer:
+        """How fields at the integration points of the old cells are found at those of the new ones."""
+        start, end = place_points(self.old, self.position), place_points(self.new, self.points)
+        home = locate(self.position, self.old_cells, end).cell
+        cell_of = np.repeat(np.arange(len(self.old_cells)), len(start) // len(self.old_cells))
+        return find_transfer(start, end, self.old_cells, home, cell_of)
+
+
+class Carrier:
+    """Carries arrays from an old mesh to a new one, part by part."""
+
+    def __init__(self, old: Mesh, position: FloatArray, new: Mesh, parts: Sequence[Part]) -> None:
+        """position: of the old nodes (n_old_points, 2) [mm], in which the new mesh lies."""
+        self.parts = parts
+        self._n_points = len(new.points)
+        self._sources: list[_Sources | None] = []
+        for part in parts:
+            own = np.arange(part.new_points.start, part.new_points.stop)
+            blocks = old.blocks[part.block], new.blocks[part.block]
+            self._sources.append(_Sources(position, *blocks, new.points, own) if part.surface is not None else None)
+
+    def motion(self, values: FloatArray) -> FloatArray:
+        """Carry moves of the old nodes (n_old_points, m) by the shape functions of the old cells."""
+        result = np.zeros((self._n_points, *values.shape[1:]))
+        for part, sources in zip(self.parts, self._sources, strict=True):
+            own = slice(part.new_points.start, part.new_points.stop)
+            kept = values[part.old_points.start : part.old_points.stop]
+            result[own] = kept if sources is None else sources.places.interpolate(values)
+        return result
+
+    def nodes(self, values: FloatArray) -> FloatArray:
+        """Carry a field given at the old nodes (n_old_points, ...)."""
+        result = np.zeros((self._n_points, *values.shape[1:]))
+        for part, sources in zip(self.parts, self._sources, strict=True):
+            own = slice(part.new_points.start, part.new_points.stop)
+            if sources is None:
+                result[own] = values[part.old_points.start : part.old_points.stop]
+                continue
+            nodes, transfer = sources.of_nodes
+            result[own] = _apply(transfer, values[nodes], (len(sources.own),))
+        return result
+
+    def points(self, values: Sequence[FloatArray], at_rest: Sequence[FloatArray]) -> list[FloatArray]:
+        """Carry a field at integration points, of each block (n_cells, n_points, ...); at_rest: of the new mesh.
+
+        What holds no values stays as at rest.
+        """
+        result = [given.copy() for given in at_rest]
+        for part, sources in zip(self.parts, self._sources, strict=True):
+            given, rest = values[part.block], at_rest[part.block]
+            if sources is None:
+                result[part.block] = given.copy()
+            if sources is None or not given.size:
+                continue
+            result[part.block] = _apply(sources.of_points, given.reshape(-1, *given.shape[2:]), rest.shape[:2])
+        return result
+
+    def surface(self, values: FloatArray, at_rest: FloatArray) -> FloatArray:
+        """Carry values at the old boundary (n_old_points, ...) along its arc; others are those at rest."""
+        result = at_rest.copy()
+        for part in self.parts:
+            if part.surface is None:
+                result[part.new_points.start : part.new_points.stop] = values[
+                    part.old_points.start : part.old_points.stop
+                ]
+                continue
+            on = part.surface
+            share = on.part.reshape(-1, *(1,) * (values.ndim - 1))
+            result[on.node] = (1.0 - share) * values[on.before] + share * values[on.after]
+        return result
+
+
+def place_points(block: CellBlock, position: FloatArray) -> FloatArray:
+    """Return where the integration points of a block's cells are, cell after cell (n, 2) [mm]."""
+    row = ELEMENTS[block.element]
+    shapes = np.asarray(_core.shapes_at_points(row.cell, row.points))
+    return np.asarray(np.einsum("qa,cak->cqk", shapes, position[block.connectivity]).reshape(-1, 2))
+
+
+def _apply(transfer: PointTransfer, values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Return values (n_old, ...) at the new points, in rows of a shape; what is negative nowhere stays so."""
+    flat = values.reshape(len(values), -1)
+    found = transfer.apply(flat)
+    never_negative = flat.min(axis=0) >= 0.0
+    found[:, never_negative] = np.maximum(found[:, never_negative], 0.0)
+    return found.reshape(*shape, *values.shape[1:])
