@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Quadrilaterals inside a closed line whose nodes are given.
 
-1. Every second node of the line is a vertex of a triangulation with cells of twice the size. Its inner vertices are
-   points of square lattices whose spacings differ by the root of two: a point is taken from the lattice whose spacing
-   is nearest to the size asked for there, so that cells of one size lie in rows and columns.
+1. Every second node of the line is a vertex of a triangulation with cells of twice the size. Rows of inner vertices
+   follow the line; in thin metal they share its thickness. Inside the rows vertices are points of square lattices whose
+   spacings differ by the root of two: a point is taken from the lattice whose spacing is nearest to the size asked for.
 2. Delaunay's triangulation (Qhull) of both; inner vertices move to the middle of their neighbours a few times.
 3. Pairs of triangles that make a good quadrilateral are joined, the best ones first.
 4. Every quadrilateral is split into four, every triangle left over into three, at the middles of their sides; on the
@@ -18,14 +18,16 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
-from presswork.geometry.polygon import contains, list_sides
+from presswork.geometry.polygon import contains, list_sides, measure_distance
 from presswork.mesh.checks import MeshError, corner_jacobians
 from presswork.model import BoolArray, FloatArray, IndexArray
 
 SizeField = Callable[[FloatArray], FloatArray]
 """Edge length of cells [mm] at points (n, 2)."""
-_OFF_LINE = 0.7
-"""Distance of inner vertices from the line, over the size of the triangles."""
+LAYERS = 2
+"""Rows of vertices that follow the line."""
+_OFF_LINE, _OFF_ROWS = 0.7, 0.8
+"""Distance of rows from the line, and of the lattice from both, over the size of the triangles."""
 _TRIANGLE_ROUNDS, _QUAD_ROUNDS = 4, 12
 _RETREATS, _GOOD = 8, 0.5
 """Times that nodes go back where cells worse than good ones would become worse still."""
@@ -70,7 +72,7 @@ def measure_quality(points: FloatArray, cells: IndexArray) -> FloatArray:
 
 def _triangulate(line: FloatArray, size: SizeField) -> tuple[FloatArray, IndexArray]:
     """Return vertices, those of the line first, and triangles counter-clockwise that fill it."""
-    inner = _place_lattice(line, size)
+    inner = _place_vertices(line, size)
     sides = list_sides(line)
     triangles = np.zeros((0, 3), dtype=np.intp)
     for round_ in range(_TRIANGLE_ROUNDS + 1):
@@ -93,12 +95,39 @@ def _triangulate(line: FloatArray, size: SizeField) -> tuple[FloatArray, IndexAr
     return points, triangles
 
 
-def _place_lattice(line: FloatArray, size: SizeField) -> FloatArray:
-    """Return inner vertices on square lattices of spacings that differ by the root of two."""
+def _place_vertices(line: FloatArray, size: SizeField) -> FloatArray:
+    """Return inner vertices: rows that follow the line, and square lattices inside them."""
+    rows = _place_rows(line, size)
+    inner = np.concatenate([rows, _place_lattice(np.concatenate([line, rows]), line, size)])
+    return _thin(inner, size)
+
+
+def _place_rows(line: FloatArray, size: SizeField) -> FloatArray:
+    """Return vertices in rows along the line, LAYERS deep, in thin metal as many as fit between its walls."""
+    along = np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0)
+    inwards = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True)
+    side = np.roll(line, -1, axis=0) - line
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    lean = np.sqrt(np.maximum(0.5 * (1.0 + (side * np.roll(side, 1, axis=0)).sum(axis=1)), 0.25))
+    thickness = measure_thickness(line, line, inwards)
+    step = size(line)
+    count = np.maximum(np.floor(thickness / step + 0.75), 1.0)  # three rows of cells from 2.5 sizes on
+    thin = count <= 2 * LAYERS + 1
+    step[thin] = thickness[thin] / count[thin]
+    step /= lean
+    sides, rows = list_sides(line), [np.zeros((0, 2))]
+    for layer in range(1, LAYERS + 1):
+        own = layer * lean < 0.5 * count + 0.25
+        place = line[own] + layer * (step[own, None] * inwards[own])
+        depth = measure_distance(sides, place)
+        rows.append(place[contains(sides, place) & (depth > _OFF_LINE * layer * step[own] * lean[own])])
+    return np.concatenate(rows)
+
+
+def _place_lattice(taken: FloatArray, line: FloatArray, size: SizeField) -> FloatArray:
+    """Return vertices on square lattices of spacings that differ by the root of two, off those that are taken."""
     low, high = line.min(axis=0), line.max(axis=0)
-    edge = np.linalg.norm(np.roll(line, -1, axis=0) - line, axis=1)
-    on_line = np.maximum(edge, np.roll(edge, 1))
-    tree, sides = cKDTree(line), list_sides(line)
+    tree, sides = cKDTree(taken), list_sides(line)
     least = float(size(line).min())
     most = float(np.linalg.norm(high - low))
     kept: list[FloatArray] = []
@@ -109,12 +138,11 @@ def _place_lattice(line: FloatArray, size: SizeField) -> FloatArray:
         own = (wanted >= spacing * 2**-0.25) & (wanted < spacing * 2**0.25)
         lattice, wanted = lattice[own], wanted[own]
         if len(lattice):
-            near, which = tree.query(lattice)
-            lattice = lattice[(near > _OFF_LINE * np.minimum(wanted, on_line[which])) & contains(sides, lattice)]
+            near, _ = tree.query(lattice)
+            lattice = lattice[(near > _OFF_ROWS * wanted) & contains(sides, lattice)]
             kept.append(lattice)
         spacing, turned = spacing * 2**0.5, not turned
-    inner = np.concatenate(kept) if kept else np.zeros((0, 2))
-    return _thin(inner, size)
+    return np.concatenate(kept) if kept else np.zeros((0, 2))
 
 
 def _lattice(low: FloatArray, high: FloatArray, spacing: float, turned: bool) -> FloatArray:
@@ -258,3 +286,24 @@ def _mark(nodes: IndexArray, n: int) -> BoolArray:
     marked = np.zeros(n, dtype=bool)
     marked[nodes] = True
     return marked
+
+
+def measure_thickness(
+    line: FloatArray, places: FloatArray, inwards: FloatArray, doubled: BoolArray | None = None
+) -> FloatArray:
+    """Return the way from places (n, 2) along unit directions (n, 2) to the opposite side of a closed line (n,) [mm].
+
+    doubled (k,): sides up to which the way counts twice. Infinite where no side lies opposite.
+    """
+    along = np.roll(line, -1, axis=0) - line
+    length = np.linalg.norm(along, axis=1)
+    normal = np.column_stack([-along[:, 1], along[:, 0]]) / length[:, None]
+    cross = inwards[:, None, 0] * along[None, :, 1] - inwards[:, None, 1] * along[None, :, 0]
+    away = line[None] - places[:, None]
+    safe = np.where(np.abs(cross) > 1e-12, cross, np.inf)
+    distance = (away[..., 0] * along[None, :, 1] - away[..., 1] * along[None, :, 0]) / safe
+    part = (away[..., 0] * inwards[:, None, 1] - away[..., 1] * inwards[:, None, 0]) / safe
+    opposes = inwards @ normal.T < -0.5
+    hit = (distance > 1e-9 * length[None]) & (part >= -1e-9) & (part <= 1 + 1e-9) & opposes & np.isfinite(safe)
+    weight = np.ones(len(line)) if doubled is None else np.where(doubled, 2.0, 1.0)
+    return np.asarray(np.where(hit, weight[None] * distance, np.inf).min(axis=1))

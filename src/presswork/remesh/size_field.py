@@ -13,10 +13,11 @@ from scipy.spatial import cKDTree
 
 from presswork.geometry.profile_way import ProfileWay
 from presswork.model import BoolArray, FloatArray
+from presswork.remesh.fill import measure_thickness
 
 GRADATION = np.log(1.3)
 """Growth of the cell size over a length, from 1.3 between neighbours."""
-OF_RADIUS = 0.4
+OF_RADIUS = 0.25
 OF_GAP = 0.25
 REACH = 2.5
 """Cells of the largest size ahead of contact over which a tool's curvature counts."""
@@ -109,19 +110,9 @@ def metal_thickness(line: FloatArray, doubled: BoolArray) -> FloatArray:
 
     doubled (k,): sides in symmetry planes; metal up to one is twice as thick. Infinite where no side lies opposite.
     """
-    after = np.roll(line, -1, axis=0)
-    along = after - line
-    length = np.linalg.norm(along, axis=1)
-    inwards = np.column_stack([-along[:, 1], along[:, 0]]) / length[:, None]
-    middle = 0.5 * (line + after)
-    cross = inwards[:, None, 0] * along[None, :, 1] - inwards[:, None, 1] * along[None, :, 0]
-    away = line[None] - middle[:, None]
-    safe = np.where(np.abs(cross) > 1e-12, cross, np.inf)
-    distance = (away[..., 0] * along[None, :, 1] - away[..., 1] * along[None, :, 0]) / safe
-    part = (away[..., 0] * inwards[:, None, 1] - away[..., 1] * inwards[:, None, 0]) / safe
-    opposes = inwards @ inwards.T < -0.5
-    hit = (distance > 1e-9 * length[:, None]) & (part >= -1e-9) & (part <= 1 + 1e-9) & opposes & np.isfinite(safe)
-    thickness = np.where(hit, np.where(doubled[None], 2.0, 1.0) * distance, np.inf).min(axis=1)
+    along = np.roll(line, -1, axis=0) - line
+    inwards = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True)
+    thickness = measure_thickness(line, 0.5 * (line + np.roll(line, -1, axis=0)), inwards, doubled)
     return np.asarray(np.where(doubled, np.inf, thickness))
 
 

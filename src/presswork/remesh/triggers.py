@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from presswork import _core
+from presswork.geometry.profile_way import ProfileWay
 from presswork.model import FloatArray, IndexArray
 from presswork.remesh.fill import SizeField, measure_quality
 
@@ -40,14 +42,23 @@ def find_long_edge(line: FloatArray, size: SizeField) -> str | None:
 
 
 def find_cut_edge(line: FloatArray, profiles: Sequence[FloatArray]) -> str | None:
-    """Say which edge of a closed line (n, 2) lies too deep in a tool between its nodes."""
+    """Say which edge of a closed line (n, 2) lies too deep in a tool between its nodes.
+
+    Round a sharp corner of a tool every edge does, until its node behind has passed: only its length counts there.
+    """
     after = np.roll(line, -1, axis=0)
     middle = np.ascontiguousarray(0.5 * (line + after))
     length = np.linalg.norm(after - line, axis=1)
     for profile in profiles:
         gap, *_ = _core.touch_profile(np.ascontiguousarray(profile), middle)
-        worst = int(np.argmin(gap / length))
-        if gap[worst] < -TOO_DEEP * length[worst]:
+        way = ProfileWay(profile)
+        corners, turns = way.corners()
+        depth = np.where(gap < -TOO_DEEP * length, -gap / length, 0.0)
+        if len(corners) and (turns < 0.0).any():
+            apart, _ = cKDTree(way.at(corners[turns < 0.0])).query(middle)
+            depth[apart < 0.75 * length] = 0.0
+        worst = int(np.argmax(depth))
+        if depth[worst] > 0.0:
             x, y = middle[worst]
             return f"a tool {-gap[worst]:.2g} mm deep in an edge near ({x:.4g}, {y:.4g})"
     return None

@@ -98,3 +98,14 @@ def test_a_line_too_coarse_for_its_shape_or_odd_is_refused():
         fill_with_quadrilaterals(line, uniform(2.0))
     with pytest.raises(MeshError, match="too coarse for its shape near"):
         fill_with_quadrilaterals(np.insert(line, 8, [5.01, 2.8], axis=0), uniform(2.0))
+
+
+@pytest.mark.parametrize("rows", [2.6, 3.0, 4.0, 5.3])
+def test_thin_metal_has_at_least_three_rows_of_cells(rows):
+    """Between walls that are `rows` sizes apart, in the middle of a long strip."""
+    size = 0.5
+    line = polygon([[0, 0], [20, 0], [20, rows * size], [0, rows * size]], size)
+    points, cells = fill_with_quadrilaterals(line, uniform(size))
+    corners = points[cells]
+    across = (corners[..., 0].min(axis=1) < 10.02) & (corners[..., 0].max(axis=1) > 10.02)
+    assert across.sum() >= 3

@@ -38,7 +38,7 @@ def test_thickness_is_measured_inwards_and_doubled_at_a_symmetry_plane():
 
 def test_tool_radius_counts_where_the_metal_comes_near_only():
     near = tool_curvature(SECTION, ROUNDED, 1.5, 0.1)
-    assert near.size.min() == pytest.approx(0.4, rel=1e-6)
+    assert near.size.min() == pytest.approx(0.25, rel=1e-6)
     assert np.abs(np.hypot(near.place[:, 0] - 6, near.place[:, 1] - 6) - 1).max() < 1e-6
     assert len(tool_curvature(SECTION - [0, 30], ROUNDED, 1.5, 0.1).size) == 0
 
@@ -59,3 +59,12 @@ def test_triggers_name_the_cell_and_the_edge():
         flat, [np.array([[0.3, 0, 0.7, 0, 0.5, 0, -1], [0.7, 0, 0.3, 0, 0.5, 0, -1]])]
     )
     assert find_cut_edge(flat, [pin - [0, 5, 0, 5, 0, 5, 0]]) is None
+
+
+def test_an_edge_round_a_sharp_corner_of_a_tool_is_cut_by_nothing_but_its_length():
+    """The last node beneath a punch and the first one beside it; a blunt punch cuts the same edge."""
+    sharp = np.array([[1.0, 5.0, 1.0, 0.0, 0.0, 0.0, 0.0], [1.0, 0.0, -5.0, 0.0, 0.0, 0.0, 0.0]])
+    line = np.array([[0.0, -2.0], [3.0, -2.0], [3.0, 2.0], [1.0, 0.2], [0.8, 0.0], [0.0, 0.0]])
+    assert find_cut_edge(line, [sharp]) is None
+    assert find_cut_edge(line, [sharp - np.array([0, 0.05, 0, 0.05, 0, 0, 0])]) is None
+    assert "deep" in find_cut_edge(line, [sharp - np.array([0, 0.4, 0, 0.4, 0, 0, 0])])
