@@ -20,6 +20,7 @@ void bind_explicit_space(nb::module_& m);
 void bind_one_step(nb::module_& m);
 void bind_explicit_plane(nb::module_& m);
 void bind_heat(nb::module_& m);
+void bind_damage(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -43,4 +44,5 @@ NB_MODULE(_core, m) {
   bind_one_step(m);
   bind_explicit_plane(m);
   bind_heat(m);
+  bind_damage(m);
 }

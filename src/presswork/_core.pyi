@@ -1352,3 +1352,26 @@ def shapes_at_points(cell: str, n_points: int) -> NDArray[numpy.float64]:
 
 def lump_volumes(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float) -> NDArray[numpy.float64]:
     """Volume that each node of each cell stands for (n_cells, nodes) [mm3]."""
+
+class DamageCriterion(enum.Enum):
+    """Criterion of ductile fracture."""
+
+    cockcroft_latham = 0
+
+    rice_tracey = 1
+
+    oyane = 2
+
+    freudenthal = 3
+
+    johnson_cook = 4
+
+class Damage:
+    """Damage that grows with plastic strain and does not act back."""
+
+    def __init__(self, criterion: DamageCriterion, parameters: Mapping[str, float]) -> None: ...
+
+    def advance(self, value_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+        """
+        Damage (n,) of points after an increment of dt [s]: stresses (n, 3 | 4 | 6) [MPa] and equivalent plastic strains (n,) at its start and end, temperature (n,) [degrees C].
+        """

@@ -216,6 +216,8 @@ class _Run:
         row = recording.row(report)
         self.history.append(row)
         reason = self.watch.look(recording.watch(), row)
+        for line in self.watch.take_news():
+            self.log.warning("warning: %s", line)
         if report.is_save_point:
             self.save_step()
         self.recorded = report.number

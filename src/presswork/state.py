@@ -40,7 +40,7 @@ SURFACE, SURFACE_FORCE = OnNewMesh("surface"), OnNewMesh("surface_force")
 class Arrays:
     """What one owner keeps in the State: a subclass names each array, with shape and unit.
 
-    A value is an array, a list of arrays (one for each block of cells) or a number.
+    A value is an array, a list of arrays (one for each block of cells), such lists by name, or a number.
     """
 
     owner: ClassVar[str]
@@ -57,7 +57,9 @@ class Arrays:
         listed: dict[str, NDArray[np.generic]] = {}
         for f in fields(self):
             name, value = f"{self.owner}.{f.name}", getattr(self, f.name)
-            if isinstance(value, list):
+            if isinstance(value, dict):
+                listed.update({f"{name}.{key}.{i}": a for key, of in value.items() for i, a in enumerate(of)})
+            elif isinstance(value, list):
                 listed.update({f"{name}.{i}": a for i, a in enumerate(value)})
             else:
                 listed[name] = np.asarray(value)
@@ -67,7 +69,10 @@ class Arrays:
         """Take up what to_arrays() gave."""
         for f in fields(self):
             name, value = f"{self.owner}.{f.name}", getattr(self, f.name)
-            if isinstance(value, list):
+            if isinstance(value, dict):
+                found = {key: [arrays[f"{name}.{key}.{i}"].copy() for i in range(len(of))] for key, of in value.items()}
+                setattr(self, f.name, found)
+            elif isinstance(value, list):
                 setattr(self, f.name, [arrays[f"{name}.{i}"].copy() for i in range(len(value))])
             elif isinstance(value, np.ndarray):
                 setattr(self, f.name, arrays[name].copy())
@@ -76,9 +81,12 @@ class Arrays:
 
 
 Owned = TypeVar("Owned", bound=Arrays)
+_Value = NDArray[np.generic] | list[NDArray[np.generic]] | dict[str, list[NDArray[np.generic]]] | float
 
 
-def _copy(value: NDArray[np.generic] | list[NDArray[np.generic]] | float) -> object:
+def _copy(value: _Value) -> object:
+    if isinstance(value, dict):
+        return {key: [a.copy() for a in of] for key, of in value.items()}
     if isinstance(value, list):
         return [a.copy() for a in value]
     return value.copy() if isinstance(value, np.ndarray) else value

@@ -12,6 +12,7 @@ from presswork import _core
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shell_energy import elastic_energy, plastic_work
+from presswork.evolution.points import find_evolved
 from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant
 from presswork.fields.shell_fields import (
@@ -255,11 +256,16 @@ class ShellMechanics:
         if isinstance(law, SheetUmat):  # which does not tell it
             return sheet_effective_stress(state.cells.stress[block])
         history = state.cells.history[block].reshape(-1, state.cells.history[block].shape[-1])
-        material = self._model.materials[self._model.mesh.blocks[block].material]
-        eqps, heat = np.ascontiguousarray(history[:, 0]), temperature(material, history, state.cells.temperature[block])
+        eqps, heat = np.ascontiguousarray(history[:, 0]), self.temperature_at_points(state, block)
         flow, _ = law.flow_stress(eqps, temperature=heat)
         result: FloatArray = flow.reshape(state.cells.eqps[block].shape)
         return result
+
+    def temperature_at_points(self, state: State, block: int) -> FloatArray:
+        """Return the temperature of a block's points (n,) [degrees C], the rise by the law's own heat included."""
+        history = state.cells.history[block].reshape(-1, state.cells.history[block].shape[-1])
+        material = self._model.materials[self._model.mesh.blocks[block].material]
+        return temperature(material, history, state.cells.temperature[block])
 
     def cell_fields(self, state: State) -> dict[str, FloatArray]:
         """Return the quantities of the sheet's cells by name."""
@@ -303,6 +309,7 @@ class ShellMechanics:
             state,
             reaction=state.nodes.reaction,
             find_sheet=lambda: self.cell_fields(state),
+            evolved=find_evolved(state),
             judged=self._model.materials[self._model.mesh.blocks[0].material].formability,
         )
 

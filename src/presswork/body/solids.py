@@ -13,6 +13,7 @@ from presswork import _core
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.shells import ShellMechanics
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
+from presswork.evolution.points import find_evolved
 from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress, find_contact
@@ -261,7 +262,7 @@ class Mechanics:
         if isinstance(law, _core.VonMises):
             flow, _ = law.flow_stress(flat)
         else:
-            flow, _ = law.flow_stress(flat, temperature=self._temperature_at_points(state, block))
+            flow, _ = law.flow_stress(flat, temperature=self.temperature_at_points(state, block))
         result: FloatArray = flow.reshape(eqps.shape)
         return result
 
@@ -277,7 +278,7 @@ class Mechanics:
         """Return what the fields are computed from. contact: forces of the tools; in space no tool touches a body."""
         model, cells = self._model, state.cells
         points = SolidPoints(cells.stress, cells.eqps, cells.volume, cells.history, self._temperature(state))
-        found = Instant(model, state.nodes.displacement, state, points=points)
+        found = Instant(model, state.nodes.displacement, state, points=points, evolved=find_evolved(state))
         if contact is not None and model.analysis != "solid":
             found.find_contact = lambda: find_contact(
                 model, state.nodes.displacement, contact, self.nodal_flow_stress(state), between_bodies
@@ -292,11 +293,11 @@ class Mechanics:
         parts = []
         for i in range(len(materials)):
             weight = state.cells.volume[i] / state.cells.volume[i].sum(axis=1, keepdims=True)
-            degrees = self._temperature_at_points(state, i).reshape(weight.shape)
+            degrees = self.temperature_at_points(state, i).reshape(weight.shape)
             parts.append((weight * degrees).sum(axis=1))
         return np.concatenate(parts)
 
-    def _temperature_at_points(self, state: State, block: int) -> FloatArray:
+    def temperature_at_points(self, state: State, block: int) -> FloatArray:
         """Return the temperature of a block's points (n,) [degrees C], the rise by the law's own heat included."""
         return temperature(self._material(block), _law_history(state, block), state.cells.temperature[block])
 

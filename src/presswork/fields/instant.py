@@ -76,6 +76,8 @@ class Instant:
     temperature: FloatArray | None = None
     """Of bodies that conduct heat (n_points,) [degrees C]."""
     points: SolidPoints | None = None
+    evolved: Mapping[str, Sequence[FloatArray]] = field(default_factory=dict)
+    """What evolution laws keep at the points, by quantity and block (n_cells, p); no rows where there is no law."""
     find_contact: Callable[[], NodalContact] | None = None
     find_sheet: Callable[[], Mapping[str, FloatArray]] | None = None
     """Returns thickness, strains and stresses of a sheet's cells by the names of their fields (n_cells,) or

@@ -7,10 +7,11 @@ one number must say of a whole cell is that of the layer where it is largest.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from presswork.evolution.of_material import QUANTITIES
 from presswork.fields.field import LAMINA, PLACES, TENSOR, VECTOR, Field
 from presswork.fields.instant import Instant, NodalContact
 from presswork.fields.solid_fields import effective_stress
@@ -121,6 +122,26 @@ def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:
     return {str(i + 1): np.concatenate([part[:, i] for part in parts]) for i in range(max(numbers))} or None
 
 
+def _evolved(name: str) -> Callable[[Instant], FloatArray | None]:
+    """Return what finds a quantity of evolution laws: the mean of a solid's points, the largest of a sheet's layers."""
+
+    def find(now: Instant) -> FloatArray | None:
+        if name not in now.evolved:
+            return None
+        blocks = now.evolved[name]
+        cells = [len(block.connectivity) for block in now.model.mesh.blocks]
+        weights: Sequence[FloatArray | None] = [None] * len(cells) if now.points is None else _weights(now)
+        parts = []
+        for values, weight, n in zip(blocks, weights, cells, strict=True):
+            if len(values) == 0:
+                parts.append(np.full(n, np.nan))
+            else:
+                parts.append(values.max(axis=1) if weight is None else (weight * values).sum(axis=1))
+        return np.concatenate(parts)
+
+    return find
+
+
 def _body(now: Instant) -> FloatArray | None:
     if now.points is None or len(now.model.bodies) < 2:
         return None
@@ -152,6 +173,7 @@ ROWS = (
     Field("stress", "MPa", "cell", _stress, components=TENSOR),
     Field("hydrostatic_stress", "MPa", "cell", _hydrostatic_stress),
     Field("temperature", "degrees C", "cell", _temperature),
+    *(Field(q.name, q.unit, "cell", _evolved(q.name), label=q.label) for q in QUANTITIES),
     Field("SDV{}", "", "cell", _state_variables, "number"),
     Field("body", "1", "cell", _body),
     Field("equivalent_plastic_strain_{}", "1", "layer", _of_layers("equivalent_plastic_strain"), "layer"),

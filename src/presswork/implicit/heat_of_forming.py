@@ -105,6 +105,10 @@ class HeatOfForming:
         columns = state[HeatArrays].columns
         return {name: float(columns[names.index(name), :, 0].max()) for name in self._columns}
 
+    def at_points(self, state: State, block: int) -> FloatArray:
+        """Return the temperature at a block's points (n_cells, p) [degrees C]."""
+        return self._shapes.to_points(block, state[HeatArrays].temperature)
+
     def stored(self, state: State) -> float:
         """Return the heat stored since the start [N mm]."""
         now, _ = self._equation.conduction.content(state[HeatArrays].temperature)

@@ -14,6 +14,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.solids import Mechanics, make_mechanics
+from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
 from presswork.implicit.heat_of_forming import HeatOfForming
 from presswork.implicit.newton import Equilibrium
@@ -85,6 +86,7 @@ class ImplicitProcedure:
         self.heat: HeatOfForming | None = None
         if model.heat is not None and isinstance(self.mechanics, Mechanics):
             self.heat = HeatOfForming(model, self.mechanics, self.interactions, self.timing, threads)
+        self.evolution = Evolution(model)
         self.state = self.at_rest()
         self._start, self._lets_go = self.state, False
         if before:
@@ -103,6 +105,8 @@ class ImplicitProcedure:
             state.add(*interaction.at_rest())
         if self.heat is not None:
             state.add(self.heat.at_rest())
+        if self.evolution.names:
+            state.add(self.evolution.at_rest(state))
         return state
 
     def _check_held(self) -> None:
@@ -334,6 +338,7 @@ class ImplicitProcedure:
         trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, dt)
         if self.heat is not None:
             self.heat.advance(state_n, trial, step, dt)
+        self.evolution.advance(state_n, trial, dt, self._temperatures(state_n, trial))
         p = trial[Progress]
         p.time += dt
         p.increments += 1
@@ -352,6 +357,20 @@ class ImplicitProcedure:
                 self._end_stage(trial, stage + 1)
             p.next_size = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
         self.state = trial
+
+    def _temperatures(self, state_n: State, trial: State) -> list[tuple[FloatArray, FloatArray] | None]:
+        """Return the temperatures of the points of each block (n_cells, p) [degrees C] before and after an increment."""
+        found: list[tuple[FloatArray, FloatArray] | None] = []
+        for block, given in enumerate(trial.cells.temperature):
+            if given.size:
+                shape = trial.cells.eqps[block].shape
+                before, after = (self.mechanics.temperature_at_points(s, block) for s in (state_n, trial))
+                found.append((before.reshape(shape), after.reshape(shape)))
+            elif self.heat is not None:
+                found.append((self.heat.at_points(state_n, block), self.heat.at_points(trial, block)))
+            else:
+                found.append(None)
+        return found
 
     def _end_stage(self, state: State, next_stage: int) -> None:
         """Prepare a converged state for the next stage."""

@@ -36,6 +36,7 @@ from presswork.model.heat import (
 )
 from presswork.model.limits import Limits
 from presswork.model.material import (
+    Damage,
     Hardening,
     Heating,
     Kinematic,
@@ -103,6 +104,7 @@ __all__ = [
     "CellBlock",
     "ContactLaw",
     "Convection",
+    "Damage",
     "Displacements",
     "Drawbead",
     "EdgeForce",

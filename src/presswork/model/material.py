@@ -78,6 +78,18 @@ class Heating:
 
 
 @dataclass(frozen=True)
+class Damage:
+    """Criterion of ductile fracture; see docs/theory/damage.md for the formulas."""
+
+    criterion: Literal["cockcroft_latham", "rice_tracey", "oyane", "freudenthal", "johnson_cook"]
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """rice_tracey: factor, exponent; oyane: A; johnson_cook: d1 to d5, reference_rate [1/s], reference and melting
+    [degrees C]; the others have none."""
+    critical: float | None = None
+    """Damage at which a crack begins; None: it is not known."""
+
+
+@dataclass(frozen=True)
 class Umat:
     """A material law from a shared library with Abaqus's interface UMAT."""
 
@@ -123,5 +135,7 @@ class Material:
     """Softening and heating; None: the material does not depend on temperature."""
     thermal: Thermal | None = None
     """Conduction and storage of heat; None: it conducts no heat."""
+    damage: Damage | None = None
+    """Criterion of fracture; None: in solids that of Cockcroft and Latham, without a critical value."""
     formability: Formability = field(default_factory=Formability)
     """Forming limit that the strains of a sheet are compared with."""

@@ -39,7 +39,13 @@ def carry_state(before: Epoch, after: Epoch, carrier: Carrier) -> None:
             elif becomes.kind == "node":
                 setattr(arrays, name, carrier.nodes(given))
             elif becomes.kind == "point":
-                setattr(arrays, name, carrier.points(given, rest))
+                found = (
+                    {key: carrier.points(given[key], rest[key]) for key in rest}
+                    if isinstance(rest, dict)
+                    else carrier.points(given, rest)
+                )
+                setattr(arrays, name, found)
+    after.run.evolution.clip(after.state)
     _return_to_law(after)
     if after.run.heat is not None and before.run.heat is not None:
         after.run.heat.keep_stored(after.state, before.run.heat.stored(before.state))

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.solids import Mechanics
+from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.table import compute_fields
 from presswork.formability import Formability
@@ -25,6 +27,7 @@ from presswork.model import FloatArray, Model, ToolMotion
 from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat, warn_of_tables
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_sheet
+from presswork.process.peaks import peak_columns, peak_row
 from presswork.process.penetration import Penetration, measure_bodies
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Meta, Row, Snapshot, find_never_touched
@@ -63,7 +66,8 @@ class ImplicitRecording(IncrementRecording):
         heat = heat_columns(HEAT_KINDS) if self.procedure.heat else []
         if self.procedure.heat:
             heat += [f"{name}.temperature_max" for name in self.procedure.heat.hottest(self.procedure.state)]
-        return [*history_columns(tools, self.turning, contacts), *heat, *self.reactions.columns]
+        peaks = peak_columns(find_evolved(self.procedure.state))
+        return [*history_columns(tools, self.turning, contacts), *heat, *peaks, *self.reactions.columns]
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -99,14 +103,16 @@ class ImplicitRecording(IncrementRecording):
             own = state[HeatArrays]
             row |= measure_heat(heat.conduction, own.temperature, heat.stored(state), HEAT_KINDS, own.heat)
             row |= {f"{name}.temperature_max": value for name, value in heat.hottest(state).items()}
+        row |= peak_row(find_evolved(state))
         moved = self.moved(state.nodes.displacement)
         return row | self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
 
     def watch(self) -> Watched:
         """Return how far the converged state is towards its limits."""
         verdict = self._judge()
+        peaks = self.find_peaks()
         if verdict is not None:
-            return watch_sheet(verdict)
+            return replace(watch_sheet(verdict), damage=peaks)
         procedure, model, state = self.procedure, self.model, self.procedure.state
         mechanics = procedure.mechanics
         assert isinstance(mechanics, Mechanics)
@@ -128,7 +134,7 @@ class ImplicitRecording(IncrementRecording):
                 mean = stress[..., :3].mean(axis=-1)
                 of_cell = np.repeat(centres, mean.shape[1], axis=0)
                 found.append(measure_hydrostatic_stress(mean.ravel(), flow.ravel(), of_cell))
-        return Watched(tuple(found))
+        return Watched(tuple(found), damage=peaks)
 
     def _tool_places(self) -> list[tuple[FloatArray, float]]:
         """Return displacement (2,) [mm] and angle [rad] of each tool in the plane."""

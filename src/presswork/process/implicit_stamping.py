@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
@@ -25,6 +26,7 @@ from presswork.model import FloatArray, Model, OutputSettings, Push, Stage, Tool
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.process.peaks import peak_columns, peak_row
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.stamping_tools import (
@@ -111,6 +113,7 @@ class ImplicitStamping(IncrementRecording):
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
+        first += peak_columns(find_evolved(self.procedure.state))
         return [*first, *self.reactions.columns, *ENERGIES, "energy_error_percent"]
 
     def begin_log(self) -> str:
@@ -152,6 +155,7 @@ class ImplicitStamping(IncrementRecording):
             **self._begin_row(report),
             **self._tool_columns(),
             **self._bead_columns(),
+            **peak_row(find_evolved(state)),
             **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
@@ -201,7 +205,7 @@ class ImplicitStamping(IncrementRecording):
         depths = contact.depths(procedure.state) if contact else np.zeros(0)
         each = zip(self.model.tools, depths, strict=True)
         deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]
-        return Watched((*strained.measures, *deep), strained.margin)
+        return Watched((*strained.measures, *deep), strained.margin, self.find_peaks())
 
     def sheet(self) -> SheetState:
         """Return the converged state of the sheet."""
@@ -222,6 +226,7 @@ class ImplicitStamping(IncrementRecording):
             "iterations": 0,
             **tools,
             **bead_columns(self.model, [0.0] * len(self.model.beads)),
+            **peak_row(find_evolved(self.procedure.state)),
             **self.reactions.nothing(),
             **energies,
             "energy_error_percent": balance["error_percent"],

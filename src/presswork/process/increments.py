@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.evolution.points import find_evolved
 from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.model import FloatArray, Model, change_mesh
 from presswork.outcome import GaveUpError
 from presswork.process.epochs import EpochRecording, NamedArrays
+from presswork.process.peaks import Peak, find_peaks
 from presswork.process.recording import Row
 
 MADE = "made"
@@ -75,6 +77,14 @@ class IncrementRecording(EpochRecording):
     def _begin_on(self, procedure: ImplicitProcedure, origin: FloatArray | None) -> None:
         self.procedure, self._made_at = procedure, self.number
         self._begin_epoch(procedure.model.mesh, origin)
+
+    def find_peaks(self) -> tuple[Peak, ...]:
+        """Return the largest damage of the converged state by each criterion."""
+        procedure, mesh = self.procedure, self.model.mesh
+        evolution = procedure.evolution
+        position = mesh.points + procedure.state.nodes.displacement[:, : mesh.points.shape[1]]
+        critical = {name: evolution.critical(name) for name in evolution.names}
+        return find_peaks(mesh, position, find_evolved(procedure.state), critical)
 
     def remaining(self) -> float:
         """Return the part of the whole process that is still to be computed, counted in stage durations."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from presswork.fields.formability_fields import Extreme, FormingVerdict
 from presswork.model import FloatArray, Limits
+from presswork.process.peaks import Peak
 
 LimitName = Literal["penetration", "thinning", "hydrostatic_stress"]
 
@@ -42,6 +43,8 @@ class Watched:
     measures: tuple[Measure, ...] = ()
     margin: Extreme | None = None
     """The cell with the least margin to the forming limit; None without a curve."""
+    damage: tuple[Peak, ...] = ()
+    """The largest damage by each criterion."""
 
 
 def find_breach(limits: Limits, measures: Sequence[Measure]) -> Measure | None:

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.fields.table import split_components, to_scalar
+from presswork.fields.table import describe_field, split_components, to_scalar
 from presswork.model import FloatArray, Limits, Mesh
 from presswork.process.limits import Watched, explain_breach, find_breach
+from presswork.process.peaks import Peak
 from presswork.process.recording import Snapshot
 
 STROKE, FORCE = ".stroke", ".force"
@@ -26,6 +27,8 @@ class Watch:
         self._nearest: dict[str, dict[str, Any]] = {}
         self._passed: dict[str, str] = {}
         self._first_crack: dict[str, Any] | None = None
+        self._damage: dict[str, dict[str, Any]] = {}
+        self._news: list[str] = []
         self._fields: dict[str, dict[str, dict[str, Any]]] = {}
 
     def look(self, watched: Watched, row: Mapping[str, Any]) -> str | None:
@@ -37,6 +40,8 @@ class Watch:
         if margin is not None and margin.value < 0.0 and self._first_crack is None:
             place = [float(x) for x in margin.place]
             self._first_crack = {**describe_instant(row), "margin": margin.value, "cell": margin.cell, "at_mm": place}
+        for peak in watched.damage:
+            self._take_peak(peak, row)
         for measure in watched.measures:
             if measure.limit not in self._nearest or measure.value > self._nearest[measure.limit]["largest"]:
                 limit = getattr(self._limits, measure.limit)
@@ -48,6 +53,22 @@ class Watch:
         reason = f"{_say_when(row)}{explain_breach(breach, self._limits)}"
         self._passed.setdefault(breach.limit, reason)
         return reason if self._limits.stop else None
+
+    def _take_peak(self, peak: Peak, row: Mapping[str, Any]) -> None:
+        """Remember the largest damage by a criterion, and when and where it first passed the critical value."""
+        place = {"cell": peak.cell, "point": peak.point, "at_mm": list(peak.place)}
+        instant = {"value": peak.value, **place, **describe_instant(row)}
+        known = self._damage.setdefault(peak.name, {"largest": instant, "critical": peak.critical})
+        if peak.value > known["largest"]["value"]:
+            known["largest"] = instant
+        if peak.is_beyond and "first_exceeded" not in known:
+            known["first_exceeded"] = instant
+            self._news.append(f"{_say_when(row)}{_explain_crack(peak)}")
+
+    def take_news(self) -> list[str]:
+        """Return what the log has not been told yet."""
+        news, self._news = self._news, []
+        return news
 
     def note_step(self, number: int, mesh: Mesh, snapshot: Snapshot) -> None:
         """Take up the extremes of the fields of a saved step, counted from 0; places are those of the deformed body."""
@@ -72,22 +93,31 @@ class Watch:
                 known[key] = {"value": value, "at_mm": [float(x) for x in places[at]], **when}
 
     def warnings(self) -> list[str]:
-        """Return the limits that were passed by a run that went on."""
-        return [] if self._limits.stop else list(self._passed.values())
+        """Return the limits that were passed by a run that went on, and the cracks that damage tells."""
+        cracks = []
+        for name, known in self._damage.items():
+            if (first := known.get("first_exceeded")) is not None:
+                peak = Peak(
+                    name, first["value"], known["critical"], first["cell"], first["point"], tuple(first["at_mm"])
+                )
+                cracks.append(f"{_say_when(_row_of(first))}{_explain_crack(peak)}")
+        return [*cracks, *([] if self._limits.stop else self._passed.values())]
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return how near limits came, the first crack, largest forces and the extremes of fields, for summary.json."""
         forces = find_largest_forces(history)
         found: dict[str, Any] = {"limits": self._nearest, "largest_forces": forces, "fields": self._fields}
+        if self._damage:
+            found = {"damage": self._damage, **found}
         return found if self._first_crack is None else {"first_crack": self._first_crack, **found}
 
     def to_text(self) -> str:
         """Return all that is remembered, for a checkpoint."""
-        return json.dumps([self._nearest, self._passed, self._first_crack, self._fields])
+        return json.dumps([self._nearest, self._passed, self._first_crack, self._fields, self._damage])
 
     def from_text(self, text: str) -> None:
         """Take up what to_text gave."""
-        self._nearest, self._passed, self._first_crack, self._fields = json.loads(text)
+        self._nearest, self._passed, self._first_crack, self._fields, self._damage = json.loads(text)
 
 
 def describe_instant(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -102,6 +132,18 @@ def describe_instant(row: Mapping[str, Any]) -> dict[str, Any]:
         "stage": str(row.get("stage", "")),
         "strokes_mm": {tool: stroke for tool, stroke in strokes.items() if stroke},
     }
+
+
+def _row_of(instant: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of the history that describe_instant describes so."""
+    return {"stage": instant["stage"]} | {f"{tool}{STROKE}": way for tool, way in instant["strokes_mm"].items()}
+
+
+def _explain_crack(peak: Peak) -> str:
+    """Say where which damage has passed its critical value."""
+    at = ", ".join(f"{x:.4g}" for x in peak.place)
+    name = describe_field(peak.name)
+    return f"the {name} is {peak.value:.4g} at ({at}) mm, beyond the critical {peak.critical:.4g}: a crack begins there"
 
 
 def _say_when(row: Mapping[str, Any]) -> str:

@@ -31,6 +31,11 @@ def describe_material(material: model.Material) -> str:
         parts += [f"softens with temperature from {h.reference:g} to {h.melting:g} degrees C, starts at {h.start:g}"]
         if h.heat_capacity is not None:
             parts += [f"heated by {h.plastic_fraction:g} of its plastic work"]
+    if material.damage:
+        d = material.damage
+        told = [f"{name} = {value:g}" for name, value in d.parameters.items()]
+        told += [] if d.critical is None else [f"critical {d.critical:g}"]
+        parts += [" ".join([f"damage by {d.criterion}", ", ".join(told)]).rstrip()]
     return ", ".join(parts)
 
 

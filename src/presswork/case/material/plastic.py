@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from presswork import _core, model
 from presswork.case.errors import Problem
 from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
+from presswork.case.material.damage import Damage
 from presswork.case.material.hardening import Hardening, Linear, build_hardening
 from presswork.case.material.heating import Heating
 from presswork.case.material.laws import Kinematic, RateLaw, YoshidaUemori, YoungDecrease
@@ -33,6 +34,7 @@ class PlasticLaws(Part):
     young_decrease: YoungDecrease | None = Field(
         default=None, description="how Young's modulus falls with plastic strain"
     )
+    damage: Damage | None = Field(default=None, description="criterion of fracture, and its critical value")
     magnitudes: Magnitudes = Field(default="metal", description=DESCRIPTION)
 
     @model_validator(mode="after")
@@ -72,6 +74,7 @@ class PlasticLaws(Part):
             kinematic=self.kinematic.to_model() if self.kinematic else None,
             rate=self.rate.to_model() if self.rate else None,
             heating=self.heating.to_model() if self.heating else None,
+            damage=self.damage.to_model() if self.damage else None,
             young_decrease=(self.young_decrease.saturated, self.young_decrease.rate) if self.young_decrease else None,
         )
 

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Criteria of ductile fracture in a case. Formulas: docs/theory/damage.md."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from presswork import model
+from presswork.case.part import Part
+from presswork.case.units import Number, Stress, fault
+
+CRITICAL = "value at which a crack begins, found by `presswork calibrate damage`; without it no crack is told"
+
+
+class _Damage(Part):
+    """What every criterion has."""
+
+    criterion: str
+    critical: Number | None = Field(default=None, gt=0, description=CRITICAL)
+
+    def to_model(self) -> model.Damage:
+        """Return the Model's criterion."""
+        given = self.model_dump(exclude={"criterion", "critical"})
+        return model.Damage(self.criterion, given, self.critical)  # type: ignore[arg-type]
+
+
+class CockcroftLatham(_Damage):
+    """Integral of the largest principal stress, where it pulls, over the effective stress."""
+
+    criterion: Literal["cockcroft_latham"] = "cockcroft_latham"
+
+
+class RiceTracey(_Damage):
+    """Integral of factor exp(exponent x), x the mean stress over the effective stress: growth of voids."""
+
+    criterion: Literal["rice_tracey"] = "rice_tracey"
+    factor: Number = Field(default=0.283, gt=0, description="0.283 of Rice and Tracey")
+    exponent: Number = Field(default=1.5, gt=0, description="1.5 of Rice and Tracey")
+
+
+class Oyane(_Damage):
+    """Integral of 1 + x/A where that is positive, x the mean stress over the effective stress."""
+
+    criterion: Literal["oyane"] = "oyane"
+    A: Number = Field(gt=0, description="constant of the material, of the order of 0.3")
+
+
+class Freudenthal(_Damage):
+    """Plastic work per volume."""
+
+    criterion: Literal["freudenthal"] = "freudenthal"
+    critical: Stress | None = Field(default=None, gt=0, description=f"{CRITICAL} [MPa]")
+
+
+class JohnsonCookFracture(_Damage):
+    """Integral of 1/ef, ef the fracture strain by triaxiality, strain rate and temperature; a crack begins at 1."""
+
+    criterion: Literal["johnson_cook"] = "johnson_cook"
+    critical: Number | None = Field(default=1.0, gt=0, description="value at which a crack begins; 1 by the law")
+    d1: Number = Field(description="part of the fracture strain that does not depend on triaxiality")
+    d2: Number = Field(ge=0, description="part that does")
+    d3: Number = Field(le=0, description="by how much it falls with triaxiality, as exp(d3 x); below zero")
+    d4: Number = Field(default=0.0, description="rise with the logarithm of the strain rate")
+    d5: Number = Field(default=0.0, description="rise with temperature")
+    reference_rate: Number = Field(default=1.0, gt=0, description="plastic strain rate from which d4 counts [1/s]")
+    reference: Number = Field(default=20.0, description="temperature from which d5 counts [degrees C]")
+    melting: Number = Field(default=1500.0, description="temperature at which d5 counts in full [degrees C]")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not self.d1 + self.d2 > 0:
+            raise fault("no fracture strain is left: d1 + d2 must be above zero", "check the signs", key="d1")
+        if not self.melting > self.reference:
+            raise fault(f"not above reference = {self.reference:g}", "steel melts at 1500 degrees C", key="melting")
+        if self.d5 != 0.0 and "melting" not in self.model_fields_set:
+            raise fault("missing key: d5 needs it", "add it, e.g. 1500 (degrees C)", key="melting")
+        if self.d4 != 0.0 and "reference_rate" not in self.model_fields_set:
+            raise fault("missing key: d4 needs it", "add it, e.g. 1.0 (1/s)", key="reference_rate")
+        return self
+
+
+def assume_cockcroft_latham(table: Any) -> Any:
+    """Take a table without a criterion for that of Cockcroft and Latham."""
+    return {"criterion": "cockcroft_latham", **table} if isinstance(table, dict) else table
+
+
+Damage = Annotated[
+    Annotated[
+        CockcroftLatham | RiceTracey | Oyane | Freudenthal | JohnsonCookFracture, Field(discriminator="criterion")
+    ],
+    BeforeValidator(assume_cockcroft_latham),
+]

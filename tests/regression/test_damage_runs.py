@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Damage from the case file to the picture: history, summary, log, resume, new meshes, faulty input."""
+
+import pytest
+
+from presswork import build_model, read_case, run_model
+from presswork.case.errors import CaseError
+
+CASE = """
+title = "a billet is upset"
+analysis = "axisymmetric"
+[workpiece]
+material = "steel"
+element = "quad4_fbar"
+mesh = {size = [10, 15], cells = [8, 12]}
+[materials.steel]
+young = 200e3
+poisson = 0.3
+hardening = {law = "swift", K = 565, e0 = 0.007, n = 0.26}
+damage = {DAMAGE}
+[tools.punch]
+profile = [[0, 15], [30, 15]]
+contact = "shear"
+m = 0.6
+[boundary.axis]
+set = "left"
+fix = ["x"]
+[boundary.middle]
+set = "bottom"
+fix = ["y"]
+[[stages]]
+name = "upset"
+tools.punch = {stroke = 7.5, direction = [0, -1]}
+[solver]
+initial_increment = 0.05
+max_increment = 0.05
+[output]
+steps = 2
+checkpoint_every = 3
+"""
+
+
+def read(folder, damage, more=""):
+    path = folder / "billet.toml"
+    path.write_text(CASE.replace("{DAMAGE}", damage) + more)
+    return read_case(path)
+
+
+def test_an_upset_billet_cracks_first_at_its_equator(tmp_path) -> None:
+    """Kudo & Aoi 1967 saw cracks of upset cylinders begin at the equator, on the free surface."""
+    model = build_model(read(tmp_path, "{critical = 0.1}"))
+    result = run_model(model, tmp_path / "out", threads=1).result
+    told = result.summary["damage"]["damage_cockcroft_latham"]
+    first = told["first_exceeded"]
+    x, y = first["at_mm"]
+    assert y < 1.0
+    assert x > 12.0
+    assert 0.0 < first["strokes_mm"]["punch"] < 7.5
+    assert first["value"] > 0.1
+    assert told["largest"]["value"] == pytest.approx(result.history["damage_cockcroft_latham_max"][-1])
+    assert "a crack begins there" in result.summary["warnings"][0]
+    assert "warning: stage 'upset', punch at" in (tmp_path / "out" / "run.log").read_text()
+    assert result.field("damage_cockcroft_latham").max() <= told["largest"]["value"]
+
+
+def test_a_resumed_run_gives_the_same_bits(tmp_path) -> None:
+    model = build_model(read(tmp_path, "{critical = 0.1}"))
+    run_model(model, tmp_path / "whole", threads=1)
+    calls = 0
+
+    def stop_at_fifteen(progress) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 15:
+            raise KeyboardInterrupt
+
+    run_model(model, tmp_path / "cut", threads=1, on_increment=stop_at_fifteen)
+    cut = run_model(model, tmp_path / "cut", threads=1, resume=True).result
+    assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
+    assert "first_exceeded" in cut.summary["damage"]["damage_cockcroft_latham"]
+
+
+@pytest.mark.parametrize(
+    ("damage", "key"),
+    [
+        ("{critical = -0.2}", "critical"),
+        ('{criterion = "cockcroft_latham", A = 0.3}', "A"),
+        ('{criterion = "oyane"}', "A"),
+        ('{criterion = "mcclintock"}', "damage"),
+        ('{criterion = "johnson_cook", d1 = 0.05, d2 = 3.4, d3 = -2.1, d5 = 0.6}', "melting"),
+        ('{criterion = "johnson_cook", d1 = 0.05, d2 = 3.4, d3 = -2.1, d4 = 0.002}', "reference_rate"),
+        ('{criterion = "johnson_cook", d1 = -4, d2 = 3.4, d3 = -2.1}', "d1"),
+    ],
+)
+def test_faulty_criteria_are_refused(tmp_path, damage: str, key: str) -> None:
+    with pytest.raises(CaseError) as error:
+        build_model(read(tmp_path, damage))
+    assert any(key in problem.key for problem in error.value.problems)
+
+
+def test_damage_passes_to_new_meshes(tmp_path) -> None:
+    """A run with five new meshes has the damage of one without, within 3 %."""
+    found = []
+    for number, more in enumerate(("", "[remesh]\nevery = 0.2\n")):
+        model = build_model(read(tmp_path, "{critical = 10}", more))
+        result = run_model(model, tmp_path / f"out{number}", threads=1).result
+        found.append(result.history["damage_cockcroft_latham_max"][-1])
+    assert result.summary["remeshes"] >= 4
+    assert found[1] == pytest.approx(found[0], rel=0.03)

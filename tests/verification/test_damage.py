@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Damage per unit of plastic strain on known paths, in every family; its quadrature; where a barrel cracks first.
+
+Closed forms for a nearly incompressible, hardening material: with x the mean stress over the effective stress, tension has
+x = 1/3, plane-strain tension 1/sqrt(3), shear 0, compression -1/3, each with its largest principal stress.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from presswork import _core
+from presswork.evolution.contract import PointChange
+from presswork.evolution.damage import DamageLaw
+from presswork.evolution.points import EvolvedArrays
+from presswork.model import Damage, Hardening, Material, PrescribedDisplacement, SolverSettings, Stage, Support
+from tests.problems import plane_solids, space_solids
+
+STEEL = Material("steel", 200e3, 0.49, Hardening("linear", np.array([300.0, 100.0])))
+ROOT3 = np.sqrt(3.0)
+JOHNSON_COOK = {"d1": 0.05, "d2": 3.44, "d3": -2.12, "d4": 0.0, "d5": 0.0}
+"""Of 4340 steel (Johnson & Cook 1985), at the reference rate and temperature."""
+BESIDE = {"reference_rate": 1.0, "reference": 20.0, "melting": 1520.0}
+
+
+def rates(triaxiality: float, principal: float) -> dict[tuple[str, tuple[tuple[str, float], ...]], float]:
+    """Return the damage per strain of every criterion with parameters, at a triaxiality and s1/q."""
+    return {
+        ("cockcroft_latham", ()): max(principal, 0.0),
+        ("rice_tracey", (("exponent", 1.5), ("factor", 0.283))): 0.283 * np.exp(1.5 * triaxiality),
+        ("oyane", (("A", 0.4),)): max(1.0 + triaxiality / 0.4, 0.0),
+        ("johnson_cook", tuple((JOHNSON_COOK | BESIDE).items())): 1.0 / (0.05 + 3.44 * np.exp(-2.12 * triaxiality)),
+    }
+
+
+PATHS = {
+    "tension": (1 / 3, 1.0),
+    "plane_strain_tension": (1 / ROOT3, 2 / ROOT3),
+    "shear": (0.0, 1 / ROOT3),
+    "compression": (-1 / 3, 0.0),
+}
+
+
+def test_rice_tracey_in_tension_is_the_published_number() -> None:
+    named = {name: value for (name, _), value in rates(*PATHS["tension"]).items()}
+    assert named["rice_tracey"] == pytest.approx(0.4666, abs=5e-5)
+
+
+def evolve(procedure) -> float:
+    """Return the largest damage over the largest plastic strain."""
+    values = procedure.state[EvolvedArrays].values
+    chosen = [name for name in values if name != "damage_cockcroft_latham"] or list(values)
+    return float(values[chosen[0]][0].max() / procedure.state.cells.eqps[0].max())
+
+
+def plane(path: str, element: str, damage: Damage, *, axisymmetric: bool, increments: int = 10):
+    mesh = plane_solids.block_mesh(element, (1, 1), origin=(0.0, 0.0), size=(1.0, 1.0))
+    supports = [Support("left", (True, False)), Support("bottom", (False, True))]
+    motion = {"tension": 0.3, "plane_strain_tension": 0.3, "compression": -0.3}[path]
+    return plane_solids.run(
+        plane_solids.make_model(
+            mesh,
+            replace(STEEL, damage=damage),
+            analysis="axisymmetric" if axisymmetric else "plane_strain",
+            supports=supports,
+            prescribed=[PrescribedDisplacement("top", 1, motion)],
+            solver=SolverSettings(initial_increment=1.0 / increments, max_increment=1.0 / increments, symmetric=False),
+        )
+    )[0]
+
+
+def in_space(path: str, element: str, damage: Damage):
+    mesh = space_solids.box(element, (1.0, 1.0, 1.0), (1, 1, 1))
+    supports = list(space_solids.SYMMETRY)
+    if path == "plane_strain_tension":
+        supports.append(Support("front", (False, False, True)))
+    motion = -0.3 if path == "compression" else 0.3
+    stage = Stage("pull", prescribed=(PrescribedDisplacement("right", 0, motion),))
+    return space_solids.compute(space_solids.make_model(mesh, supports, stage, material=replace(STEEL, damage=damage)))
+
+
+@pytest.mark.parametrize("path", ["tension", "compression"])
+@pytest.mark.parametrize("element", plane_solids.ELEMENTS)
+def test_damage_per_strain_in_axisymmetry(path: str, element: str) -> None:
+    for (name, parameters), exact in rates(*PATHS[path]).items():
+        found = evolve(plane(path, element, Damage(name, dict(parameters)), axisymmetric=True))
+        assert found == pytest.approx(exact, rel=2e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("element", plane_solids.ELEMENTS)
+def test_damage_per_strain_in_plane_strain_tension(element: str) -> None:
+    for (name, parameters), exact in rates(*PATHS["plane_strain_tension"]).items():
+        found = evolve(plane("plane_strain_tension", element, Damage(name, dict(parameters)), axisymmetric=False))
+        assert found == pytest.approx(exact, rel=2e-4)
+
+
+@pytest.mark.parametrize("path", ["tension", "plane_strain_tension", "compression"])
+@pytest.mark.parametrize("element", ["hex8", "hex8_fbar"])
+def test_damage_per_strain_in_space(path: str, element: str) -> None:
+    for (name, parameters), exact in rates(*PATHS[path]).items():
+        found = evolve(in_space(path, element, Damage(name, dict(parameters))))
+        assert found == pytest.approx(exact, rel=2e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("components", [3, 4, 6])
+def test_damage_per_strain_in_shear(components: int) -> None:
+    stress = np.zeros((1, components))
+    stress[0, 2 if components == 3 else 3] = 100.0
+    for (name, parameters), exact in rates(*PATHS["shear"]).items():
+        kernel = _core.Damage(_core.DamageCriterion[name], dict(parameters))
+        found = kernel.advance(np.zeros(1), stress, stress, np.zeros(1), np.full(1, 0.5), dt=1.0)
+        assert found[0] == pytest.approx(0.5 * exact, rel=1e-12)
+
+
+def test_the_largest_principal_stress_is_that_of_an_eigenvalue_solver() -> None:
+    stress = np.random.default_rng(1).standard_normal((500, 6)) * 300.0
+    stress[:3] = [[-5.0, -5.0, -5.0, 0, 0, 0], [1.0, 1.0, -2.0, 0, 0, 0], [2.0, -1.0, -1.0, 0, 0, 0]]
+    tensor = stress[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
+    principal = np.linalg.eigvalsh(tensor)
+    deviator = tensor - principal.mean(axis=1)[:, None, None] * np.eye(3)
+    effective = np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))
+    kernel = _core.Damage(_core.DamageCriterion.cockcroft_latham, {})
+    found = kernel.advance(np.zeros(500), stress, stress, np.zeros(500), np.ones(500), dt=1.0)
+    np.testing.assert_allclose(found[1:], np.maximum(principal[1:, 2], 0.0) / effective[1:], rtol=1e-11)
+    assert found[0] == 0.0
+
+
+def test_rate_and_temperature_delay_fracture_as_johnson_and_cook_have_it() -> None:
+    parameters = {"d1": 0.05, "d2": 3.44, "d3": -2.12, "d4": 0.002, "d5": 0.61, **BESIDE}
+    law = DamageLaw(Damage("johnson_cook", parameters))
+    stress, zero = np.array([[300.0, 0.0, 0.0, 0.0]]), np.zeros(1)
+    warm = np.full(1, 520.0)
+    change = PointChange(stress, stress, zero, np.full(1, 0.2), 1e-3, warm, warm)
+    found = law.advance({"damage_johnson_cook": zero}, change)["damage_johnson_cook"][0]
+    fracture = (0.05 + 3.44 * np.exp(-2.12 / 3.0)) * (1.0 + 0.002 * np.log(200.0)) * (1.0 + 0.61 / 3.0)
+    assert found == pytest.approx(0.2 / fracture, rel=1e-12)
+
+
+def test_freudenthal_is_the_plastic_work_and_converges_with_the_square_of_increments() -> None:
+    """Plastic work per volume is 300 p + 50 p^2, with p the plastic strain reached."""
+    errors = []
+    for n in (5, 10, 20):
+        procedure = plane("tension", "quad4", Damage("freudenthal"), axisymmetric=True, increments=n)
+        p = procedure.state.cells.eqps[0].max()
+        found = procedure.state[EvolvedArrays].values["damage_freudenthal"][0].max()
+        errors.append(abs(found / (300.0 * p + 50.0 * p**2) - 1.0))
+    assert errors[-1] < 1e-3
+    assert errors[0] / errors[2] > 10.0
