@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from presswork.evolution.points import EvolvedArrays
 from presswork.implicit.epochs import Epoch, MeshChange
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import IndexArray, IntArray, Mesh
@@ -41,6 +42,8 @@ def carry(before: Epoch, after: Epoch, nodes: IndexArray, cells: IndexArray) -> 
     for name in ("stress", "eqps", "history", "temperature", "hourglass"):
         values = getattr(old.cells, name)[0]
         setattr(new.cells, name, [values[cells] if len(values) else values.copy()])
+    for name, blocks in old[EvolvedArrays].values.items():
+        new[EvolvedArrays].values[name] = [blocks[0][cells]]
     if ContactArrays not in old:
         return
     place = np.searchsorted(touching(before.mesh), nodes[touching(after.mesh)])

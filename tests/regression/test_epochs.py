@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from presswork.case import Case, build_model
+from presswork.evolution.points import EvolvedArrays
 from presswork.examples import copy_example
 from presswork.implicit.epochs import Epoch, MeshChange
 from presswork.implicit.progress import Progress
@@ -163,6 +164,8 @@ def carry_ring(before: Epoch, after: Epoch) -> None:
         getattr(new.nodes, name)[ring] = getattr(old.nodes, name)[ring_n]
     for name in ("stress", "eqps", "history", "temperature", "hourglass"):
         getattr(new.cells, name)[1] = getattr(old.cells, name)[1].copy()
+    for name, blocks in old[EvolvedArrays].values.items():
+        new[EvolvedArrays].values[name][1] = blocks[1].copy()
     held_n, held = (np.isin(touching(epoch.mesh), own) for epoch, own in ((before, ring_n), (after, ring)))
     old_contact, contact = old[ContactArrays], new[ContactArrays]
     contact.status[:, held] = old_contact.status[:, held_n]

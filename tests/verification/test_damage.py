@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Damage per unit of plastic strain on known paths, in every family; its quadrature; where a barrel cracks first.
 
-Closed forms for a nearly incompressible, hardening material: with x the mean stress over the effective stress, tension has
-x = 1/3, plane-strain tension 1/sqrt(3), shear 0, compression -1/3, each with its largest principal stress.
+Closed forms for a nearly incompressible, hardening material: with x the mean stress over the effective stress, tension
+has x = 1/3, plane-strain tension 1/sqrt(3), shear 0, compression -1/3, each with its largest principal stress.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The contract of an evolution law: what becomes of a material point by its stress, strain, rate and temperature.
 
-A law is computed once an increment, after equilibrium is found, on arrays of points. It declares its quantities, each of
-which becomes an array of the State, a field of the results and a part of the summary. A new law is one file that overrides
-EvolutionLaw, and a line in of_material.py.
+A law is computed once an increment, after equilibrium is found, on arrays of points. It declares its quantities, each
+of which becomes an array of the State and a field of the results. A new law is one file that overrides EvolutionLaw,
+and a line in of_material.py.
 """
 
 from __future__ import annotations

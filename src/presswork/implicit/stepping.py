@@ -359,7 +359,7 @@ class ImplicitProcedure:
         self.state = trial
 
     def _temperatures(self, state_n: State, trial: State) -> list[tuple[FloatArray, FloatArray] | None]:
-        """Return the temperatures of the points of each block (n_cells, p) [degrees C] before and after an increment."""
+        """Return the temperatures of each block's points (n_cells, p) [degrees C] before and after an increment."""
         found: list[tuple[FloatArray, FloatArray] | None] = []
         for block, given in enumerate(trial.cells.temperature):
             if given.size:

@@ -33,9 +33,9 @@ def describe_material(material: model.Material) -> str:
             parts += [f"heated by {h.plastic_fraction:g} of its plastic work"]
     if material.damage:
         d = material.damage
-        told = [f"{name} = {value:g}" for name, value in d.parameters.items()]
-        told += [] if d.critical is None else [f"critical {d.critical:g}"]
-        parts += [" ".join([f"damage by {d.criterion}", ", ".join(told)]).rstrip()]
+        numbers = [f"{name} = {value:g}" for name, value in d.parameters.items()]
+        numbers += [] if d.critical is None else [f"critical {d.critical:g}"]
+        parts += [f"damage by {d.criterion} {' and '.join(numbers)}".rstrip()]
     return ", ".join(parts)
 
 

@@ -17,25 +17,25 @@ CRITICAL = "value at which a crack begins, found by `presswork calibrate damage`
 class _Damage(Part):
     """What every criterion has."""
 
-    criterion: str
     critical: Number | None = Field(default=None, gt=0, description=CRITICAL)
 
     def to_model(self) -> model.Damage:
         """Return the Model's criterion."""
-        given = self.model_dump(exclude={"criterion", "critical"})
-        return model.Damage(self.criterion, given, self.critical)  # type: ignore[arg-type]
+        given = self.model_dump()
+        criterion, critical = given.pop("criterion"), given.pop("critical")
+        return model.Damage(criterion, given, critical)
 
 
 class CockcroftLatham(_Damage):
     """Integral of the largest principal stress, where it pulls, over the effective stress."""
 
-    criterion: Literal["cockcroft_latham"] = "cockcroft_latham"
+    criterion: Literal["cockcroft_latham"] = Field(default="cockcroft_latham", description="criterion of fracture")
 
 
 class RiceTracey(_Damage):
     """Integral of factor exp(exponent x), x the mean stress over the effective stress: growth of voids."""
 
-    criterion: Literal["rice_tracey"] = "rice_tracey"
+    criterion: Literal["rice_tracey"] = Field(default="rice_tracey", description="criterion of fracture")
     factor: Number = Field(default=0.283, gt=0, description="0.283 of Rice and Tracey")
     exponent: Number = Field(default=1.5, gt=0, description="1.5 of Rice and Tracey")
 
@@ -43,21 +43,21 @@ class RiceTracey(_Damage):
 class Oyane(_Damage):
     """Integral of 1 + x/A where that is positive, x the mean stress over the effective stress."""
 
-    criterion: Literal["oyane"] = "oyane"
+    criterion: Literal["oyane"] = Field(default="oyane", description="criterion of fracture")
     A: Number = Field(gt=0, description="constant of the material, of the order of 0.3")
 
 
 class Freudenthal(_Damage):
     """Plastic work per volume."""
 
-    criterion: Literal["freudenthal"] = "freudenthal"
+    criterion: Literal["freudenthal"] = Field(default="freudenthal", description="criterion of fracture")
     critical: Stress | None = Field(default=None, gt=0, description=f"{CRITICAL} [MPa]")
 
 
 class JohnsonCookFracture(_Damage):
     """Integral of 1/ef, ef the fracture strain by triaxiality, strain rate and temperature; a crack begins at 1."""
 
-    criterion: Literal["johnson_cook"] = "johnson_cook"
+    criterion: Literal["johnson_cook"] = Field(default="johnson_cook", description="criterion of fracture")
     critical: Number | None = Field(default=1.0, gt=0, description="value at which a crack begins; 1 by the law")
     d1: Number = Field(description="part of the fracture strain that does not depend on triaxiality")
     d2: Number = Field(ge=0, description="part that does")
