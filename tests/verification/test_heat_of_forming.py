@@ -165,3 +165,121 @@ def test_a_tool_that_warms_up_is_a_half_space(time, hot) -> None:
     assert gained == pytest.approx(-arrays.heat[2], rel=1e-5), "what the workpiece gives the tool has"
     assert done.heat is not None
     assert 200 < done.heat.hottest(done.state)["die"] < 1400 - hot
+
+
+HALF_SPACE = {
+    "density": "7800 kg/m^3",
+    "thermal": {"conductivity": 30, "specific_heat": "650 J/(kg*K)"},
+    "young": "200 GPa",
+    "hardening": {"law": "linear", "yield_stress": 5000, "modulus": 0},
+}
+
+
+@pytest.mark.parametrize(
+    ("time", "hot", "cold", "columns"), [(0.1, 1004.59, 395.41, 2), (1.0, 851.37, 548.63, 3), (10.0, 754.02, 645.98, 2)]
+)
+def test_two_bodies_pressed_together_exchange_heat(time, hot, cold, columns) -> None:
+    """Deformable blocks at 1200 and 200 degrees C, 10 kW/m2K: two half-spaces, on meshes that match or do not."""
+    upper = {"zones_x": [[1, columns, 1]], "zones_y": [[60, 60, 300]]}
+    lower = {"origin": [0, -60], "zones_x": [[1, 2, 1]], "zones_y": [[60, 60, 1 / 300]]}
+    done = compute(
+        max_increment=0.005,
+        law=HALF_SPACE,
+        analysis="plane_strain",
+        workpiece={"material": "steel", "mesh": upper},
+        bodies={"lower": {"material": "steel", "mesh": lower, "initial_temperature": 200}},
+        contacts={"face": {"between": ["workpiece", "lower"], "contact": "frictionless",
+                           "heat": {"conductance": [[0, 0], [1e-6, "10 kW/(m^2*K)"]]}}},
+        boundary={
+            "side": {"set": "left", "fix": ["x"]},
+            "lower side": {"set": "lower.left", "fix": ["x"]},
+            "bottom": {"set": "lower.bottom", "fix": ["y"]},
+        },
+        tools={},
+        heat={"initial_temperature": 1200},
+        stages=[
+            {"name": "press", "duration": time, "displacement": [{"set": "top", "component": "y", "value": -0.01}]},
+        ],
+    )  # fmt: skip
+    temperature, sets = done.state[HeatArrays].temperature, done.model.mesh.node_sets
+    assert temperature[sets["bottom"]] == pytest.approx(hot, abs=3.0)
+    assert temperature[sets["lower.top"]] == pytest.approx(cold, abs=3.0)
+    assert np.ptp(temperature[sets["bottom"]]) < 0.01
+    assert done.heat is not None
+    assert abs(done.heat.stored(done.state)) < 1e-8 * 60 * 7800e-12 * 650e6 * 1000, "what one loses the other gains"
+
+
+WELL = {"conductivity": 3e4, "specific_heat": "650 J/(kg*K)"}
+STEEL: dict[str, Any] = {"poisson": 0.3, "magnitudes": "any", "young": "200 GPa",
+                         "hardening": {"law": "linear", "yield_stress": 5000, "modulus": 0}}  # fmt: skip
+
+
+def test_friction_heats_a_half_space() -> None:
+    """0.1 x 500 MPa at 0.1 m/s, half into each of two half-spaces of effusivity 12,333: +228.73 K after 1 s.
+
+    Surface of a half-space under a constant flux q: 2 q sqrt(t / pi) / b (Carslaw & Jaeger 1959, 2.9).
+    """
+    thermal = {"conductivity": 30, "specific_heat": "650 J/(kg*K)"}
+    heat = {"temperature": 20, "conductance": 0, **thermal, "density": "7800 kg/m^3"}
+    modulus = 200e3 * 0.7 / (1.3 * 0.4)
+    done = compute(
+        max_increment=0.005,
+        law=HALF_SPACE,
+        analysis="plane_strain",
+        workpiece={"material": "steel", "mesh": {"zones_x": [[80, 8, 1]], "zones_y": [[12, 60, 100]]}},
+        boundary={"top": {"set": "top", "fix": ["x", "y"]}},
+        tools={"die": {"profile": [[-200, 0], [200, 0]], "contact": "coulomb", "mu": 0.1, "heat": heat}},
+        heat={"initial_temperature": 20},
+        stages=[
+            {"name": "press", "duration": 1e-6, "tools": {"die": {"move": [0, 500 / modulus * 12]}}},
+            {"name": "slide", "duration": 1, "tools": {"die": {"move": [100, 0]}}},
+        ],
+    )
+    effusivity = np.sqrt(30 * 7800e-12 * 650e6)
+    assert 2 * 2500 / np.sqrt(np.pi) / effusivity == pytest.approx(228.73, abs=0.01)
+    middle = np.argmin(np.linalg.norm(done.model.mesh.points - (40, 0), axis=1))
+    beside = (done.model.mesh.blocks[0].connectivity == middle).any(axis=1)
+    pressure = -done.state.cells.stress[0][beside, :, 1].mean()
+    rise = done.state[HeatArrays].temperature[middle] - 20
+    assert pressure == pytest.approx(500, rel=0.02)
+    assert rise == pytest.approx(228.73 * pressure / 500, rel=5e-3)
+
+
+def cool_beside(what: str, gap: float) -> float:
+    """Return the temperature of a block of 4 x 1 mm that conducts well, above something at 20 degrees C, after 1 s.
+
+    The gap between them is 0.05 mm; air at 20 degrees C takes 1 kW/m2K from what is free.
+    """
+    passes = {"conductance": "4 kW/(m^2*K)", "gap": gap}
+    below: dict[str, Any] = {"tools": {"die": {"profile": [[-5, -0.05], [9, -0.05]], "contact": "frictionless",
+                                               "heat": {"temperature": 20, **passes}}}}  # fmt: skip
+    held = {"side": {"set": "left", "fix": ["x"]}, "corner": {"set": "bottom_left", "fix": ["y"]}}
+    if what == "body":
+        massive = {"density": 9e-7, "thermal": {"conductivity": 1e5, "specific_heat": "9000 J/(kg*K)"}}
+        below = {
+            "bodies": {"die": {"material": "massive", "initial_temperature": 20,
+                               "mesh": {"origin": [-5, -10.05], "size": [14, 10], "cells": [7, 5]}}},
+            "contacts": {"face": {"between": ["workpiece", "die"], "contact": "frictionless", "heat": passes}},
+            "materials": {"steel": {**STEEL, **HALF_SPACE, "thermal": WELL}, "massive": {**STEEL, **massive}},
+            "tools": {},
+        }  # fmt: skip
+        held |= {"die": {"set": "die.bottom", "fix": ["x", "y"]}}
+    done = compute(
+        max_increment=0.01,
+        law={**HALF_SPACE, "thermal": WELL},
+        analysis="plane_strain",
+        workpiece={"material": "steel", "mesh": {"size": [4, 1], "cells": [8, 2]}},
+        boundary=held,
+        heat={"initial_temperature": 500, "surroundings": {"ambient": 20, "coefficient": "1 kW/(m^2*K)"}},
+        stages=[{"name": "dwell", "duration": 1}],
+        **below,
+    )
+    return float(done.state[HeatArrays].temperature[: 9 * 3].mean())
+
+
+@pytest.mark.parametrize("what", ["tool", "body"])
+@pytest.mark.parametrize(("gap", "coefficient"), [(0.0, 1.0), (0.1, 0.5 * 4 + 0.5 * 1.0), (0.2, 0.75 * 4 + 0.25)])
+def test_heat_passes_a_gap(what, gap, coefficient) -> None:
+    """Half the gap: half the conductance, and air takes from the other half of the surface alone; lumped cooling."""
+    rate = (coefficient * 4 + 1.0 * (4 + 1)) / (4 * 7800e-12 * 650e6)
+    assert cool_beside(what, gap) - 20 == pytest.approx(480 * np.exp(-rate), rel=6e-3)

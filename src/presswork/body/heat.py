@@ -80,7 +80,7 @@ class Conduction:
         self._table = [np.ascontiguousarray(thermal.conductivity) for thermal in self._thermal]
         self.symmetric = all(len(table) == 1 for table in self._table)
         """Whether the derivative of the heat flow is symmetric: conductivities are constant."""
-        self.assembler = _core.ScalarAssembler(self.n_points, self._connectivity, self.symmetric, couplings)
+        self.couple(couplings)
         self.mass = self._lump(mesh.points)
         """Mass of each block at the nodes, (n_points,) each [t]."""
         self._flow, self._conduction = [], []
@@ -91,6 +91,10 @@ class Conduction:
             self._conduction.append(np.zeros((packs, nodes, nodes, _core.pack_width)))
         self._turned: MaskArray = np.zeros(self.n_points, dtype=np.uint8)
         self._frames = np.ones((self.n_points, 1, 1))
+
+    def couple(self, couplings: IntArray) -> None:
+        """Let the matrix hold these pairs of nodes (n, 2) beside those of the cells."""
+        self.assembler = _core.ScalarAssembler(self.n_points, self._connectivity, self.symmetric, couplings)
 
     def _lump(self, points: FloatArray) -> list[FloatArray]:
         masses = []

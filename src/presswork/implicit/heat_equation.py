@@ -80,13 +80,24 @@ class HeatEquation:
     def __init__(self, model: Model, couplings: IntArray, timing: Timing, threads: int) -> None:
         """Couplings: pairs of nodes (n, 2) that exchange heat and share no cell."""
         self.conduction = Conduction(model, couplings)
-        self._timing = timing
+        self._couplings, self._timing, self._threads = couplings, timing, threads
+        self._make_solver()
+
+    def couple(self, couplings: IntArray) -> None:
+        """Let other pairs of nodes (n, 2) exchange heat from now on."""
+        if np.array_equal(couplings, self._couplings):
+            return
+        self._couplings = couplings
+        self.conduction.couple(couplings)
+        self._make_solver()
+
+    def _make_solver(self) -> None:
         assembler = self.conduction.assembler
         started = perf_counter()
         self.solver: LinearSolver = make_solver(
-            assembler.indptr, assembler.indices, symmetric=self.conduction.symmetric, threads=threads
+            assembler.indptr, assembler.indices, symmetric=self.conduction.symmetric, threads=self._threads
         )
-        timing.add("solve", started)
+        self._timing.add("solve", started)
 
     def solve(self, problem: HeatProblem, guess: FloatArray) -> HeatStep | Failed:
         """Find the temperatures at the end of a step from a guess at them (n_points,), or say why not."""

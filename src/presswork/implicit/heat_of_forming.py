@@ -18,16 +18,17 @@ from presswork.body.heat import Conduction, PointShapes, sum_at_nodes
 from presswork.body.solids import Mechanics
 from presswork.implicit.heat_equation import HeatEquation, HeatProblem, HeatStep
 from presswork.interaction.chilled_tool import CELLS, Column, ColumnFilm
-from presswork.interaction.heat_films import Film, ToolFilm, make_surroundings, measure_sides
+from presswork.interaction.heat_films import ToolFilm
+from presswork.interaction.heat_surface import HeatSurface, SurfaceNow, Touch
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays
-from presswork.model import BoolArray, FloatArray, Heat, IntArray, Model, ToolHeat
+from presswork.model import FloatArray, Heat, Model
 from presswork.outcome import Failed, GaveUpError, Step
 from presswork.state import NODE, RUN, Arrays, OnNewMesh, State
 from presswork.timing import Timing
 
 KINDS = ("plastic", "friction", "tools", "convection", "radiation")
-"""What heats and cools a body that is formed."""
+"""What heats and cools bodies that are formed; what flows between them adds up to nothing."""
 MOST_HALVINGS = 6
 _CONTENT_ROUNDS = 5
 
@@ -51,20 +52,6 @@ class HeatArrays(Arrays):
     tools where none warms up."""
 
 
-@dataclass(frozen=True)
-class Touch:
-    """Where a tool touches the body."""
-
-    tool: int
-    heat: ToolHeat
-    nodes: IntArray
-    """(n,)"""
-    area: FloatArray
-    """That they stand for (n,) [mm2]."""
-    pressure: FloatArray
-    """(n,) [MPa]."""
-
-
 class HeatOfForming:
     """Conducts heat in a body between rigid tools of given temperatures."""
 
@@ -75,13 +62,17 @@ class HeatOfForming:
         self._model, self._heat, self._cells, self._interactions = model, model.heat, cells, interactions
         self._equation = HeatEquation(model, np.zeros((0, 2), dtype=np.int32), timing, threads)
         self._shapes = PointShapes(model.mesh)
-        self._edges = find_open_edges(model)
+        self._surface = HeatSurface(model, model.heat, interactions)
         n = len(model.mesh.points)
         self._none: FloatArray = np.zeros(n)
         usual = min(stage.duration for stage in model.stages) * model.solver.max_increment
         self._columns = {
             name: Column(*tool.steel, usual) for name, tool in model.heat.tools.items() if tool.steel is not None
         }
+        self._shares = self._share_friction()
+        self._body_of = np.zeros(n, dtype=np.intp)
+        for number, body in enumerate(model.bodies):
+            self._body_of[body.points.start : body.points.stop] = number
         self._free_of_prescription = np.zeros(n, dtype=np.uint8)
 
     @property
@@ -145,21 +136,28 @@ class HeatOfForming:
 
         Raises GaveUpError if the heat equation has no solution.
         """
+        surface = self._surface.find(trial, step)
         plastic, friction, into_tools = self._make_heat(state_n, trial, dt)
-        touches, around = self._find_surface(trial, step)
+        friction += self._rub_bodies(state_n, trial, surface)
+        between = [meeting.film for meeting in surface.meetings]
+        self._equation.couple(np.concatenate([np.zeros((0, 2), dtype=np.int32), *(film.pairs for film in between)]))
         columns = state_n[HeatArrays].columns
         points = self._model.mesh.points + trial.nodes.displacement
         arrays = trial[HeatArrays]
         temperature, heat = state_n[HeatArrays].temperature, np.zeros(len(KINDS))
         time, part = 0.0, dt
         while time < dt * (1 - 1e-12):
-            chilled = self._chill(touches, columns, into_tools / dt, part)
-            plain = [ToolFilm(t.heat, t.nodes, t.area, t.pressure) for t in touches if t.tool not in chilled]
+            chilled = self._chill(surface.touches, columns, into_tools / dt, part)
+            plain = [
+                ToolFilm(t.heat.temperature, t.nodes, t.area, t.conductance)
+                for t in surface.touches
+                if t.tool not in chilled
+            ]
             problem = HeatProblem(
                 points=points,
                 temperature_n=temperature,
                 dt=part,
-                films=[*plain, *chilled.values(), *around],
+                films=[*plain, *chilled.values(), *between, *surface.around],
                 time=time + part,
                 mask=self._free_of_prescription,
                 prescribed=self._none,
@@ -188,9 +186,7 @@ class HeatOfForming:
             column = self._columns.get(self._model.plane_tools[touch.tool].name)
             if column is not None:
                 own, flux = columns[touch.tool, touch.nodes], rubbed[touch.nodes] / touch.area
-                films[touch.tool] = ColumnFilm(
-                    touch.heat, column, touch.nodes, touch.area, touch.pressure, own, flux, dt
-                )
+                films[touch.tool] = ColumnFilm(column, touch.nodes, touch.area, touch.conductance, own, flux, dt)
         return films
 
     def _warm_up(
@@ -224,44 +220,45 @@ class HeatOfForming:
         lost = self._interactions.tools.friction.lost_at
         if self._model.plane_tools and lost.any():
             tool = np.argmax((trial[ContactArrays].status > 0), axis=0) // 2
-            share = np.array([self._share(self._heat.tools.get(t.name)) for t in self._model.plane_tools])
-            friction = sum_at_nodes(contact.nodes, share[tool] * lost, n)
-            into_tools = sum_at_nodes(contact.nodes, (1.0 - share[tool]) * lost, n)
+            share = self._shares[tool, self._body_of[contact.nodes]]
+            friction = sum_at_nodes(contact.nodes, share * lost, n)
+            into_tools = sum_at_nodes(contact.nodes, (1.0 - share) * lost, n)
         return self._heat.plastic_fraction * plastic, friction, into_tools
 
-    def _share(self, tool: ToolHeat | None) -> float:
-        """Return the part of friction heat that goes into the workpiece, by the effusivities of both."""
-        own = self._heat.effusivity
-        if tool is None or tool.effusivity is None or own is None:
-            return 0.5
-        return own / (own + tool.effusivity)
+    def _rub_bodies(self, state_n: State, trial: State, surface: SurfaceNow) -> FloatArray:
+        """Return the heat of friction between bodies at the nodes (n_points,) [N mm].
 
-    def _find_surface(self, trial: State, step: Step) -> tuple[list[Touch], list[Film]]:
-        """Return where tools touch the surface as it lies now, and the films of what is free.
-
-        Edges both of whose ends a tool holds touch it, all others are free.
+        All that friction takes in the increment, shared by shear times slip at the pairs of nodes, and between the two
+        of each by their effusivities.
         """
-        points = self._model.mesh.points + trial.nodes.displacement
-        areas = measure_sides(self._model, self._edges, points)
-        free: BoolArray = np.ones(len(areas), dtype=bool)
-        touches: list[Touch] = []
-        if self._model.plane_tools:
-            forces = self._interactions.tools.contact.forces(trial, self._interactions.supports.fixed(step.stage))
-            for t, tool in enumerate(self._model.plane_tools):
-                own = forces.tool == t
-                touching = np.isin(self._edges[:, :2], forces.nodes[own]).all(axis=1)
-                free &= ~touching
-                heat = self._heat.tools.get(tool.name)
-                if heat is None or not touching.any():
-                    continue
-                area = sum_at_nodes(self._edges[touching], areas[touching], len(points))
-                push = sum_at_nodes(forces.nodes[own], np.maximum(forces.push[own], 0.0), len(points))
-                nodes = np.flatnonzero(area).astype(np.int32)
-                touches.append(Touch(t, heat, nodes, area[nodes], push[nodes] / area[nodes]))
-        if self._heat.surroundings is None:
-            return touches, []
-        area = sum_at_nodes(self._edges[free], areas[free], len(points))
-        return touches, make_surroundings(self._heat.surroundings, area)
+        n = len(self._none)
+        heat = np.zeros(n)
+        lost = self._interactions.bodies.work(state_n, trial)["friction_work"] if self._model.contacts else 0.0
+        if lost <= 0.0:
+            return heat
+        parts = []
+        for meeting in surface.meetings:
+            first, second = meeting.film.pairs.T
+            slip = np.linalg.norm(trial.nodes.increment[first] - trial.nodes.increment[second], axis=1)
+            parts.append(meeting.area * self._surface.find_shear(trial, meeting.contact)[first] * slip)
+        total = sum(float(part.sum()) for part in parts)
+        for meeting, part in zip(surface.meetings, parts, strict=True):
+            first, second = meeting.film.pairs.T
+            own, other = (np.array(self._heat.effusivity)[self._body_of[nodes]] for nodes in (first, second))
+            amount = lost * part / total if total > 0.0 else np.zeros(len(part))
+            heat += sum_at_nodes(first, amount * own / (own + other), n)
+            heat += sum_at_nodes(second, amount * other / (own + other), n)
+        return heat
+
+    def _share_friction(self) -> FloatArray:
+        """Return the part of the heat of friction that goes from a tool into a body (n_tools, n_bodies)."""
+        shares = np.full((len(self._model.plane_tools), max(len(self._model.bodies), 1)), 0.5)
+        for t, tool in enumerate(self._model.plane_tools):
+            heat = self._heat.tools.get(tool.name)
+            if heat is not None and heat.effusivity is not None:
+                own = np.array(self._heat.effusivity)
+                shares[t] = own / (own + heat.effusivity)
+        return shares
 
 
 def start_temperatures(model: Model, heat: Heat) -> FloatArray:
@@ -270,12 +267,3 @@ def start_temperatures(model: Model, heat: Heat) -> FloatArray:
     for body, value in zip(model.bodies, heat.initial, strict=False):
         temperature[body.points.start : body.points.stop] = value
     return temperature
-
-
-def find_open_edges(model: Model) -> IntArray:
-    """Return the boundary edges that no support holds: those of symmetry planes and clamps give no heat."""
-    edges = model.mesh.boundary_edges
-    held = np.zeros(len(edges), dtype=bool)
-    for support in model.supports:
-        held |= np.isin(edges, model.mesh.node_sets[support.node_set]).all(axis=1)
-    return edges[~held]

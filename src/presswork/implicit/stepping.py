@@ -105,6 +105,7 @@ class ImplicitProcedure:
             state.add(*interaction.at_rest())
         if self.heat is not None:
             state.add(self.heat.at_rest())
+            self.heat.spread(state)
         if self.evolution.names:
             state.add(self.evolution.at_rest(state))
         return state

@@ -16,8 +16,8 @@ import numpy as np
 import scipy
 
 from presswork.body.heat import sum_at_nodes
-from presswork.interaction.heat_films import HeatFlow, interpolate
-from presswork.model import FloatArray, IntArray, ToolHeat
+from presswork.interaction.heat_films import HeatFlow
+from presswork.model import FloatArray, IntArray
 
 CELLS = 20
 GROWTH = 1.3
@@ -55,26 +55,24 @@ class Column:
 
 
 class ColumnFilm:
-    """Conductance by pressure between nodes and the columns behind them, over one time step."""
+    """Conductance between nodes and the columns behind them, over one time step."""
 
     kind = "tools"
 
     def __init__(
         self,
-        tool: ToolHeat,
         column: Column,
         nodes: IntArray,
         area: FloatArray,
-        pressure: FloatArray,
+        conductance: FloatArray,
         temperature: FloatArray,
         rubbed: FloatArray,
         dt: float,
     ) -> None:
-        """Take nodes in contact (n,), their areas [mm2] and pressures [MPa], and their columns (n, CELLS).
+        """Take nodes in contact (n,), their areas [mm2] and conductances [N/(mm s K)], and their columns (n, CELLS).
 
         rubbed: friction heat that goes into the tool (n,) [N/(mm s)].
         """
-        conductance, _ = interpolate(tool.conductance, pressure)
         still, self._answer = column.step(temperature, dt)
         self._still = still + rubbed[:, None] * self._answer
         resistance = 1.0 / np.maximum(conductance, 1e-12) + column.surface + self._answer[0]

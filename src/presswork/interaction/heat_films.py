@@ -15,20 +15,18 @@ import numpy as np
 from presswork.body.heat import sum_at_nodes
 from presswork.mesh.edges import edge_areas
 from presswork.mesh.faces import face_areas
-from presswork.mesh.facing import find_shared_areas
+from presswork.mesh.facing import find_lying, sum_pairs
 from presswork.model import (
     STEFAN_BOLTZMANN,
     ZERO_CELSIUS,
     Convection,
     FloatArray,
-    HeatContact,
     HeatFlux,
     HeatStage,
     IntArray,
     Model,
     Radiation,
     Surroundings,
-    ToolHeat,
 )
 
 
@@ -128,14 +126,13 @@ class RadiationFilm:
 
 
 class ToolFilm:
-    """Conductance by pressure between nodes and a tool of constant temperature."""
+    """Conductance between nodes and a tool of constant temperature."""
 
     kind = "tools"
 
-    def __init__(self, tool: ToolHeat, nodes: IntArray, area: FloatArray, pressure: FloatArray) -> None:
-        """Take nodes in contact (n,), the areas that they stand for [mm2] and their contact pressures [MPa]."""
-        conductance, _ = interpolate(tool.conductance, pressure)
-        self._temperature, self._nodes, self._factor = tool.temperature, nodes, area * conductance
+    def __init__(self, temperature: float, nodes: IntArray, area: FloatArray, conductance: FloatArray) -> None:
+        """Take the tool's temperature, nodes (n,), the areas that they stand for [mm2] and conductances there (n,)."""
+        self._temperature, self._nodes, self._factor = temperature, nodes, area * conductance
 
     def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
         """Return the flow."""
@@ -156,38 +153,38 @@ def make_surroundings(surroundings: Surroundings, area: FloatArray) -> list[Film
     return films
 
 
-class ContactFilm:
-    """Conductance between two bodies that lie on each other, node by node over the area that two nodes share.
+class PairFilm:
+    """Conductance between surfaces that face each other, node by node over the area that two nodes share.
 
     A row of nodes at one temperature against a row at another exchanges the exact heat on any pair of meshes, and no
     node is cooled below its neighbours.
     """
 
-    kind = "contact"
-
-    def __init__(self, entry: HeatContact, model: Model) -> None:
-        mesh = model.mesh
-        own, other = (mesh.boundary_edges[model.bodies[i].owns(mesh.boundary_edges)] for i in entry.between)
-        thickness = None if model.analysis == "axisymmetric" else model.depth
-        self.pairs, area = find_shared_areas(mesh.points, own, other, thickness)
-        """Pairs of nodes (n, 2)."""
-        self._conductance = entry.conductance * area
+    def __init__(self, kind: str, pairs: IntArray, factor: FloatArray) -> None:
+        """Take pairs of nodes (n, 2), and conductance times shared area [N mm/(s K)] of each."""
+        self.kind, self.pairs, self._factor = kind, pairs, factor
 
     def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
         """Return the flow."""
         n = len(temperature)
         first, second = self.pairs.T
-        flow = self._conductance * (temperature[first] - temperature[second])
+        flow = self._factor * (temperature[first] - temperature[second])
         power = sum_at_nodes(second, flow, n) - sum_at_nodes(first, flow, n)
-        slope = sum_at_nodes(first, self._conductance, n) + sum_at_nodes(second, self._conductance, n)
+        slope = sum_at_nodes(first, self._factor, n) + sum_at_nodes(second, self._factor, n)
         both = np.concatenate([self.pairs, self.pairs[:, ::-1]])
-        return HeatFlow(power, slope, both, np.tile(-self._conductance, 2))
+        return HeatFlow(power, slope, both, np.tile(-self._factor, 2))
 
 
-def make_contacts(model: Model) -> list[ContactFilm]:
-    """Return the films between bodies, the same in every stage."""
+def make_contacts(model: Model) -> list[PairFilm]:
+    """Return the films between bodies that lie on each other and stay so."""
     assert model.heat is not None
-    return [ContactFilm(entry, model) for entry in model.heat.contacts]
+    films = []
+    for entry in model.heat.contacts:
+        own, other = (model.mesh.boundary_edges[model.bodies[i].owns(model.mesh.boundary_edges)] for i in entry.between)
+        found = find_lying(model.mesh.points, own, other, None if model.analysis == "axisymmetric" else model.depth)
+        conductance, _ = interpolate(entry.conductance, np.zeros(len(found.area)))
+        films.append(PairFilm("contact", *sum_pairs(found, own, other, conductance * found.area)))
+    return films
 
 
 def make_films(model: Model, stage: HeatStage, points: FloatArray) -> list[Film]:

@@ -82,8 +82,10 @@ class HeatContact:
 
     name: str
     between: tuple[int, int]
-    conductance: float
-    """[N/(mm s K)]."""
+    conductance: FloatArray
+    """Rows of contact pressure [MPa] and conductance [N/(mm s K)] (n, 2); heat alone knows no pressure."""
+    gap: float = 0.0
+    """Width of a gap [mm] across which no more heat passes; from contact on, conductance falls evenly to there."""
 
 
 @dataclass(frozen=True)
@@ -105,6 +107,8 @@ class ToolHeat:
     """Temperature at the start [degrees C]."""
     conductance: FloatArray
     """Rows of contact pressure [MPa] and conductance [N/(mm s K)] (n, 2)."""
+    gap: float = 0.0
+    """As of HeatContact."""
     effusivity: float | None = None
     """sqrt(conductivity density specific heat) [N/(mm K s^0.5)]; None: that of the workpiece."""
     steel: tuple[float, float] | None = None
@@ -135,8 +139,8 @@ class Heat:
     """In forming: tools that take heat, by name; other tools are insulated."""
     plastic_fraction: float = 0.9
     """In forming: part of the plastic work that becomes heat (Taylor & Quinney 1934)."""
-    effusivity: float | None = None
-    """In forming: effusivity of the workpiece at the start [N/(mm K s^0.5)]."""
+    effusivity: tuple[float, ...] = ()
+    """In forming: effusivity of each body at the start [N/(mm K s^0.5)]."""
     contacts: tuple[HeatContact, ...] = ()
     tolerance: float = 1.0
     """Largest error that a time step may add at any node, as estimated [K]."""

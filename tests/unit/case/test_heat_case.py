@@ -158,7 +158,7 @@ def test_heat_in_forming_is_taken() -> None:
     assert not built.heat.alone
     assert built.freedoms == 2
     assert built.heat.tools["die"].conductance.tolist() == [[0, 1], [50, 10]]
-    assert built.heat.effusivity == pytest.approx((30 * 7850e-12 * 650e6) ** 0.5)
+    assert built.heat.effusivity == pytest.approx([(30 * 7850e-12 * 650e6) ** 0.5])
     assert built.materials[0].heating is not None
     assert built.materials[0].heating.start == 1200.0, "the law begins at the temperature of the workpiece"
 

@@ -30,7 +30,7 @@ def describe_heat(problem: model.Model, heat: model.Heat) -> Iterator[str]:
     yield f"at the start: {', '.join(f'{n} {t:g} °C' for n, t in zip(names, heat.initial, strict=True))}"
     for contact in heat.contacts:
         first, second = (names[i] for i in contact.between)
-        yield f"contact {contact.name}: {first} with {second}, {contact.conductance * 1e3:g} W/(m2 K)"
+        yield f"contact {contact.name}: {first} with {second}, {contact.conductance[0, 1] * 1e3:g} W/(m2 K)"
     for number, stage in enumerate(problem.stages, 1):
         yield f'stage {number} "{stage.name}", {stage.duration:g} s:'
         yield from (f"  {line}" for line in describe_films(stage.heat or model.HeatStage()))
@@ -48,11 +48,16 @@ def describe_heat_of_forming(problem: model.Model, heat: model.Heat) -> Iterator
     for material in problem.materials:
         if material.thermal is not None:
             yield f"heat of {material.name}: {describe_thermal(material.thermal)}"
-    yield f"at the start {heat.initial[0]:g} °C, {heat.plastic_fraction:g} of the plastic work becomes heat"
+    names = [body.name for body in problem.bodies] or ["workpiece"]
+    start = ", ".join(f"{n} {t:g} °C" for n, t in zip(names, heat.initial, strict=True))
+    yield f"at the start {start}; {heat.plastic_fraction:g} of the plastic work becomes heat"
+    for contact in heat.contacts:
+        conductance = _describe_table(contact.conductance, 1e3, "W/(m2 K)", "MPa")
+        yield f"heat passes between bodies at {contact.name}, {conductance}{_describe_gap(contact.gap)}"
     for name, tool in heat.tools.items():
         conductance = _describe_table(tool.conductance, 1e3, "W/(m2 K)", "MPa")
         stays = "" if tool.steel is None else ", which warms up behind the nodes that touch it"
-        yield f"heat passes into {name} at {tool.temperature:g} °C{stays}, {conductance}"
+        yield f"heat passes into {name} at {tool.temperature:g} °C{stays}, {conductance}{_describe_gap(tool.gap)}"
     around = heat.surroundings
     if around is not None:
         yield (
@@ -83,3 +88,7 @@ def _describe_table(table: FloatArray, factor: float, unit: str, by: str = "°C"
     if len(table) == 1:
         return f"{factor * values[0]:g} {unit}"
     return f"{factor * values.min():g} to {factor * values.max():g} {unit} ({arguments[0]:g} to {arguments[-1]:g} {by})"
+
+
+def _describe_gap(gap: float) -> str:
+    return f", falling to nothing across a gap of {gap:g} mm" if gap > 0.0 else ""

@@ -18,7 +18,7 @@ from presswork.case.space.builder import mesh_space_body
 from presswork.case.space.schema import Box
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import fitting_patterns
-from presswork.mesh.facing import find_shared_areas
+from presswork.mesh.facing import find_lying
 from presswork.mesh.joined import join_meshes
 
 _FAMILY = {"plane": "plane", "axisymmetric": "plane", "solid": "space"}
@@ -177,7 +177,9 @@ def _build_meshes(case: HeatCase) -> tuple[model.Mesh, tuple[model.Body, ...]]:
 def _build_contacts(case: HeatCase, bodies: tuple[model.Body, ...]) -> tuple[model.HeatContact, ...]:
     number = {body.name: i for i, body in enumerate(bodies)}
     return tuple(
-        model.HeatContact(name, (number[entry.between[0]], number[entry.between[1]]), entry.conductance)
+        model.HeatContact(
+            name, (number[entry.between[0]], number[entry.between[1]]), np.array([[0.0, entry.conductance]])
+        )
         for name, entry in case.contacts.items()
     )
 
@@ -187,8 +189,7 @@ def _check_touching(case: HeatCase, built: model.Model) -> Iterator[Problem]:
     edges = built.mesh.boundary_edges
     for name, entry in case.contacts.items():
         own, other = (edges[body.owns(edges)] for body in built.bodies if body.name in entry.between)
-        pairs, _ = find_shared_areas(built.mesh.points, own, other, 1.0)
-        if not len(pairs):
+        if not len(find_lying(built.mesh.points, own, other, 1.0).area):
             fault = f"{entry.between[0]} and {entry.between[1]} do not lie on each other"
             yield Problem(f"contacts.{name}.between", fault, "move one of them: straight edges must coincide")
 

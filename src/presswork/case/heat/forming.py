@@ -15,7 +15,7 @@ from presswork.case.errors import Problem
 from presswork.case.heat.quantities import HeatTransferByPressure, Temperature, to_array
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.part import Part
-from presswork.case.units import Conductivity, Density, HeatCapacity, HeatTransfer, Number, fault
+from presswork.case.units import Conductivity, Density, HeatCapacity, HeatTransfer, Length, Number, fault
 
 if TYPE_CHECKING:
     from presswork.case.solid import schema
@@ -31,13 +31,24 @@ class Surroundings(Part):
     )
 
 
-class ToolHeat(Part):
-    """The temperature of a tool, and how well heat passes into it."""
+class ContactHeat(Part):
+    """How well heat passes between surfaces in contact, and across a gap."""
 
-    temperature: Temperature = Field(description="temperature of the tool at the start [degrees C]")
     conductance: HeatTransferByPressure = Field(
         description='conductance of the contact [N/(mm s K)], e.g. "10 kW/(m^2*K)", or rows [contact pressure, it]'
     )
+    gap: Length = Field(
+        default=0.0,
+        ge=0,
+        description="width of a gap across which no more heat passes [mm]; the conductance at no pressure falls evenly "
+        "to there; 0: heat passes in contact alone",
+    )
+
+
+class ToolHeat(ContactHeat):
+    """The temperature of a tool, and how well heat passes into it."""
+
+    temperature: Temperature = Field(description="temperature of the tool at the start [degrees C]")
     conductivity: Conductivity | None = Field(
         default=None, gt=0, description="of the tool's steel [N/(s K)], by which friction heat is shared"
     )
@@ -62,11 +73,11 @@ class ToolHeat(Part):
     def to_model(self) -> model.ToolHeat:
         """Return the Model's."""
         if self.conductivity is None or self.specific_heat is None or self.density is None:
-            return model.ToolHeat(self.temperature, to_array(self.conductance))
+            return model.ToolHeat(self.temperature, to_array(self.conductance), self.gap)
         capacity = self.specific_heat * self.density
         effusivity = float(np.sqrt(self.conductivity * capacity))
         steel = (self.conductivity, capacity) if self.warms_up else None
-        return model.ToolHeat(self.temperature, to_array(self.conductance), effusivity, steel)
+        return model.ToolHeat(self.temperature, to_array(self.conductance), self.gap, effusivity, steel)
 
 
 class FormingHeat(Part):
@@ -79,68 +90,97 @@ class FormingHeat(Part):
     )
 
 
-def build_heat(case: schema.Case) -> model.Heat | None:
-    """Return the Model's heat of a case of forming."""
+def build_heat(case: schema.Case, bodies: tuple[model.Body, ...]) -> model.Heat | None:
+    """Return the Model's heat of a case of forming; bodies: the Model's."""
     if case.heat is None:
         return None
-    heat, material = case.heat, case.materials[case.workpiece.material]
-    assert not isinstance(material, UmatMaterial)
-    assert material.thermal is not None
-    assert material.density is not None
-    thermal = material.thermal.to_thermal(material.density)
-    tables = (thermal.conductivity, thermal.specific_heat)
-    at_start = [np.interp(heat.initial_temperature, *table.T) for table in tables]
-    around = heat.surroundings
+    heat, around, parts = case.heat, case.heat.surroundings, [case.workpiece, *case.bodies.values()]
+    number = {body.name: i for i, body in enumerate(bodies)}
+    initial = [heat.initial_temperature if t is None else t for t in (part.initial_temperature for part in parts)]
     return model.Heat(
-        initial=(heat.initial_temperature,),
+        initial=tuple(initial),
         alone=False,
         surroundings=model.Surroundings(around.ambient, around.emissivity, around.coefficient) if around else None,
         tools={name: tool.heat.to_model() for name, tool in case.tools.items() if tool.heat is not None},
         plastic_fraction=heat.plastic_fraction,
-        effusivity=float(np.sqrt(thermal.density * np.prod(at_start))),
+        effusivity=tuple(
+            _find_effusivity(case.materials[part.material], start) for part, start in zip(parts, initial, strict=True)
+        ),
+        contacts=tuple(
+            model.HeatContact(
+                name,
+                (number[entry.between[0]], number[entry.between[1]]),
+                to_array(entry.heat.conductance) if entry.heat else np.zeros((1, 2)),
+                entry.heat.gap if entry.heat else 0.0,
+            )
+            for name, entry in case.contacts.items()
+        ),
     )
+
+
+def _find_effusivity(material: schema.Material | UmatMaterial, temperature: float) -> float:
+    """Return the effusivity at a temperature [N/(mm K s^0.5)]."""
+    assert not isinstance(material, UmatMaterial)
+    assert material.thermal is not None
+    assert material.density is not None
+    thermal = material.thermal.to_thermal(material.density)
+    at_start = [np.interp(temperature, *table.T) for table in (thermal.conductivity, thermal.specific_heat)]
+    return float(np.sqrt(thermal.density * np.prod(at_start)))
 
 
 def check_heat(case: schema.Case) -> Iterator[Problem]:
     """Yield the problems of heat in forming that show without the mesh."""
-    materials = {n: m for n, m in case.materials.items() if not isinstance(m, UmatMaterial)}
     if case.heat is None:
-        remedy = "add [heat] with initial_temperature, or remove it"
-        for name, tool in case.tools.items():
-            if tool.heat is not None:
-                yield Problem(f"tools.{name}.heat", "has no meaning without [heat]", remedy)
-        for name, material in materials.items():
-            if material.thermal is not None:
-                yield Problem(f"materials.{name}.thermal", "has no meaning without [heat]", remedy)
+        yield from _check_no_heat(case)
         return
     if case.procedure == "explicit":
         yield Problem("heat", "heat is conducted by the implicit procedure alone, so far", "leave [heat] out")
-    if case.bodies:
-        yield Problem("heat", "heat in forming knows one body, so far", "leave [heat] or [bodies] out")
     if case.solver.displacements == "small":
         yield Problem("heat", "heat in forming is for large displacements", "leave [heat] out")
-    name = case.workpiece.material
-    piece = case.materials.get(name)
-    if isinstance(piece, UmatMaterial):
+    parts = {"workpiece": case.workpiece, **{f"bodies.{name}": body for name, body in case.bodies.items()}}
+    for name in dict.fromkeys(part.material for part in parts.values()):
+        yield from _check_material(name, case.materials.get(name))
+    for key, part in parts.items():
+        start = case.heat.initial_temperature if part.initial_temperature is None else part.initial_temperature
+        key = "heat.initial_temperature" if part.initial_temperature is None else f"{key}.initial_temperature"
+        material = case.materials.get(part.material)
+        heating = material.heating if material is not None and not isinstance(material, UmatMaterial) else None
+        if heating is not None and start >= heating.melting:
+            fault_text = f"not below the melting temperature of {part.material}, {heating.melting:g} degrees C"
+            yield Problem(key, fault_text, "lower it", start)
+    for index, stage in enumerate(case.stages):
+        if "duration" not in stage.model_fields_set:
+            yield Problem(f"stages.{index}.duration", "missing key: heat takes time", "add it, in seconds")
+
+
+def _check_no_heat(case: schema.Case) -> Iterator[Problem]:
+    """Yield what has a meaning with heat alone."""
+    remedy = "add [heat] with initial_temperature, or remove it"
+    keys = [f"tools.{name}.heat" for name, tool in case.tools.items() if tool.heat is not None]
+    keys += [f"contacts.{name}.heat" for name, contact in case.contacts.items() if contact.heat is not None]
+    keys += [f"materials.{name}.thermal" for name, m in case.materials.items() if getattr(m, "thermal", None)]
+    keys += ["workpiece.initial_temperature"] if case.workpiece.initial_temperature is not None else []
+    keys += [f"bodies.{n}.initial_temperature" for n, b in case.bodies.items() if b.initial_temperature is not None]
+    for key in keys:
+        yield Problem(key, "has no meaning without [heat]", remedy)
+
+
+def _check_material(name: str, material: schema.Material | UmatMaterial | None) -> Iterator[Problem]:
+    """Yield what the material of a body lacks."""
+    if isinstance(material, UmatMaterial):
         yield Problem(f"materials.{name}.umat", "a UMAT knows no heat in forming, so far", "give a law of presswork")
-    elif piece is not None:
-        if piece.thermal is None:
-            remedy = "add it: conductivity and specific_heat of the workpiece"
+    elif material is not None:
+        if material.thermal is None:
+            remedy = "add it: conductivity and specific_heat of the body"
             yield Problem(f"materials.{name}.thermal", "missing key", remedy)
-        if piece.density is None:
+        if material.density is None:
             yield Problem(f"materials.{name}.density", "missing key", 'add it; steel has "7850 kg/m^3"')
-        heating = piece.heating
+        heating = material.heating
         if heating is not None and heating.heat_capacity is not None:
             fault_text = "plastic work would heat twice: [heat] does so with the specific heat of `thermal`"
             yield Problem(f"materials.{name}.heating.heat_capacity", fault_text, "remove it")
         if heating is not None and heating.start is not None:
             yield Problem(f"materials.{name}.heating.start", "[heat] gives the initial temperature", "remove it")
-        if heating is not None and case.heat.initial_temperature >= heating.melting:
-            fault_text = f"not below the melting temperature of {name}, {heating.melting:g} degrees C"
-            yield Problem("heat.initial_temperature", fault_text, "lower it", case.heat.initial_temperature)
-    for index, stage in enumerate(case.stages):
-        if "duration" not in stage.model_fields_set:
-            yield Problem(f"stages.{index}.duration", "missing key: heat takes time", "add it, in seconds")
 
 
 def start_hot(material: model.Material, heat: FormingHeat | None) -> model.Material:

@@ -88,7 +88,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         bodies=bodies,
         contacts=contacts,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
-        heat=build_heat(case),
+        heat=build_heat(case, bodies),
         limits=case.limits.build(),
         remeshing=case.remesh.build(mesh) if case.remesh is not None else None,
         case_text=case.text,

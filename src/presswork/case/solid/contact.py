@@ -9,6 +9,7 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from presswork import model
+from presswork.case.heat.forming import ContactHeat
 from presswork.case.part import Part
 from presswork.case.units import Number, fault
 
@@ -42,6 +43,7 @@ class Contact(Part):
         default=None,
         description="the body on whose nodes pressure is computed; without it: the one with the finer boundary",
     )
+    heat: ContactHeat | None = Field(default=None, description="how heat passes; without it: none does")
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:

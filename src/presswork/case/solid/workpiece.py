@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from presswork import model
+from presswork.case.heat.quantities import Temperature
 from presswork.case.part import Part, ShortForm
 from presswork.case.units import Direction, Length, Number, Point, VelocityVector, fault
 
@@ -96,4 +97,7 @@ class Workpiece(Part):
     )
     velocity: VelocityVector | None = Field(
         default=None, description="explicit: velocity [x, y] of the whole workpiece at the start [mm/s]"
+    )
+    initial_temperature: Temperature | None = Field(
+        default=None, description="temperature at the start [degrees C]; without it that of [heat]"
     )
