@@ -57,6 +57,10 @@ class Step:
     """Of the increment, counted from 1 over all stages."""
     time_n: float
     """When it begins [s]."""
+    dt: float
+    """Time that it takes [s]."""
+    stage_time_n: float
+    """Since the stage began, when it begins [s]."""
 
 
 class BadGuess:

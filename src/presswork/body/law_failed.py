@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from presswork import _core
 from presswork.law.umat import TOLD
-from presswork.model import Model
 from presswork.outcome import BadGuess, Step
 
 _CUT = {
@@ -49,13 +48,12 @@ class LawFailed(BadGuess):
         return f"{TOLD[self.status]} in cell {self.cell} of block {self.block}"
 
 
-def place_increment(model: Model, step: Step) -> _core.UmatPlace:
+def place_increment(step: Step) -> _core.UmatPlace:
     """Return which increment this is, as a law from a shared library is told."""
-    duration = model.stages[step.stage].duration
     return _core.UmatPlace(
         stage=step.stage + 1,
         increment=step.number,
-        stage_time=step.fraction_n * duration,
+        stage_time=step.stage_time_n,
         time=step.time_n,
-        dt=(step.fraction - step.fraction_n) * duration,
+        dt=step.dt,
     )

@@ -214,7 +214,7 @@ class ShellMechanics:
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""
-        self._when = place_increment(self._model, step)
+        self._when = place_increment(step)
 
     def settle(self, state_n: State, trial: State) -> None:
         """Turn the directors of a converged trial state by its increment; with small displacements they stay."""

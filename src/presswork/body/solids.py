@@ -161,7 +161,7 @@ class Mechanics:
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""
-        self._when = place_increment(self._model, step)
+        self._when = place_increment(step)
 
     def settle(self, state_n: State, trial: State) -> None:
         """Bring a converged trial state's other arrays up to its displacement: solids have none."""

@@ -55,6 +55,9 @@ CONDUCTIVITY = Dimension("a thermal conductivity", "N/(s*K)", "30 W/(m*K)", 1e5)
 HEAT_TRANSFER = Dimension("a coefficient of heat transfer", "N/(mm*s*K)", "2000 W/(m^2*K)", 1e4)
 HEAT_FLUX = Dimension("a heat flux", "N/(mm*s)", "50 kW/m^2")
 HEAT_OF_MASS = Dimension("a heat per mass", "mm^2/s^2", "250 kJ/kg")
+ENERGY = Dimension("an energy", "kJ", "25 kJ", 1e9)
+POWER = Dimension("a power", "kW", "90 kW", 1e9)
+MASS = Dimension("a mass", "kg", "2 t", 1e9)
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3", 1e30)
 
 _USUAL = {
@@ -71,6 +74,9 @@ _USUAL = {
     HEAT_TRANSFER: {"W/(m^2*K)": 1e-3, "kW/(m^2*K)": 1.0},
     HEAT_FLUX: {"W/m^2": 1e-3, "kW/m^2": 1.0},
     HEAT_OF_MASS: {"kJ/kg": 1e9, "J/kg": 1e6},
+    ENERGY: {"kJ": 1.0},
+    POWER: {"kW": 1.0},
+    MASS: {"kg": 1.0},
 }
 """Factors that pint gives, to the last bit, of the units in most cases: pint takes as long to load as such a run."""
 
@@ -214,6 +220,9 @@ HeatTransfer = Annotated[float, *_scalar(HEAT_TRANSFER)]
 HeatFlux = Annotated[float, *_scalar(HEAT_FLUX)]
 HeatOfMass = Annotated[float, *_scalar(HEAT_OF_MASS)]
 HeatCapacity = Annotated[float, *_scalar(HEAT_CAPACITY)]
+Energy = Annotated[float, *_scalar(ENERGY)]
+Power = Annotated[float, *_scalar(POWER)]
+Mass = Annotated[float, *_scalar(MASS)]
 Number = Annotated[float, *_scalar(PURE_NUMBER)]
 Point = Annotated[tuple[float, float], *_pair(LENGTH)]
 Place = Annotated[

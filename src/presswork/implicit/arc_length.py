@@ -73,6 +73,7 @@ class ArcLengthProcedure(ImplicitProcedure):
         self._start = self.state
         self.equilibrium.fill(self._start, trial, found.point, found.constraints)
         size = arc * float(np.clip(np.sqrt(settings.target_iterations / max(len(log), 1)), 0.5, 1.5))
+        self._settle(trial, self._step(stage, fraction_n, 1.0 if over else fraction))
         self._commit(trial, stage, fraction_n, 1.0 if over else fraction, arc, log, len(cutbacks))
         now = self.state[Progress]
         if not over:

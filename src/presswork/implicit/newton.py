@@ -263,10 +263,9 @@ class Equilibrium:
     ) -> Point | BadGuess:  # fmt: skip
         """Return the forces after `increment` (n_points, freedoms) [mm, rad] from state_n.
 
-        dt: time that it takes [s]; None: by the stage's clock.
+        dt: time that it takes [s]; None: that of the step.
         """
-        if dt is None:
-            dt = self._model.stages[step.stage].time_between(step.fraction_n, step.fraction)
+        dt = step.dt if dt is None else dt
         internal = self._mechanics.evaluate(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
         if isinstance(internal, BadGuess):
             return internal

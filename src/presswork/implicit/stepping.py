@@ -19,6 +19,7 @@ from presswork.implicit.energy import Work, add_external_work, add_work, balance
 from presswork.implicit.heat_of_forming import HeatOfForming
 from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
+from presswork.implicit.ram import Ram
 from presswork.implicit.remedy import find_remedy
 from presswork.interaction.contract import Interaction
 from presswork.interaction.of_model import Interactions
@@ -83,12 +84,13 @@ class ImplicitProcedure:
         self.mechanics = make_mechanics(model, self.timing)
         self.interactions = Interactions(model, self.mechanics, self.others)
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
+        self.ram = Ram(model)
         self.heat: HeatOfForming | None = None
         if model.heat is not None and isinstance(self.mechanics, Mechanics):
             self.heat = HeatOfForming(model, self.mechanics, self.interactions, self.timing, threads)
         self.evolution = Evolution(model)
         self.state = self.at_rest()
-        self._start, self._lets_go = self.state, False
+        self._start, self._lets_go, self._to_rest = self.state, False, False
         if before:
             self.initial_volume: float = before.initial_volume
             return
@@ -103,6 +105,8 @@ class ImplicitProcedure:
         state.add(Progress(next_size=self.model.solver.initial_increment), Work())
         for interaction in self.interactions.all:
             state.add(*interaction.at_rest())
+        if self.ram.is_needed:
+            state.add(self.ram.at_rest())
         if self.heat is not None:
             state.add(self.heat.at_rest())
             self.heat.spread(state)
@@ -237,19 +241,14 @@ class ImplicitProcedure:
         target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
         size = progress.next_size
         cutbacks: list[str] = []
-        self._start, self._lets_go = self.state, False
+        self._start, self._lets_go, self._to_rest = self.state, False, False
         if fraction_n == 0.0 and stage > 0:
-            self._start = self.state.duplicate()
-            let_go = [i.begin_stage(self._start, stage) for i in self.interactions.all]
-            self._lets_go = any(let_go)
-            try:
-                self._check_pushed(self._start, stage)
-            except NotHeldError as error:
-                raise GaveUpError(str(error)) from error
+            self._begin_stage(stage)
+        fitting = self.ram.longest(self._start, stage, fraction_n)
         while True:
             self.equilibrium.system.negative_pivots = 0
-            step = min(size, target - fraction_n)
-            if step * (1 + 1e-9) < target - fraction_n < 2 * step:
+            step = min(size, target - fraction_n, fitting)
+            if not self._to_rest and step * (1 + 1e-9) < target - fraction_n < 2 * step:
                 step = 0.5 * (target - fraction_n)
             fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
             trial, outcome = self._attempt(stage, fraction_n, fraction)
@@ -258,16 +257,22 @@ class ImplicitProcedure:
             if isinstance(outcome, Failed) and self._may_turn:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
             if not isinstance(outcome, Failed):
-                break
+                made = self._step(stage, fraction_n, fraction)
+                self._settle(trial, made)
+                shorter = self.ram.shorten(self._start, trial, made)
+                if shorter is None:
+                    break
+                fitting, self._to_rest = shorter
+                continue
             cutbacks.append(f"{step:.3g} of the stage: {outcome.reason}")
-            size = step * outcome.factor
+            size, self._to_rest = step * outcome.factor, False
             if size < settings.min_increment:
                 where = f"stage {self.model.stages[stage].name!r} at {fraction_n:.2%}"
                 raise GaveUpError(
                     f"{where}: even an increment of {step:.1e} of the stage finds no equilibrium ({outcome.reason}). "
                     f"{find_remedy(self.model, self.equilibrium.system.negative_pivots)}"
                 )
-        self._commit(trial, stage, fraction_n, fraction, size, outcome.log, len(cutbacks))
+        is_over = self._commit(trial, stage, fraction_n, fraction, size, outcome.log, len(cutbacks))
         return IncrementReport(
             number=self.state[Progress].increments,
             stage=self.model.stages[stage].name,
@@ -275,8 +280,18 @@ class ImplicitProcedure:
             time=self.state[Progress].time,
             log=outcome.log,
             cutbacks=cutbacks,
-            is_save_point=self._is_save_point(fraction_n, fraction, fraction == target),
+            is_save_point=self._is_save_point(fraction_n, fraction, is_over or fraction == target),
         )
+
+    def _begin_stage(self, stage: int) -> None:
+        """Prepare a copy of the converged state for a stage that begins. Raises GaveUpError."""
+        self._start = self.state.duplicate()
+        let_go = [i.begin_stage(self._start, stage) for i in self.interactions.all]
+        self._lets_go = any(let_go)
+        try:
+            self._check_pushed(self._start, stage)
+        except NotHeldError as error:
+            raise GaveUpError(str(error)) from error
 
     def _is_save_point(self, fraction_n: float, fraction: float, at_target: bool) -> bool:
         """Say whether an increment of a stage is saved: every so many, or what passes one of the equal steps."""
@@ -311,7 +326,15 @@ class ImplicitProcedure:
     def _step(self, stage: int, fraction_n: float, fraction: float) -> Step:
         """Return where the next increment leads."""
         now = self.state[Progress]
-        return Step(stage, fraction_n, fraction, now.increments + 1, now.time)
+        dt = self.ram.take_time(self._start, stage, fraction_n, fraction, to_rest=self._to_rest)
+        since = self.ram.stage_time(self._start, stage, fraction_n)
+        return Step(stage, fraction_n, fraction, now.increments + 1, now.time, dt, since)
+
+    def _settle(self, trial: State, step: Step) -> None:
+        """Complete the trial state, which is in equilibrium."""
+        self.mechanics.settle(self._start, trial)
+        for interaction in self.interactions.all:
+            interaction.commit(self._start, trial, step)
 
     def _commit(
         self,
@@ -322,26 +345,24 @@ class ImplicitProcedure:
         size: float,
         log: IterationLog,
         cutbacks: int,
-    ) -> None:
-        """Make the trial state the converged one."""
+    ) -> bool:
+        """Make the settled trial state the converged one; return whether the stage is over."""
         settings = self.model.solver
         step = self._step(stage, fraction_n, fraction)
         state_n = self._start
-        self.mechanics.settle(state_n, trial)
-        for interaction in self.interactions.all:
-            interaction.commit(state_n, trial, step)
-        dt = self.model.stages[stage].time_between(fraction_n, fraction)
         stage_n = stage - 1 if fraction_n == 0.0 and stage > 0 else stage
         supports = self.interactions.supports
         add_external_work(state_n, trial, supports.fixed(stage_n), supports.fixed(stage))
         for interaction in self.interactions.all:
             add_work(trial, interaction.work(state_n, trial))
-        trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, dt)
+        trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, step.dt)
+        if self.ram.is_needed:
+            self.ram.commit(state_n, trial, step)
         if self.heat is not None:
-            self.heat.advance(state_n, trial, step, dt)
-        self.evolution.advance(state_n, trial, dt, self._temperatures(state_n, trial))
+            self.heat.advance(state_n, trial, step, step.dt)
+        self.evolution.advance(state_n, trial, step.dt, self._temperatures(state_n, trial))
         p = trial[Progress]
-        p.time += dt
+        p.time += step.dt
         p.increments += 1
         p.iterations += len(log)
         p.cutbacks += cutbacks
@@ -352,12 +373,17 @@ class ImplicitProcedure:
             size = max(0.7 * size, SMALLEST * settings.min_increment)
         p.next_size = size
         p.stage, p.fraction = stage, fraction
-        if fraction == 1.0:
+        is_over = fraction == 1.0 or self.ram.is_over(trial, stage)
+        if is_over:
+            if fraction < 1.0:
+                for interaction in self.interactions.all:
+                    interaction.stop(trial, stage, fraction)
             p.stage, p.fraction, p.last_size = stage + 1, 0.0, 0.0
             if stage + 1 < len(self.model.stages):
                 self._end_stage(trial, stage + 1)
             p.next_size = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
         self.state = trial
+        return is_over
 
     def _temperatures(self, state_n: State, trial: State) -> list[tuple[FloatArray, FloatArray] | None]:
         """Return the temperatures of each block's points (n_cells, p) [degrees C] before and after an increment."""

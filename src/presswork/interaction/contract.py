@@ -15,6 +15,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
     settle            the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
+    stop              the stage ends before its way is gone
     stored            energy that is stored in it [N mm]
 
 An interaction overrides what it needs and inherits the rest, which does nothing. Whatever persists lies in the State,
@@ -233,6 +234,9 @@ class Interaction:
 
     def commit(self, state_n: State, trial: State, step: Step) -> None:
         """Complete the trial state, whose nodes are where the increment ends."""
+
+    def stop(self, state: State, stage: int, fraction: float) -> None:
+        """Let what a stage moves rest where it is: the stage ends at a fraction of its way."""
 
     def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
         """Prepare a converged state for the next stage; internal: returns the force of its cells."""

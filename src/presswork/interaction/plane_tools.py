@@ -219,6 +219,12 @@ class PlaneTools(Interaction):
             "friction_work": self.friction.lost,
         }
 
+    def stop(self, state: State, stage: int, fraction: float) -> None:
+        """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
+        placed, left = state[ToolArrays], (1.0 - fraction) * self._motion(self._model.stages[stage])
+        placed.restart -= left[:, :2]
+        placed.displacement = self.base(stage + 1)[:, :2] + placed.restart + placed.travel
+
     def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
         """Keep the force on each tool from which a push of the next stage begins."""
         placed = state[ToolArrays]

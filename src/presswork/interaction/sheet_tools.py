@@ -79,6 +79,12 @@ class SheetTools(Interaction):
         placed = trial[SheetToolArrays]
         placed.travel_increment = placed.travel - state_n[SheetToolArrays].travel
 
+    def stop(self, state: State, stage: int, fraction: float) -> None:
+        """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
+        placed = state[SheetToolArrays]
+        placed.travel -= self.contact.move(stage, 1.0) - self.contact.move(stage, fraction)
+        placed.displacement = self.contact.move(stage, 1.0) + placed.travel
+
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return the work of tools and beads by their own motion, and what friction takes [N mm]."""
         of_tools, lost = self.contact.work(state_n, trial)

@@ -50,6 +50,7 @@ from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
 from presswork.model.mesh_change import change_mesh
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
+from presswork.model.press import Blow, Crank, Drive, SpeedTable
 from presswork.model.remeshing import Remeshing
 from presswork.model.settings import (
     Displacements,
@@ -97,6 +98,7 @@ __all__ = [
     "STEFAN_BOLTZMANN",
     "ZERO_CELSIUS",
     "Analysis",
+    "Blow",
     "Body",
     "BodyContact",
     "BodyForce",
@@ -104,9 +106,11 @@ __all__ = [
     "CellBlock",
     "ContactLaw",
     "Convection",
+    "Crank",
     "Damage",
     "Displacements",
     "Drawbead",
+    "Drive",
     "EdgeForce",
     "ElementName",
     "ExplicitElement",
@@ -152,6 +156,7 @@ __all__ = [
     "SolidElement",
     "SolverSettings",
     "SpaceElement",
+    "SpeedTable",
     "Spring",
     "Springback",
     "Stage",

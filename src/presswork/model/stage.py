@@ -12,6 +12,7 @@ import numpy as np
 
 from presswork.model.arrays import FloatArray
 from presswork.model.heat import HeatStage
+from presswork.model.press import Drive
 
 
 @dataclass(frozen=True)
@@ -160,9 +161,13 @@ class Stage:
     face_forces: tuple[FaceForce, ...] = ()
     body_forces: tuple[BodyForce, ...] = ()
     heat: HeatStage | None = None
+    drive: Drive | None = None
+    """The ram that moves the tools, from which time follows; None: all moves evenly in time."""
 
     def time_between(self, start: float, end: float) -> float:
-        """Return the time between two parts of the stage [s]."""
+        """Return the time between two parts of the stage [s]; an estimate where the course of a stage decides."""
+        if self.drive is not None and self.drive.is_given:
+            return self.drive.time_between(start, end)
         if self.clock is None:
             return self.duration * (end - start)
         first, last = np.interp([start, end], *self.clock.T)

@@ -21,6 +21,7 @@ from presswork.implicit.epochs import AskForMesh
 from presswork.implicit.heat_of_forming import KINDS as HEAT_KINDS
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.progress import Progress
+from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.tool_arrays import ToolArrays
 from presswork.model import FloatArray, Model, ToolMotion
@@ -29,6 +30,7 @@ from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_sheet
 from presswork.process.peaks import peak_columns, peak_row
 from presswork.process.penetration import Penetration, measure_bodies
+from presswork.process.press_quantities import RAM_COLUMNS, has_ram, measure_ram, summarise_ram, warn_of_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.process.tool_ends import explain_passed_ends
@@ -67,7 +69,8 @@ class ImplicitRecording(IncrementRecording):
         if self.procedure.heat:
             heat += [f"{name}.temperature_max" for name in self.procedure.heat.hottest(self.procedure.state)]
         peaks = peak_columns(find_evolved(self.procedure.state))
-        return [*history_columns(tools, self.turning, contacts), *heat, *peaks, *self.reactions.columns]
+        ram = RAM_COLUMNS if has_ram(self.model) else ()
+        return [*history_columns(tools, self.turning, contacts), *ram, *heat, *peaks, *self.reactions.columns]
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -99,6 +102,8 @@ class ImplicitRecording(IncrementRecording):
         for name, (force_x, force_y) in self.procedure.contact_forces().items():
             row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
         state = self.procedure.state
+        if RamArrays in state:
+            row |= measure_ram(self.model, state, self._stage())
         if (heat := self.procedure.heat) is not None:
             own = state[HeatArrays]
             row |= measure_heat(heat.conduction, own.temperature, heat.stored(state), HEAT_KINDS, own.heat)
@@ -246,10 +251,12 @@ class ImplicitRecording(IncrementRecording):
             "contact": contact,
             "energy": procedure.energy_balance(),
             **self._summarise_heat(),
+            **summarise_ram(model, history),
             "linear_solver": procedure.equilibrium.solver.name,
             **({"formability": verdict.to_summary()} if verdict else {}),
             "warnings": [
                 *_warn(contact),
+                *(warn_of_ram(model, history, state[RamArrays].plastic_share) if RamArrays in state else ()),
                 *(warn_of_tables(model, history) if procedure.heat else ()),
                 *(verdict.warnings() if verdict else ()),
             ],

@@ -30,6 +30,7 @@ from presswork.view.interface_plot import plot_interface
 from presswork.view.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
 from presswork.view.mirror import Mirror
 from presswork.view.outline_plot import plot_outline
+from presswork.view.press_plot import has_ram, plot_ram
 from presswork.view.section_plot import is_drawn_in, plot_draw_in, plot_section
 from presswork.view.shell_plot import plot_shell
 from presswork.view.springback_plot import plot_springback
@@ -68,7 +69,8 @@ def plot_all(
     reaction against displacement, and nominal stress against nominal strain. For each tool in contact: contact stress
     along the contact surface. Of dynamics and of stampings: energies against time; of a stamping the section along x,
     the outline from above with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part,
-    mirrored by its symmetry planes. Of a sheet with a forming limit: the forming limit diagram.
+    mirrored by its symmetry planes. Of a sheet with a forming limit: the forming limit diagram. Of a press: force
+    and speed of the ram over stroke and time.
     `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a stamping
     STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at the one
     with the widest range; `out_dir` is the folder "plots" in the output folder. sections:
@@ -140,6 +142,10 @@ def _plot_all(
     if result.is_onestep:
         return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=bare_figure()), folder / "blank.png")]
     paths += [*_plot_forces(result, folder), *_plot_energies(result, folder), *_plot_temperatures(result, folder)]
+    if has_ram(result.history):
+        figure = bare_figure()
+        figure.set_size_inches(9.6, 4.2)
+        paths.append(save_picture(plot_ram(result, figure), folder / "press.png"))
     if result.surfaces and count > 1 and is_drawn_in(result):
         paths.append(save_picture(plot_draw_in(result, figure=bare_figure()), folder / "draw_in.png"))
     return [*paths, *_plot_interfaces(result, folder, steps)]

@@ -12,6 +12,7 @@ from presswork import model
 from presswork.case.description.explicit import describe_explicit
 from presswork.case.description.heat import describe_heat, describe_heat_of_forming
 from presswork.case.description.material import describe_material
+from presswork.case.description.press import describe_drive
 from presswork.case.description.shell import describe_sheet, describe_sheet_loads
 from presswork.geometry.crossing import bound_segments
 from presswork.geometry.pose import start_profile
@@ -157,6 +158,8 @@ def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
 
 
 def _describe_stage(stage: model.Stage) -> Iterator[str]:
+    if stage.drive is not None:
+        yield describe_drive(stage.drive)
     for name, motion in stage.tool_motion.items():
         if motion.start == "touch":
             yield f"tool {name} starts where it touches the workpiece"

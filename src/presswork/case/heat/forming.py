@@ -149,8 +149,11 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
             fault_text = f"not below the melting temperature of {part.material}, {heating.melting:g} degrees C"
             yield Problem(key, fault_text, "lower it", start)
     for index, stage in enumerate(case.stages):
-        if "duration" not in stage.model_fields_set:
-            yield Problem(f"stages.{index}.duration", "missing key: heat takes time", "add it, in seconds")
+        if stage.velocity is None and stage.press is None and "duration" not in stage.model_fields_set:
+            remedy = "add it, in seconds, or velocity, or press"
+            yield Problem(f"stages.{index}.duration", "missing key: heat takes time", remedy)
+        if stage.press is not None and stage.press.blows > 1 and stage.press.pause is None:
+            yield Problem(f"stages.{index}.press.pause", "missing key: heat takes time", "add it, in seconds")
 
 
 def _check_no_heat(case: schema.Case) -> Iterator[Problem]:

@@ -18,6 +18,7 @@ from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.heat.forming import build_heat, start_hot
 from presswork.case.material.umat import UmatMaterial, build_umat
+from presswork.case.press.builder import Halves, build_drive, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts
@@ -47,19 +48,20 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     problems += plane_problems
     if case.analysis == "axisymmetric":
         problems += _check_axis(case, mesh)
+    of_tools = (np.zeros(0), np.zeros(0)) if case.analysis == "axisymmetric" else planes
     built = [
-        build_tool(name, tool, mesh, planes, _folder(case), find_way(case, name)) for name, tool in case.tools.items()
+        build_tool(name, tool, mesh, of_tools, _folder(case), find_way(case, name)) for name, tool in case.tools.items()
     ]
     problems += [tool for tool in built if isinstance(tool, Problem)]
     tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
-    explicit = case.procedure == "explicit"
     ring = case.analysis == "axisymmetric"
 
     def area_of(edge_set: str) -> float:
         thickness = None if ring else case.depth
         return float(edge_areas(mesh.points, mesh.edge_sets[edge_set], thickness).sum())
 
-    stages = tuple(_build_stage(stage, area_of, explicit=explicit) for stage in case.stages)
+    stages, stage_problems = _build_stages(case, planes, area_of)
+    problems += stage_problems
     if case.remesh is not None:
         problems += check_sizes(case.remesh, mesh)
     problems = problems or check_motions(case, tools)
@@ -175,8 +177,6 @@ def _find_symmetry_planes(
                     True,
                 )
             )
-    if case.analysis == "axisymmetric":
-        planes = ([], [])
     return (np.array(planes[0]), np.array(planes[1])), problems
 
 
@@ -212,6 +212,39 @@ def _build_edge_force(entry: schema.EdgeForce, area: float) -> model.EdgeForce:
         return model.EdgeForce(entry.set, entry.value)
     assert entry.total is not None
     return model.EdgeForce(entry.set, (entry.total[0] / area, entry.total[1] / area))
+
+
+def _build_stages(
+    case: schema.Case, planes: tuple[model.FloatArray, model.FloatArray], area_of: Callable[[str], float]
+) -> tuple[tuple[model.Stage, ...], list[Problem]]:
+    """Return the Model's stages, several of one that strikes several blows, and the problems of presses."""
+    stages: list[model.Stage] = []
+    problems: list[Problem] = []
+    blows: dict[str, int] = {}
+    for number, given in enumerate(case.stages):
+        stage = _build_stage(given, area_of, explicit=case.procedure == "explicit")
+        drive = build_drive(given.find_timing(number), case.presses, _find_halves(case, stage, planes))
+        if isinstance(drive, Problem):
+            problems.append(drive)
+        elif drive is not None:
+            stage = replace(stage, drive=drive, duration=drive.duration)
+        struck = blows.get(given.press.name, 0) if given.press else 0
+        listed = list_blows(stage, given.press, struck + 1)
+        if given.press is not None:
+            blows[given.press.name] = struck + given.press.blows
+        stages += listed
+    return tuple(stages), problems
+
+
+def _find_halves(case: schema.Case, stage: model.Stage, planes: tuple[model.FloatArray, model.FloatArray]) -> Halves:
+    """Return what the symmetry planes say of the press that drives a stage."""
+    moves = np.array([motion.move[:2] for motion in stage.tool_motion.values()]).reshape(-1, 2)
+    cut = [len(np.unique(of_axis)) == 1 for of_axis in planes]  # between two planes nothing is cut in half
+    if case.analysis == "axisymmetric":
+        cut[0] = False
+    along = [bool(moves[:, axis].any()) and not moves[:, 1 - axis].any() for axis in (0, 1)]
+    across = any(is_cut and is_along for is_cut, is_along in zip(cut, along, strict=True))
+    return Halves(float(2 ** sum(cut)), 2.0 if across else 1.0)
 
 
 def _build_stage(stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool) -> model.Stage:

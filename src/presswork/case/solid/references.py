@@ -8,6 +8,7 @@ from typing import Literal
 from presswork import model
 from presswork.case.errors import Problem, suggest
 from presswork.case.heat.forming import check_heat
+from presswork.case.press.builder import check_timing
 from presswork.case.settings import check_small_displacements
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import check_bodies, list_bodies
@@ -63,6 +64,7 @@ def check_references(case: schema.Case) -> list[Problem]:
                 remedy = suggest(tool, case.tools, "tools")
                 problems.append(Problem(f"{key}.tools.{tool}", "no such tool", remedy))
         problems += _check_forces(case, stage, key)
+        problems += check_timing(stage.find_timing(index), case.presses)
         if not (_moves(stage) or unloads or case.heat is not None):
             problems.append(
                 Problem(

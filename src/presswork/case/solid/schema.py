@@ -29,6 +29,8 @@ from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
+from presswork.case.press.builder import Timing
+from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
 from presswork.case.settings import Output, Solver
 from presswork.case.solid.contact import Contact
 from presswork.case.solid.explicit import ExplicitSolver
@@ -213,6 +215,13 @@ class Stage(Part):
 
     name: Name = Field(description="name of the stage")
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
+    velocity: Speeds | None = Field(
+        default=None,
+        description="instead of duration: speed of the tool that moves farthest [mm/s], or rows [way gone, speed]",
+    )
+    press: StagePress | None = Field(
+        default=None, description="instead of duration: the press that moves the tools, one of [presses]"
+    )
     ramp: Time | None = Field(
         default=None,
         ge=0,
@@ -224,6 +233,17 @@ class Stage(Part):
     force: tuple[NodeForce, ...] = Field(default=(), description="forces")
     edge_force: tuple[EdgeForce, ...] = Field(default=(), description="forces along edges, spread by area")
     pressure: tuple[Pressure, ...] = Field(default=(), description="pressures")
+
+    @model_validator(mode="after")
+    def _check_velocity(self) -> Self:
+        check_speeds(self.velocity, "velocity")
+        return self
+
+    def find_timing(self, number: int) -> Timing:
+        """Return what this stage, with its number from 0, says of its time."""
+        moves = [motion.build().move for motion in self.tools.values()]
+        way = max((math.hypot(*move) for move in moves), default=0.0)
+        return Timing(f"stages.{number}", self.velocity, self.press, "duration" in self.model_fields_set, way)
 
 
 class Case(CaseFile):
@@ -243,6 +263,7 @@ class Case(CaseFile):
     tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
     bodies: dict[Name, Workpiece] = Field(default={}, description="further deformable bodies by name")
     contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
+    presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     boundary: dict[Name, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
     heat: FormingHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
     stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The presses of a case, and what a stage says of the one that drives it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
+
+from presswork import model
+from presswork.case.names import Name
+from presswork.case.part import Part
+from presswork.case.units import Angle, Energy, Force, Length, Mass, Number, Power, Time, Velocity, fault
+
+GRAVITY = 9806.65
+"""Standard acceleration of free fall [mm/s2]."""
+N_MM = 1e6
+"""In a kJ."""
+TONNE = 1e-3
+"""In a kg."""
+MOST_BLOWS = 1000
+Speeds = Velocity | tuple[tuple[Length, Velocity], ...]
+"""A speed, or rows of way and speed."""
+
+
+def check_speeds(speeds: Speeds | None, key: str) -> None:
+    """Refuse speeds that no ram can have."""
+    if speeds is None:
+        return
+    rows = speeds if isinstance(speeds, tuple) else ((0.0, speeds),)
+    if not rows or min(speed for _, speed in rows) <= 0:
+        raise fault("expected speeds > 0", "for instance 100, or rows [[0, 100], [20, 10]] of way and speed", key=key)
+    if rows[0][0] != 0.0 or any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
+        raise fault("expected ways that increase from 0", "for instance [[0, 100], [20, 10]]", key=key)
+
+
+def tabulate(speeds: Speeds) -> model.SpeedTable:
+    """Return the Model's table of speeds."""
+    import numpy as np
+
+    return model.SpeedTable(np.array(speeds if isinstance(speeds, tuple) else [(0.0, speeds)], dtype=float))
+
+
+class CrankPress(Part):
+    """A mechanical press: a crank that turns at constant speed moves the ram by a connecting rod."""
+
+    kind: Literal["crank"] = Field(description="a slider-crank drive")
+    stroke: Length = Field(gt=0, description="stroke of the press, twice the radius of the crank [mm]")
+    rpm: Number = Field(gt=0, le=1e5, description="turns of the crank a minute")
+    rod_ratio: Number = Field(
+        ge=0, lt=1, description="radius of the crank over the length of the connecting rod; 0: a rod of infinite length"
+    )
+
+    def place(self, start: float) -> model.Crank:
+        """Return the drive from a distance before bottom dead centre on [mm]."""
+        return model.Crank(0.5 * self.stroke, self.rod_ratio, 2.0 * math.pi * self.rpm / 60.0, start)
+
+
+class HydraulicPress(Part):
+    """A hydraulic press: a speed, with limits of force and power."""
+
+    kind: Literal["hydraulic"] = Field(description="a ram whose speed is given")
+    velocity: Speeds = Field(description="speed of the ram [mm/s], or rows [way gone in the stage, speed]")
+    force: Force | None = Field(default=None, gt=0, description="largest force [N]: the stage ends where it is reached")
+    power: Power | None = Field(
+        default=None, gt=0, description="largest power [kW]: the ram slows down where force times speed would exceed it"
+    )
+
+    @model_validator(mode="after")
+    def _check_speeds(self) -> Self:
+        check_speeds(self.velocity, "velocity")
+        return self
+
+
+class EnergyPress(Part):
+    """A hammer or a screw press: the ram strikes with its kinetic energy, and the blow ends when that is spent.
+
+    Two of energy, velocity and mass are given, the velocity also by the height of a free fall.
+    """
+
+    kind: Literal["hammer", "screw"] = Field(description="a ram driven by its kinetic energy")
+    energy: Energy | None = Field(
+        default=None, gt=0, description="kinetic energy of ram and flywheel when it strikes [kJ]"
+    )
+    velocity: Velocity | None = Field(default=None, gt=0, description="of the ram when it strikes [mm/s]")
+    mass: Mass | None = Field(default=None, gt=0, description="of the ram with the upper die [kg]")
+    height: Length | None = Field(default=None, gt=0, description="instead of a velocity: height of its free fall [mm]")
+    efficiency: Number = Field(
+        gt=0,
+        le=1,
+        description="part of the kinetic energy that the workpiece takes; anvil and frame take the rest",
+    )
+
+    @model_validator(mode="after")
+    def _check_two_of_three(self) -> Self:
+        if self.velocity is not None and self.height is not None:
+            raise fault("velocity stands beside height", "the height of its fall gives the velocity", key="height")
+        if self.kind == "screw" and (self.height is not None or self.mass is not None):
+            key = "height" if self.height is not None else "mass"
+            raise fault("a screw press stores its energy in the flywheel", "give energy and velocity", key=key)
+        speed = self.velocity if self.velocity is not None else self.height
+        given = [name for name, value in (("energy", self.energy), ("velocity", speed), ("mass", self.mass)) if value]
+        if len(given) != 2:
+            remedy = "give two of: energy, velocity (or height), mass"
+            if self.kind == "screw":
+                remedy = "give energy and velocity"
+            raise fault(f"expected two quantities, and found {', '.join(given) or 'none'}", remedy, key="energy")
+        return self
+
+    def strike(self, number: int) -> model.Blow:
+        """Return a blow."""
+        velocity = math.sqrt(2.0 * GRAVITY * self.height) if self.height is not None else self.velocity
+        if self.energy is not None:
+            energy = self.energy * N_MM
+        else:
+            assert self.mass is not None
+            assert velocity is not None
+            energy = 0.5 * self.mass * TONNE * velocity**2
+        if velocity is None:
+            assert self.mass is not None
+            velocity = math.sqrt(2.0 * energy / (self.mass * TONNE))
+        return model.Blow(self.efficiency * energy, velocity, number)
+
+
+Press = Annotated[CrankPress | HydraulicPress | EnergyPress, Field(discriminator="kind")]
+
+
+class StagePress(Part):
+    """The press that drives a stage; short form: its name."""
+
+    name: str = Field(description="name of one of the [presses]")
+    before_bottom: Length | None = Field(
+        default=None,
+        gt=0,
+        description="crank: distance of the ram from bottom dead centre as the stage begins [mm]; without it: its way, "
+        "so that the stage ends there",
+    )
+    angle_before_bottom: Angle | None = Field(
+        default=None, gt=0, le=180, description="crank, instead: angle before bottom dead centre [degree]"
+    )
+    blows: Annotated[int, Field(strict=True)] = Field(
+        default=1, ge=1, le=MOST_BLOWS, description="hammer, screw: blows, each from where the tools touch"
+    )
+    pause: Time | None = Field(
+        default=None, gt=0, description="hammer, screw: time between two blows [s], in which the tools go back"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_name(cls, data: Any) -> Any:
+        return {"name": data} if isinstance(data, str) else data
+
+    @model_validator(mode="after")
+    def _check_one_start(self) -> Self:
+        if self.before_bottom is not None and self.angle_before_bottom is not None:
+            remedy = "give one of them"
+            raise fault("before_bottom and angle_before_bottom say the same", remedy, key="angle_before_bottom")
+        if self.pause is not None and self.blows == 1:
+            raise fault("a single blow has no pause", "leave it out, or give blows", key="pause")
+        return self
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {"anyOf": [handler.resolve_ref_schema(handler(core_schema)), {"type": "string"}]}
+
+
+Presses = dict[Name, Press]

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What drives the tools that move in a stage: the ram of a press, by its kinematics or by its energy.
+
+The way of the ram is counted from where the stage begins. It is that of the tool that moves farthest, or twice as far
+where a symmetry plane across it stands for the other half of the workpiece.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.model.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class SpeedTable:
+    """A speed over the way, such as a hydraulic press has."""
+
+    rows: FloatArray
+    """Way gone [mm], increasing from 0, and speed there [mm/s], above 0 (n, 2); linear between the rows and constant
+    after the last."""
+
+    def speed_at(self, way: float) -> float:
+        """Return the speed [mm/s]."""
+        return float(np.interp(way, *self.rows.T))
+
+    def time_at(self, way: float) -> float:
+        """Return the time until it has gone so far [s]: the integral of ds/v, exact for a speed linear in s."""
+        ways, speeds, times = self._table()
+        k = min(int(np.searchsorted(ways, way, side="right")) - 1, len(ways) - 1)
+        first, last = float(speeds[k]), self.speed_at(way)
+        return float(times[k]) + (way - float(ways[k])) / _mean_speed(first, last)
+
+    def way_at(self, time: float) -> float:
+        """Return how far it has gone after a time [mm]: the inverse of time_at."""
+        ways, speeds, times = self._table()
+        k = min(int(np.searchsorted(times, time, side="right")) - 1, len(ways) - 1)
+        since, speed = time - float(times[k]), float(speeds[k])
+        slope = 0.0
+        if k + 1 < len(ways):
+            slope = float((speeds[k + 1] - speeds[k]) / (ways[k + 1] - ways[k]))
+        grown = slope * since
+        stretch = since if grown == 0.0 else since * math.expm1(grown) / grown
+        return float(ways[k]) + speed * stretch
+
+    def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return ways, speeds and times of the rows."""
+        ways, speeds = self.rows.T
+        means = [_mean_speed(float(a), float(b)) for a, b in itertools.pairwise(speeds)]
+        steps = np.diff(ways) / np.array(means)
+        return ways, speeds, np.concatenate([[0.0], np.cumsum(steps)])
+
+
+@dataclass(frozen=True)
+class Crank:
+    """A slider-crank drive that turns at constant speed, from an angle before bottom dead centre on.
+
+    At an angle a before bottom dead centre the ram stands r (1 - cos a) + (l - sqrt(l^2 - r^2 sin^2 a)) above it, r
+    being the radius of the crank and l the length of the connecting rod.
+    """
+
+    radius: float
+    """Half the stroke of the press [mm]."""
+    rod_ratio: float
+    """Radius over the length of the connecting rod, 0 to below 1; 0: a rod of infinite length."""
+    speed: float
+    """Of the crank [rad/s]."""
+    start: float
+    """Distance from bottom dead centre where the stage begins [mm], at most the stroke."""
+
+    def angle_at(self, way: float) -> float:
+        """Return the angle before bottom dead centre [rad], 0 to pi, by the law of cosines."""
+        d, r, ratio = max(self.start - way, 0.0), self.radius, self.rod_ratio
+        versine = d * (2.0 * r - ratio * d) / (2.0 * r * (r + ratio * (r - d)))  # 1 - cos a
+        return 2.0 * math.asin(math.sqrt(min(0.5 * versine, 1.0)))
+
+    def height_at(self, angle: float) -> float:
+        """Return the distance from bottom dead centre [mm] at an angle before it [rad]."""
+        r, ratio = self.radius, self.rod_ratio
+        sine, half = math.sin(angle), math.sin(0.5 * angle)
+        return 2.0 * r * half * half + r * ratio * sine * sine / (1.0 + math.sqrt(1.0 - (ratio * sine) ** 2))
+
+    def speed_at(self, way: float) -> float:
+        """Return the speed of the ram [mm/s]."""
+        angle = self.angle_at(way)
+        sine, ratio = math.sin(angle), self.rod_ratio
+        bent = ratio * math.cos(angle) / math.sqrt(1.0 - (ratio * sine) ** 2)
+        return self.speed * self.radius * sine * (1.0 + bent)
+
+    def time_at(self, way: float) -> float:
+        """Return the time until it has gone so far [s]."""
+        return (self.angle_at(0.0) - self.angle_at(way)) / self.speed
+
+    def way_at(self, time: float) -> float:
+        """Return how far it has gone after a time [mm]; it stays at bottom dead centre."""
+        return self.start - self.height_at(max(self.angle_at(0.0) - self.speed * time, 0.0))
+
+
+@dataclass(frozen=True)
+class Blow:
+    """A ram that its own kinetic energy drives until the workpiece has taken it: hammers and screw presses."""
+
+    energy: float
+    """That the workpiece takes [N mm]: the kinetic energy times the efficiency of the blow."""
+    velocity: float
+    """Of the ram when it strikes [mm/s]."""
+    number: int = 1
+    """Counted from 1 over the blows of this press."""
+
+    def speed_with(self, left: float) -> float:
+        """Return the speed of the ram [mm/s] when so much of the energy is left [N mm]."""
+        return self.velocity * math.sqrt(min(max(left, 0.0) / self.energy, 1.0))
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The ram of a press in one stage."""
+
+    motion: SpeedTable | Crank | Blow
+    travel: float
+    """Of the ram over the whole stage [mm]."""
+    whole: float = 1.0
+    """Work of the ram over that of the moved tools, as modelled: mirror images work, too."""
+    press: str = ""
+    """Name of the press; empty: the stage gives a velocity."""
+    force: float = math.inf
+    """At which the ram stops, and the stage ends [N]."""
+    power: float = math.inf
+    """Largest power [N mm/s]: the ram is slowed down so that its force times its speed does not exceed it."""
+
+    @property
+    def duration(self) -> float:
+        """Time of the stage [s]; of a blow and of limited force or power an estimate: the course decides."""
+        if isinstance(self.motion, Blow):
+            return 2.0 * self.travel / self.motion.velocity
+        return self.motion.time_at(self.travel)
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the time follows from the way alone."""
+        return not isinstance(self.motion, Blow) and math.isinf(self.power)
+
+    @property
+    def may_end_early(self) -> bool:
+        """Whether the stage may end before its whole way is gone."""
+        return isinstance(self.motion, Blow) or math.isfinite(self.force)
+
+    def time_between(self, start: float, end: float) -> float:
+        """Return the time between two parts of the way, where it follows from the way alone [s]."""
+        assert not isinstance(self.motion, Blow), "the time of a blow follows from its course"
+        return self.motion.time_at(end * self.travel) - self.motion.time_at(start * self.travel)
+
+    def part_at(self, time: float) -> float:
+        """Return the part of the way that is gone after a time [s], where it follows from the time alone."""
+        assert not isinstance(self.motion, Blow), "the way of a blow follows from its course"
+        return min(self.motion.way_at(time) / self.travel, 1.0)
+
+
+def _mean_speed(first: float, last: float) -> float:
+    """Return the way over the time between two speeds, where speed is linear in the way: their logarithmic mean."""
+    ratio = (last - first) / first
+    return first if abs(ratio) < 1e-14 else first * ratio / math.log1p(ratio)

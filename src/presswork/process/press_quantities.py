@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the history and the summary tell of the ram of a press."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.implicit.ram import SPENT, RamArrays
+from presswork.model import Blow, Drive, FloatArray, Model
+from presswork.process.recording import Row
+from presswork.state import State
+
+RAM_COLUMNS = ("ram_speed", "ram_force", "energy_spent", "blow")
+"""Speed of the ram [mm/s], force against it [N], what it has spent on the workpiece since the start [N mm], and the
+number of the blow, 0 where there is none."""
+KILO = 1e-3
+KILO_JOULE = 1e-6
+IDLE = 0.01
+"""Plastic work over the energy of a blow, below which the blow moves no metal."""
+
+
+def has_ram(model: Model) -> bool:
+    """Say whether a ram drives any stage."""
+    return any(stage.drive is not None for stage in model.stages)
+
+
+def measure_ram(model: Model, state: State, stage: int) -> Row:
+    """Return the RAM_COLUMNS of a converged state, which belongs to a stage."""
+    ram, drive = state[RamArrays], model.stages[stage].drive
+    blow = drive.motion.number if drive is not None and isinstance(drive.motion, Blow) else 0
+    return dict(zip(RAM_COLUMNS, (ram.speed, ram.force, ram.work, blow), strict=True))
+
+
+def summarise_ram(model: Model, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """Return what the ram has done, stage by stage that has one: time, peak force, energy, speed at the end."""
+    if not has_ram(model):
+        return {}
+    found: list[dict[str, Any]] = []
+    for name, drive, rows, before in _list_stages(model, history):
+        time, energy = (history[column][rows] for column in ("time", "energy_spent"))
+        entry: dict[str, Any] = {"stage": name}
+        if drive.press:
+            entry["press"] = drive.press
+        if isinstance(drive.motion, Blow):
+            entry |= {"blow": drive.motion.number, "energy_kJ": KILO_JOULE * drive.motion.energy}
+        entry |= {
+            "energy_spent_kJ": KILO_JOULE * (float(energy[-1]) - before["energy_spent"]),
+            "time_s": float(time[-1]) - before["time"],
+            "peak_force_kN": KILO * float(history["ram_force"][rows].max()),
+            "final_speed_mm_s": float(history["ram_speed"][rows[-1]]),
+        }
+        found.append(entry)
+    return {"press": found}
+
+
+def warn_of_ram(model: Model, history: Mapping[str, NDArray[Any]], plastic_share: FloatArray) -> list[str]:
+    """Return what a user should know of the ram: energy that moves nothing or is left, a limit of force not reached.
+
+    plastic_share: plastic work over the work of the ram in each stage (n_stages,).
+    """
+    warnings = []
+    shares = {stage.name: float(share) for stage, share in zip(model.stages, plastic_share, strict=True)}
+    for name, drive, rows, before in _list_stages(model, history):
+        who = f"stage {name!r}: "
+        spent = float(history["energy_spent"][rows[-1]]) - before["energy_spent"]
+        if not isinstance(drive.motion, Blow):
+            continue
+        left = drive.motion.energy - spent
+        if left > 2.0 * SPENT * drive.motion.energy:
+            if history["ram_force"][rows].max() <= 0.0:
+                warnings.append(f"{who}the blow never met the workpiece within its way of {drive.travel:g} mm")
+                continue
+            warnings.append(
+                f"{who}{KILO_JOULE * left:.4g} of {KILO_JOULE * drive.motion.energy:.4g} kJ are left when the way of "
+                f"the ram, {drive.travel:g} mm, is gone: the dies would clash; take less energy, or a longer stroke"
+            )
+        elif shares[name] < IDLE:
+            warnings.append(
+                f"{who}the blow of {KILO_JOULE * drive.motion.energy:.4g} kJ ends within the elastic range, and moves "
+                "no metal: take more energy"
+            )
+    return warnings
+
+
+def _list_stages(
+    model: Model, history: Mapping[str, NDArray[Any]]
+) -> list[tuple[str, Drive, NDArray[np.intp], dict[str, float]]]:
+    """Return name, ram and rows of the history of each stage with a ram that has begun, and what stood before it."""
+    found = []
+    for stage in model.stages:
+        rows = np.flatnonzero(history["stage"] == stage.name)
+        if stage.drive is None or not len(rows):
+            continue
+        first = int(rows[0])
+        before = {name: float(history[name][first - 1]) if first else 0.0 for name in ("time", "energy_spent")}
+        found.append((stage.name, stage.drive, rows, before))
+    return found

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Force and speed of the ram of a press, over its stroke and over time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.results import Result
+from presswork.view.history_plot import find_moving_tools
+from presswork.view.style import begin_at_zero, clean_axes, new_figure, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FORCE, SPEED = "tab:blue", "tab:orange"
+
+
+def has_ram(history: dict[str, NDArray[Any]]) -> bool:
+    """Say whether a ram has moved in a run."""
+    return "ram_speed" in history and bool(np.any(history["ram_speed"] > 0.0))
+
+
+def plot_ram(result: Result, figure: Figure | None = None) -> Figure:
+    """Draw force [kN] and speed [mm/s] of the ram over the tool's stroke [mm], and over the time that it works [ms].
+
+    Time in which no ram works, such as that between blows, is left out; dashed lines part the stages.
+    """
+    require_matplotlib()
+    figure = new_figure(9.6, 4.2) if figure is None else figure
+    history = result.history
+    tool = max(find_moving_tools(history), key=lambda name: float(np.abs(history[f"{name}.stroke"]).max()))
+    stages = np.asarray(history["stage"])
+    begins = np.append(0.0, history["time"][:-1])
+    works = np.isin(stages, [name for name in dict.fromkeys(stages.tolist()) if _works(history, name)])
+    time = 1e3 * np.cumsum(np.where(works, history["time"] - begins, 0.0))
+    axes: list[Axes] = list(figure.subplots(1, 2))
+    for ax, abscissa, label in zip(
+        axes, (history[f"{tool}.stroke"], time), (f"stroke of {tool} [mm]", "time at work [ms]"), strict=True
+    ):
+        other = ax.twinx()
+        for name in dict.fromkeys(stages[works].tolist()):
+            rows = stages == name
+            ax.plot(abscissa[rows], 1e-3 * history["ram_force"][rows], color=FORCE, linewidth=1.8)
+            other.plot(abscissa[rows], history["ram_speed"][rows], color=SPEED, linewidth=1.4)
+            if np.flatnonzero(rows)[-1] < np.flatnonzero(works)[-1]:
+                ax.axvline(abscissa[rows][-1], color="0.7", linewidth=0.8, linestyle="--")
+        ax.set_xlabel(label)
+        ax.set_ylabel("force on the ram [kN]", color=FORCE)
+        other.set_ylabel("speed of the ram [mm/s]", color=SPEED)
+        begin_at_zero(ax)
+        other.set_ylim(bottom=0.0)
+        clean_axes(ax)
+        other.spines["top"].set_visible(False)
+    figure.suptitle(str(result.info.get("title", "")), fontsize="medium")
+    return figure
+
+
+def _works(history: dict[str, NDArray[Any]], stage: str) -> bool:
+    """Say whether a ram drives a stage."""
+    return bool(np.any(history["ram_speed"][history["stage"] == stage] > 0.0))

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Presses against closed forms: blows on a rigid, perfectly plastic cylinder; times of cranks; limits of force."""
+
+import math
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from presswork.case import build_model
+from presswork.case.solid.schema import Case
+from presswork.recorder import Outcome, run_model
+from tests.regression.whole_runs import assert_same_bits, stop_after
+
+RADIUS, HEIGHT, YIELD = 20.0, 60.0, 100.0
+VOLUME = math.pi * RADIUS**2 * HEIGHT
+CASE: dict[str, Any] = {
+    "title": "blows",
+    "analysis": "axisymmetric",
+    "workpiece": {"material": "metal", "mesh": {"size": [RADIUS, HEIGHT / 2], "cells": [3, 4]}},
+    "materials": {
+        "metal": {
+            "magnitudes": "any",
+            "young": "2000 GPa",
+            "poisson": 0.3,
+            "hardening": {"law": "linear", "yield_stress": YIELD, "modulus": 0},
+        }
+    },
+    "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
+    "tools": {"die": {"profile": [[0, HEIGHT / 2], [60, HEIGHT / 2]], "contact": "frictionless"}},
+    "presses": {
+        "hammer": {"kind": "hammer", "energy": 2.0, "velocity": "5 m/s", "efficiency": 0.8},
+        "maxi": {"kind": "crank", "stroke": 200, "rpm": 60, "rod_ratio": 0.2},
+    },
+    "stages": [{"name": "forge", "press": "hammer", "tools": {"die": {"stroke": 12, "direction": [0, -1]}}}],
+    "output": {"steps": 2},
+}
+TAKEN = 0.8 * 2.0e6
+"""By the workpiece in a blow [N mm]."""
+STRAIN = TAKEN / (YIELD * VOLUME)
+"""Of a blow: sigma V ln(h0/h) = eta E."""
+
+
+def run(folder: Path, case: dict[str, Any] | None = None, **stage: Any) -> Outcome:
+    """Compute the case with changes of its stage."""
+    data = deepcopy(CASE if case is None else case)
+    data["stages"][0] |= stage
+    return run_model(build_model(Case.model_validate(data)), folder / "out", threads=1)
+
+
+def heights(history: dict[str, Any]) -> list[float]:
+    """Return the height of the billet after each blow [mm]: the die moves by half of what is lost."""
+    blows = range(1, int(history["blow"].max()) + 1)
+    return [HEIGHT - 2.0 * float(history["die.stroke"][history["blow"] == n][-1]) for n in blows]
+
+
+def test_blows_leave_the_height_that_their_energy_gives(tmp_path: Path) -> None:
+    done = run(tmp_path, press={"name": "hammer", "blows": 3})
+    assert done.status == "completed"
+    history = done.result.history
+    expected = [HEIGHT * math.exp(-n * STRAIN) for n in (1, 2, 3)]
+    assert heights(history) == pytest.approx(expected, rel=4e-4)
+    for number, blow in enumerate(done.result.summary["press"], start=1):
+        assert blow["blow"] == number
+        assert blow["energy_spent_kJ"] == pytest.approx(1e-6 * TAKEN, rel=2e-5)
+        assert blow["final_speed_mm_s"] == 0.0
+    energy = done.result.summary["energy"]
+    # half of the billet is modelled; between the blows the die takes the elastic energy back
+    spent = history["energy_spent"][-1]
+    assert 2.0 * energy["external_work"] == pytest.approx(spent, rel=1e-3)
+    assert 2.0 * energy["plastic_work"] == pytest.approx(3.0 * TAKEN, rel=1e-3)
+
+
+def test_a_blow_takes_the_time_of_the_ram_s_deceleration(tmp_path: Path) -> None:
+    def per_speed(u: float) -> float:  # v = v0 u, strain e = e_end (1 - u^2), ds = h0 exp(-e) de
+        return HEIGHT * math.exp(-STRAIN * (1.0 - u * u)) * 2.0 * STRAIN / 5000.0
+
+    expected, _ = quad(per_speed, 0.0, 1.0)
+    data = deepcopy(CASE)
+    for number, largest in enumerate((0.04, 0.02, 0.005)):
+        data["solver"] = {"max_increment": largest}
+        (tmp_path / str(number)).mkdir()
+        done = run(tmp_path / str(number), data)
+        assert done.result.summary["press"][0]["time_s"] == pytest.approx(expected, rel=6e-4)
+
+
+def test_a_hammer_by_mass_and_fall_strikes_as_one_by_energy_and_velocity() -> None:
+    data = deepcopy(CASE)
+    fall, mass = 1000.0, 2e6 / (9806.65 * 1000.0) * 1e3  # E = m g h; t to kg
+    data["presses"]["hammer"] = {"kind": "hammer", "mass": mass, "height": fall, "efficiency": 0.8}
+    (stage,) = build_model(Case.model_validate(data)).stages
+    assert stage.drive is not None
+    motion = stage.drive.motion
+    assert motion.energy == pytest.approx(TAKEN, rel=1e-12)  # type: ignore[union-attr]
+    assert motion.velocity == pytest.approx(math.sqrt(2.0 * 9806.65 * fall), rel=1e-12)  # type: ignore[union-attr]
+
+
+def test_a_crank_stage_takes_the_time_of_the_slider_crank(tmp_path: Path) -> None:
+    history = run(tmp_path, press={"name": "maxi"}).result.history
+    # the billet is cut in half: the ram goes 24 mm, to bottom dead centre
+    radius, rod = 100.0, 500.0
+    turned = [math.radians(a) for a in np.linspace(0.0, 90.0, 900001)]
+    ways = radius + rod - radius * np.cos(turned) - np.sqrt(rod**2 - (radius * np.sin(turned)) ** 2)
+    left = 24.0 - 2.0 * history["die.stroke"]
+    angles = np.interp(left, ways, turned)
+    start = float(np.interp(24.0, ways, turned))
+    assert history["time"] == pytest.approx((start - angles) / (2.0 * math.pi), abs=2e-5)
+    assert history["ram_speed"][-1] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_hydraulic_press_stops_at_its_limit_of_force(tmp_path: Path) -> None:
+    data = deepcopy(CASE)
+    data["presses"] = {"slow": {"kind": "hydraulic", "velocity": 20, "force": "150 kN"}}
+    history = run(tmp_path, data, press="slow").result.history
+    # F = sigma V / h
+    assert history["ram_force"][-1] == pytest.approx(150e3, rel=1e-4)
+    assert HEIGHT - 2.0 * history["die.stroke"][-1] == pytest.approx(YIELD * VOLUME / 150e3, rel=1e-3)
+    assert history["time"][-1] == pytest.approx(2.0 * history["die.stroke"][-1] / 20.0, rel=1e-9)
+
+
+def test_a_hydraulic_press_slows_down_at_its_limit_of_power(tmp_path: Path) -> None:
+    data = deepcopy(CASE)
+    data["presses"] = {"weak": {"kind": "hydraulic", "velocity": 20, "power": "2.8 kW"}}
+    history = run(tmp_path, data, press="weak").result.history
+    force, speed = history["ram_force"], history["ram_speed"]
+    assert speed == pytest.approx(np.minimum(20.0, 2.8e6 / force), rel=1e-12)
+    assert speed[-1] < 14.0
+    # P dt = F ds wherever the limit holds: the time is the work over the power
+    slowed = np.flatnonzero(force > 2.8e6 / 20.0)
+    work = history["energy_spent"][slowed[-1]] - history["energy_spent"][slowed[0]]
+    time = history["time"][slowed[-1]] - history["time"][slowed[0]]
+    assert time == pytest.approx(work / 2.8e6, rel=1e-2)
+
+
+def test_a_blow_that_moves_no_metal_is_a_warning(tmp_path: Path) -> None:
+    data = deepcopy(CASE)
+    data["presses"]["hammer"]["energy"] = 1e-7
+    done = run(tmp_path, data)
+    assert done.status == "completed"
+    assert "ends within the elastic range, and moves no metal" in "".join(done.result.summary["warnings"])
+
+
+def test_energy_left_at_the_end_of_the_way_is_a_warning(tmp_path: Path) -> None:
+    data = deepcopy(CASE)
+    data["presses"]["hammer"]["energy"] = 20.0
+    done = run(tmp_path, data)
+    (warning,) = done.result.summary["warnings"]
+    assert "kJ are left when the way of the ram, 24 mm, is gone" in warning
+    assert done.result.summary["press"][0]["final_speed_mm_s"] > 0.0
+
+
+def test_an_interrupted_forging_resumes_to_the_same_bits(tmp_path: Path) -> None:
+    data = deepcopy(CASE)
+    data["stages"][0]["press"] = {"name": "hammer", "blows": 2}
+    model = build_model(Case.model_validate(data))
+    assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
+    part = run_model(model, tmp_path / "part", on_increment=stop_after(37), threads=1)
+    assert part.status == "interrupted"
+    assert run_model(model, tmp_path / "part", resume=True, threads=1).status == "completed"
+    assert_same_bits(tmp_path / "part", tmp_path / "whole")
