@@ -17,15 +17,15 @@ from presswork.body.solids import Mechanics, make_mechanics
 from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
 from presswork.implicit.heat_of_forming import HeatOfForming
+from presswork.implicit.held import check_held, check_pushed
 from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import Ram
 from presswork.implicit.remedy import find_remedy
 from presswork.interaction.contract import Interaction
 from presswork.interaction.of_model import Interactions
-from presswork.interaction.supports import NotHeldError, check_shell_held, check_solid_held
-from presswork.interaction.tool_arrays import ContactArrays
-from presswork.model import Body, BoolArray, FloatArray, Model
+from presswork.interaction.supports import NotHeldError
+from presswork.model import FloatArray, Model
 from presswork.outcome import BadGuess, Converged, Failed, GaveUpError, IterationLog, Step
 from presswork.state import State
 from presswork.threads import available_threads
@@ -95,7 +95,7 @@ class ImplicitProcedure:
             self.initial_volume: float = before.initial_volume
             return
         self.interactions.tools.contact.begin(self.state, self.interactions.supports.fixed(0))
-        self._check_held()
+        check_held(self.model, self.interactions, self.state)
         self.mechanics.evaluate(self.state, self.state, self.state.nodes.increment, with_stiffness=False)
         self.initial_volume = self.volume()
 
@@ -113,68 +113,6 @@ class ImplicitProcedure:
         if self.evolution.names:
             state.add(self.evolution.at_rest(state))
         return state
-
-    def _check_held(self) -> None:
-        """Refuse bodies that the first increment would push away."""
-        if self.interactions.inertia:
-            return
-        if self.model.analysis == "shell":
-            sheet = self.interactions.sheet_tools
-            touched = sheet.contact.held_directions(self.state) if sheet else None
-            check_shell_held(self.model, self.interactions.supports.fixed(0), touched)
-            return
-        if self.model.analysis == "solid":
-            check_solid_held(self.model, self.interactions.supports.fixed(0))
-            return
-        whole = Body("workpiece", range(len(self.model.mesh.points)), range(len(self.model.mesh.blocks)))
-        bodies = self.model.bodies or (whole,)
-        touching = self.interactions.bodies.touching(self.state)
-        for number, body in enumerate(bodies):
-            held = self._held_by_tools(body)
-            for contact, directions in touching:
-                if number in contact.between and contact.between[0] != contact.between[1]:
-                    held |= (np.abs(directions) > 0.1).any(axis=0)
-            if not held.all():
-                free = " and ".join(axis for axis, is_held in zip("xy", held, strict=True) if not is_held)
-                name = f"the {body.name}" if number == 0 else f"the body {body.name!r}"
-                others = " and no other body" if self.model.contacts else ""
-                raise NotHeldError(
-                    f"nothing holds {name} in {free}: no boundary or displacement fixes a point there, and no tool "
-                    f"that holds its place{others} touches it at the start. Add a [boundary] entry, or let a tool "
-                    "touch it"
-                )
-        self._check_pushed(self.state, 0)
-
-    def _held_by_tools(self, body: Body) -> BoolArray:
-        """Say for x and y whether supports, or tools that touch it at the start, hold a body."""
-        tools = self.interactions.tools
-        fixed = self.interactions.supports.fixed(0)[body.points.start : body.points.stop]
-        held: BoolArray = np.asarray(fixed.any(axis=0))
-        held[0] |= self.model.analysis == "axisymmetric"  # a ring resists its growth
-        pushed = tools.floating.pushed(0)
-        own = np.isin(tools.contact.nodes, body.points)
-        for t, tool in enumerate(self.model.plane_tools):
-            face, place = np.nonzero(self.state[ContactArrays].status[2 * t : 2 * t + 2] * own)
-            along = tools.contact.normal[2 * t + face, place]
-            if tool.friction.law != "frictionless":
-                along = np.concatenate([along, along[:, ::-1] * (-1, 1)])
-            if t in pushed:  # it holds only across its way
-                direction, _ = pushed[t]
-                along = along - (along @ direction)[:, None] * direction
-            held |= (np.abs(along) > 0.1).any(axis=0)
-        return held
-
-    def _check_pushed(self, state: State, stage: int) -> None:
-        """Refuse a tool that a force pushes at nothing when a stage begins with this state."""
-        for t, (direction, _) in self.interactions.tools.floating.pushed(stage).items():
-            face, place = np.nonzero(state[ContactArrays].status[2 * t : 2 * t + 2])
-            if not (self.interactions.tools.contact.normal[2 * t + face, place] @ direction > 0.1).any():
-                name, where = self.model.plane_tools[t].name, self.model.stages[stage].name
-                raise NotHeldError(
-                    f"the tool {name!r} is pushed by a force in stage {where!r}, but nothing lies before it that would "
-                    "stop it: it does not touch the workpiece there when the stage begins. Bring it there first by a "
-                    "stage with a stroke, or put it on a spring"
-                )
 
     def contact_forces(self) -> dict[str, FloatArray]:
         """Return what the first body of each contact does to the second (2,) [N], as modelled."""
@@ -289,7 +227,7 @@ class ImplicitProcedure:
         let_go = [i.begin_stage(self._start, stage) for i in self.interactions.all]
         self._lets_go = any(let_go)
         try:
-            self._check_pushed(self._start, stage)
+            check_pushed(self.model, self.interactions, self._start, stage)
         except NotHeldError as error:
             raise GaveUpError(str(error)) from error
 
