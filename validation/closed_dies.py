@@ -74,7 +74,7 @@ def draw_die(seed: int) -> ClosedDie:
         corners += [(first, height, max(radii[0], 1.0)), (last, after, max(radii[1], 1.0))]
         x = last
     land = float(rng.uniform(4.0, 6.0))
-    corners += [(x + land, flash, 0.0), (x + land + 3.0, flash + 2.0, 0.0), (3.0 * x + 60.0, flash + 2.0, 0.0)]
+    corners += [(x + land, flash, 1.0), (x + land + 3.0, flash + 2.0, 0.0), (3.0 * x + 60.0, flash + 2.0, 0.0)]
     profile = [[a, b] if radius == 0.0 else {"to": [a, b], "radius": radius} for a, b, radius in corners]
     billet = choose_billet(rng, np.array([c[:2] for c in corners]), x, land, analysis == "axisymmetric")
     return ClosedDie(analysis, profile, x, flash, billet, float(rng.uniform(0.05, 0.25)))

@@ -149,7 +149,7 @@ def test_what_does_not_go_together_is_told_by_its_key(changes, key):
 def test_a_run_that_gives_up_tells_why_there_is_no_other_mesh(tmp_path, monkeypatch):
     """A sticking punch turns a cell of the first mesh inside out, and no other mesh can be made."""
 
-    def fold(old, settings):
+    def fold(old, settings, *, part):
         raise MeshError("the boundary folds", "another shape")
 
     monkeypatch.setattr(remeshing, "remesh_section", fold)
@@ -166,6 +166,18 @@ def test_a_run_that_gives_up_names_a_tool_that_ends_on_the_metal(tmp_path):
     outcome = run_model(build_model(upsetting(14, (4, 4), contact=contact)), tmp_path / "run", threads=1)
     assert outcome.status == "gave_up"
     assert "the profile of punch ends on the metal, at (12, " in outcome.reason
+
+
+def test_a_force_that_jumps_asks_for_a_second_finer_mesh(monkeypatch):
+    """No mesh keeps the force to the last bit: the better one of two is taken, and the log says so."""
+
+    def log(most):
+        monkeypatch.setattr(remeshing, "MOST_JUMP", most)
+        recording = RemeshedForming(build_model(upsetting(3.0, remesh={"every": 0.5})), threads=1)
+        return [line for report in recording.advance() for line in recording.log_lines(report)]
+
+    assert not any("none of" in line for line in log(1.0))
+    assert any("none of 2 meshes keeps the force" in line for line in log(0.0))
 
 
 def test_check_says_that_there_are_new_meshes():

@@ -27,6 +27,8 @@ LARGEST_OFFSET = 0.25
 """Of the mean free edge, by which the volume is given back at most."""
 VOID = 1.05
 """Way along an inner bend of a tool over its chord, from which on the metal is taken not to fill it."""
+LONGEST_LAP = 12
+"""Nodes of a loop in which the line crosses itself that are left out at most."""
 _CLOSE = 0.35
 """Of the size of cells, within which another hard place replaces a corner."""
 _BULGE = 0.3
@@ -53,6 +55,8 @@ class OldLine:
     """Of the tools where they stand, as model.Profile.segments."""
     ring: bool
     """Whether volumes are those of revolution about x = 0."""
+    lost: float = 0.0
+    """Part of the volume that the old meshes have lost, and the new line gives back."""
 
 
 @dataclass(frozen=True)
@@ -114,9 +118,37 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     points, is_free, offset = _give_volume_back(points, is_free, old)
     fold = find_fold(points)
     if fold is not None:
-        x, y = points[fold[0]]
-        raise MeshError(f"the boundary crosses itself near ({x:.4g}, {y:.4g})", "contact of the body with itself")
+        kept = _close_lap(points, fold, is_free)
+        places = places[kept]
+        points, is_free, offset = _give_volume_back(points[kept], is_free[kept], old)
+        fold = find_fold(points)
+    if fold is not None:
+        raise _fold_error(points, fold)
     return NewLine(points, places, is_free, offset)
+
+
+def _fold_error(points: FloatArray, fold: tuple[int, int]) -> MeshError:
+    x, y = points[fold[0]]
+    return MeshError(f"the boundary crosses itself near ({x:.4g}, {y:.4g})", "contact of the body with itself")
+
+
+def _close_lap(points: FloatArray, fold: tuple[int, int], is_free: BoolArray) -> BoolArray:
+    """Mark the nodes that stay where a short loop of free nodes between two crossing sides is left out (k,).
+
+    An even number of nodes goes, so that corners keep even places. Raises MeshError where the loop is long or held.
+    """
+    first, last = fold
+    n = len(points)
+    inner = np.arange(first + 1, last + 1)
+    if len(inner) > n // 2:
+        inner = np.arange(last + 1, first + 1 + n) % n
+    if len(inner) % 2:
+        inner = np.append(inner, (inner[-1] + 1) % n)
+    if len(inner) > LONGEST_LAP or not is_free[inner].all():
+        raise _fold_error(points, fold)
+    kept = np.ones(n, dtype=bool)
+    kept[inner] = False
+    return kept
 
 
 class _Curve:
@@ -297,7 +329,7 @@ def _spread(place: FloatArray, w: FloatArray, first: float, last: float, soft: F
 
 def _give_volume_back(points: FloatArray, is_free: BoolArray, old: OldLine) -> tuple[FloatArray, BoolArray, float]:
     """Move free nodes by one offset along their normals until the volume is the old one; none ends in a tool."""
-    target = enclosed_volume(old.points, ring=old.ring)
+    target = enclosed_volume(old.points, ring=old.ring) * (1.0 + old.lost)
     points, is_free, total = points.copy(), is_free.copy(), 0.0
     for _ in range(_ROUNDS):
         inside = _put_on_tools(points, is_free, old.profiles)

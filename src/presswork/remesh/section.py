@@ -34,6 +34,8 @@ class OldSection:
     profiles: Sequence[FloatArray]
     """Of the tools where they stand."""
     ring: bool
+    lost: float = 0.0
+    """Part of the volume that was lost so far."""
 
     def chain(self) -> IndexArray:
         """Return the nodes of the boundary in order, counter-clockwise (k,). Raises MeshError if it is not one line."""
@@ -79,13 +81,14 @@ def measure_sizes(old: OldSection, chain: IndexArray, settings: Remeshing) -> Gr
     return size
 
 
-def remesh_section(old: OldSection, settings: Remeshing) -> NewSection:
-    """Return a new mesh of the same element and material. Raises MeshError where there is none."""
+def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> NewSection:
+    """Return a new mesh of the same element and material, of a part of the size. Raises MeshError if there is none."""
     chain = old.chain()
     size = measure_sizes(old, chain, settings)
+    size.scale(part)
     old_line = OldLine(
         old.position[chain], old.on_tool[:, chain], old.fixed[chain], find_set_ends(old.mesh, chain), old.profiles,
-        old.ring,
+        old.ring, old.lost,
     )  # fmt: skip
     for attempt in range(_ATTEMPTS):
         try:

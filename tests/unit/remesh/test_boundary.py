@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """New boundary lines."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -106,3 +108,29 @@ def test_a_line_that_crosses_itself_is_found_and_refused():
     points[16] = [-3.0, 5.0]
     with pytest.raises(MeshError, match="crosses itself"):
         resample(old_line(points), uniform(0.5))
+
+
+def test_volume_lost_before_is_given_back():
+    points = barrel(12)
+    new = resample(replace(old_line(points), lost=2e-4), uniform(0.6))
+    whole = enclosed_volume(points, ring=True) * (1 + 2e-4)
+    assert enclosed_volume(new.points, ring=True) == pytest.approx(whole, rel=1e-12)
+
+
+def test_a_small_lap_of_the_free_surface_is_closed():
+    """Two lips of a notch in the side have met and overlap by 0.02: what they enclose is left out."""
+    points = barrel(41)
+    side = np.flatnonzero((points[:, 0] >= 10) & (points[:, 1] > 0) & (points[:, 1] < 10))
+    middle = side[len(side) // 2]
+    notch = points[middle] + [[0, -0.3], [-0.2, 0.01], [-0.5, -0.2], [-0.6, 0], [-0.5, 0.2], [-0.2, -0.01], [0, 0.3]]
+    near = np.abs(points[:, 1] - points[middle, 1]) < 0.35
+    lapped = np.concatenate([points[:middle][~near[:middle]], notch, points[middle:][~near[middle:]]])
+    assert find_fold(lapped) is not None
+    new = resample(old_line(lapped), uniform(0.15))
+    assert find_fold(new.points) is None
+    assert len(new.points) % 2 == 0
+    assert new.points[:, 0].min() == 0.0
+    for corner in ([0, 0], [10, 0], [0, 10], [10, 10]):
+        place = np.flatnonzero((new.points == corner).all(axis=1))
+        assert place.tolist()
+        assert place[0] % 2 == 0
