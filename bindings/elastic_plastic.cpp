@@ -136,24 +136,24 @@ NewDoubles differentiate(const Owned<ElasticPlastic<N>>& law, Doubles strain, Do
 }
 
 template <int N>
-auto evaluate_flow(const Owned<ElasticPlastic<N>>& law, Doubles eqps, double rate, std::optional<Doubles> temperature) {
+auto evaluate_flow(const Owned<ElasticPlastic<N>>& law, Doubles eqps, std::optional<Doubles> rate,
+                   std::optional<Doubles> temperature) {
   const std::size_t n = eqps.size();
   const Flow& flow_law = law.view.flow;
+  require(!rate || rate->size() == n, "rate must have shape (n)");
   double *flow, *slope;
   auto flows = new_array({n}, &flow);
   auto slopes = new_array({n}, &slope);
   const std::vector<double> degrees = temperatures(flow_law.thermal, temperature, n);
-  double factor, factor_slope;
-  flow_law.rate.evaluate(rate, factor, factor_slope);
   for (std::size_t first = 0; first < n; first += pack_width) {
     const int lanes = static_cast<int>(std::min<std::size_t>(pack_width, n - first));
-    Pack p(eqps.data()[first]), t(degrees[first]), f, s;
-    for (int lane = 0; lane < lanes; ++lane) p.set(lane, eqps.data()[first + lane]), t.set(lane, degrees[first + lane]);
-    flow_law.at_rest(p, t, f, s);
+    Pack p(eqps.data()[first]), r(0.0), t(degrees[first]), f, s;
     for (int lane = 0; lane < lanes; ++lane) {
-      flow[first + lane] = factor * f[lane];
-      slope[first + lane] = factor * s[lane];
+      p.set(lane, eqps.data()[first + lane]), t.set(lane, degrees[first + lane]);
+      if (rate) r.set(lane, rate->data()[first + lane]);
     }
+    flow_law.at_rate(p, r, t, f, s);
+    for (int lane = 0; lane < lanes; ++lane) flow[first + lane] = f[lane], slope[first + lane] = s[lane];
   }
   return std::make_tuple(flows, slopes);
 }
@@ -182,8 +182,10 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
             ElasticPlastic<N>& law = made.view;
             law.young = young, law.poisson = poisson, law.yield = yield.in<N>();
             law.young_saturated = young_saturated, law.young_rate = young_rate;
-            require(make_hardening(hardening, std::move(parameters), law.flow.hardening, made.data),
-                    "the parameters are not those of the hardening law");
+            const bool fits = static_cast<std::size_t>(hardening) < cold_laws
+                                  ? make_hardening(hardening, std::move(parameters), law.flow.hardening, made.data)
+                                  : make_hot_hardening(hardening, std::move(parameters), law.flow.hot, made.data);
+            require(fits, "the parameters are not those of the hardening law");
             require(make_rate(rate, rate_parameters, law.flow.rate),
                     "rate_parameters are not those of the law: see parameter_names");
             if (chaboche) law.kinematic = *chaboche;
@@ -205,10 +207,11 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
       .def_prop_ro(
           "heats", [](const Law& law) { return law.view.flow.thermal.heats(); },
           "Whether plastic work raises the temperature.")
-      .def("flow_stress", &evaluate_flow<N>, nb::arg("eqps"), nb::arg("rate") = 0.0,
-           nb::arg("temperature") = nb::none(),
-           "Flow stress and its slope [MPa] at equivalent plastic strains (n), a plastic strain rate [1/s] and "
-           "temperatures (n) [degrees C], without them that of the start.")
+      .def(
+          "flow_stress", &evaluate_flow<N>, nb::arg("eqps"), nb::arg("rate") = nb::none(),
+          nb::arg("temperature") = nb::none(),
+          "Flow stress and its slope by plastic strain [MPa] at equivalent plastic strains (n), their rates (n) [1/s], "
+          "without them at rest, and temperatures (n) [degrees C], without them that of the start.")
       .def("rate_factor", &evaluate_rate<N>, nb::arg("rate"),
            "Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].")
       .def("differentiate", &differentiate<N>, nb::arg("strain"), nb::arg("stress"), nb::arg("history"), nb::kw_only(),

@@ -38,11 +38,20 @@ void bind_material(nb::module_& m) {
   nb::enum_<HardeningLaw> laws(m, "HardeningLaw", "Flow stress against equivalent plastic strain.");
   for_each_alternative<Hardening::Law>(
       [&](std::size_t index, auto law) { laws.value(law.name, static_cast<HardeningLaw>(index)); });
+  for_each_alternative<HotHardening::Law>(
+      [&](std::size_t index, auto law) { laws.value(law.name, static_cast<HardeningLaw>(cold_laws + index)); });
   m.def(
       "parameter_names",
-      [](HardeningLaw which) { return parameter_names<Hardening::Law>(static_cast<std::size_t>(which)); },
+      [](HardeningLaw which) {
+        const auto index = static_cast<std::size_t>(which);
+        return index < cold_laws ? parameter_names<Hardening::Law>(index)
+                                 : parameter_names<HotHardening::Law>(index - cold_laws);
+      },
       nb::arg("law"),
       "Names of a hardening law's parameters, in the order in which they are given; a table has points.");
+  m.def(
+      "is_hot", [](HardeningLaw which) { return static_cast<std::size_t>(which) >= cold_laws; }, nb::arg("law"),
+      "Whether its flow stress is one of strain, strain rate and temperature together.");
   nb::enum_<Integrator>(m, "Integrator", "Stress integrator of the von Mises law.")
       .value("backward_euler", Integrator::backward_euler)
       .value("radial_return", Integrator::radial_return)

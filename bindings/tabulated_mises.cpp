@@ -10,7 +10,7 @@ std::optional<Owned<FastMises>> find_fast_law(const Owned<SheetLaw>& given) {
   const SheetLaw& law = given.view;
   const auto* quadratic = std::get_if<QuadraticYield<3>>(&law.yield);
   const bool isothermal = !law.flow.thermal.softening.active() && !law.flow.thermal.heats();
-  const bool plain = law.kinematic.index() == 0 && !law.flow.rate.active() && law.young_rate == 0.0 && isothermal;
+  const bool plain = law.kinematic.index() == 0 && !law.flow.depends_on_rate() && law.young_rate == 0.0 && isothermal;
   const auto von_mises = HillParameters{}.plane_stress();
   if (!plain || !quadratic) return std::nullopt;
   for (int i = 0; i < 3; ++i)

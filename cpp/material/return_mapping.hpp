@@ -6,6 +6,7 @@
 //   S (xi + back(xi, dp) - trial) + dp n(xi) = 0       n = d f/d xi, S the elastic compliance          N equations
 //   f(xi) - flow(p + dp, dp/dt, temperature) = 0       temperature + k f(xi) dp where heated           1 equation
 //
+// (flow: hardening x rate x softening, or one law of all three: hot_hardening.hpp)
 // by Newton with backtracking on psi = |r|^2 (both residuals as stresses), from the trial stress scaled to the yield
 // surface and the dp of a hardening curve straightened to its chord. Five to seven evaluations do for trial stresses of
 // 1 to 200 times the yield stress with exponent 8. Every lane of a pack goes through the same iterations; a lane that
@@ -13,6 +14,7 @@
 // exponents).
 #pragma once
 
+#include "material/hot_hardening.hpp"
 #include "material/kinematic.hpp"
 #include "material/law.hpp"
 #include "material/rate.hpp"
@@ -63,6 +65,7 @@ struct Flow {
   Hardening hardening;
   Rate rate;
   Thermal thermal;
+  HotHardening hot;  // where it is active: in place of hardening, rate and softening
   // in place of the formula, for packs of doubles; the explicit loop's
   bool tabulated = false;
   TabulatedHardening table = {};
@@ -75,6 +78,7 @@ struct Flow {
   // Flow stress at p_n + dp over the time dt, from the temperature of the start; value: of the yield function.
   template <class T>
   void evaluate(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
+    if (hot.active()) return evaluate_hot(p_n, dp, value, dt, temperature, out);
     out.by_value = T(0.0);
     harden(p_n + dp, out.stress, out.by_dp);
     if (rate.active()) {
@@ -90,6 +94,16 @@ struct Flow {
     out.by_value = steepness * dp;
     out.stress = out.stress * soft.factor;
   }
+  template <class T>
+  void evaluate_hot(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
+    HotPoint<T> point;
+    const T heating(thermal.heating);
+    hot.evaluate(p_n + dp, dp * T(1.0 / dt), temperature + heating * value * dp, point);
+    out.stress = point.stress;
+    out.by_dp = point.by_strain + point.by_rate * T(1.0 / dt) + point.by_temperature * heating * value;
+    out.by_value = point.by_temperature * heating * dp;
+  }
+  bool depends_on_rate() const { return rate.active() || hot.active(); }
   // By the formula, or from the table.
   template <class T>
   void harden(T p, T& flow, T& slope) const {
@@ -100,9 +114,24 @@ struct Flow {
   // At rest and without a rise.
   template <class T>
   void at_rest(T p, T temperature, T& flow, T& slope) const {
+    if (hot.active()) return at_rate(p, T(0.0), temperature, flow, slope);
     harden(p, flow, slope);
     if (!thermal.softening.active()) return;
     const T factor = thermal.softening.at(temperature).factor;
+    flow = flow * factor, slope = slope * factor;
+  }
+  // At a constant rate and without a rise.
+  template <class T>
+  void at_rate(T p, T plastic_rate, T temperature, T& flow, T& slope) const {
+    if (hot.active()) {
+      HotPoint<T> point;
+      hot.evaluate(p, plastic_rate, temperature, point);
+      flow = point.stress, slope = point.by_strain;
+      return;
+    }
+    T factor, unused;
+    at_rest(p, temperature, flow, slope);
+    rate.evaluate(plastic_rate, factor, unused);
     flow = flow * factor, slope = slope * factor;
   }
 };
@@ -317,7 +346,7 @@ Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Fl
     size += shifted[i] * shifted[i];
   }
   // 2. admissible? In no time at all a law with a strain rate does not flow
-  const bool frozen = flow_law.rate.active() && in.dt == 0.0;
+  const bool frozen = flow_law.depends_on_rate() && in.dt == 0.0;
   T f_trial = yield.value(shifted);
   Flow::Point<T> flow_n = {};
   if (!frozen) flow_law.evaluate(eqps, T(0.0), T(0.0), in.dt, s.temperature, flow_n);

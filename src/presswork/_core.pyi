@@ -8,7 +8,7 @@ import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 4
+pack_width: int = 8
 
 architecture: str = 'native'
 
@@ -55,6 +55,16 @@ class HardeningLaw(enum.Enum):
 
     monotone_table = 8
 
+    hensel_spittel = 9
+
+    norton_hoff = 10
+
+    sinh_arrhenius = 11
+
+    johnson_cook = 12
+
+    hot_table = 13
+
 @overload
 def parameter_names(law: HardeningLaw) -> list[str]:
     """
@@ -64,6 +74,11 @@ def parameter_names(law: HardeningLaw) -> list[str]:
 @overload
 def parameter_names(law: RateLaw) -> list[str]:
     """Names of a rate law's parameters."""
+
+def is_hot(law: HardeningLaw) -> bool:
+    """
+    Whether its flow stress is one of strain, strain rate and temperature together.
+    """
 
 class Integrator(enum.Enum):
     """Stress integrator of the von Mises law."""
@@ -182,9 +197,9 @@ class SheetLaw:
     def heats(self) -> bool:
         """Whether plastic work raises the temperature."""
 
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Flow stress and its slope [MPa] at equivalent plastic strains (n), a plastic strain rate [1/s] and temperatures (n) [degrees C], without them that of the start.
+        Flow stress and its slope by plastic strain [MPa] at equivalent plastic strains (n), their rates (n) [1/s], without them at rest, and temperatures (n) [degrees C], without them that of the start.
         """
 
     def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
@@ -225,9 +240,9 @@ class PlaneLaw:
     def heats(self) -> bool:
         """Whether plastic work raises the temperature."""
 
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Flow stress and its slope [MPa] at equivalent plastic strains (n), a plastic strain rate [1/s] and temperatures (n) [degrees C], without them that of the start.
+        Flow stress and its slope by plastic strain [MPa] at equivalent plastic strains (n), their rates (n) [1/s], without them at rest, and temperatures (n) [degrees C], without them that of the start.
         """
 
     def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
@@ -268,9 +283,9 @@ class SolidLaw:
     def heats(self) -> bool:
         """Whether plastic work raises the temperature."""
 
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: float = 0.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Flow stress and its slope [MPa] at equivalent plastic strains (n), a plastic strain rate [1/s] and temperatures (n) [degrees C], without them that of the start.
+        Flow stress and its slope by plastic strain [MPa] at equivalent plastic strains (n), their rates (n) [1/s], without them at rest, and temperatures (n) [degrees C], without them that of the start.
         """
 
     def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:

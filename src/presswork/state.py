@@ -131,6 +131,7 @@ class CellArrays(Arrays):
         "stress": POINT,
         "eqps": POINT,
         "temperature": POINT,
+        "rate": POINT,
         "history": POINT,
         "volume": ANEW,
         "hourglass": ANEW,
@@ -144,6 +145,9 @@ class CellArrays(Arrays):
     """Temperature given to the points at the end of the increment (n_cells, p) [degrees C]; the rise that a law
     computes from plastic work is added. At rest that of the start; no rows where the material does not depend on
     temperature."""
+    rate: list[FloatArray]
+    """Rate of the equivalent plastic strain in the increment (n_cells, p) [1/s]; no rows where the material does not
+    depend on it."""
     history: list[FloatArray]
     """History of the law. In solids besides eqps (n_cells, p, n_history): nothing for von Mises with
     isotropic hardening; for other laws the rise of temperature where they heat, back stresses, and the directions of

@@ -73,7 +73,7 @@ def test_every_point_of_an_implicit_cell_answers_at_its_own_temperature(family: 
         np.testing.assert_allclose(trial.cells.stress[0].reshape(n, components), stress, rtol=1e-7, atol=1e-6)
         state = trial
     assert np.ptp(stress[:, 0]) > 30  # MPa: the points do differ
-    shown = mechanics._temperature_at_points(state, 0) if family != "shells" else None
+    shown = mechanics.temperature_at_points(state, 0) if family != "shells" else None
     if shown is not None:
         np.testing.assert_allclose(shown, degrees + history[:, 1])
 

@@ -40,6 +40,8 @@ YLD2004 = {
 }
 R_VALUES = {"r00": 0.8, "r45": 0.4, "r90": 0.55}
 VOCE = {"yield_stress": 150, "saturation_stress": 330, "rate": 12}
+WINDOWS = {"strain_window": [0.002, 0.6], "rate_window": [0.01, 1e4], "temperature_window": [250, 550]}
+HOT_HEATING = {"heat_capacity": "900 J/(kg*K)", "start": 400}
 HEATING = {"melting": 660, "exponent": 1.1, "heat_capacity": "900 J/(kg*K)", "start": 40}
 FEATURES: dict[str, dict[str, Any]] = {
     "linear": {},
@@ -51,6 +53,46 @@ FEATURES: dict[str, dict[str, Any]] = {
     "swift_voce": {"hardening": {"law": "swift_voce", "voce_share": 0.4, "K": 500, "e0": 0.007, "n": 0.25, **VOCE}},
     "table": {"hardening": {"law": "table", "points": POINTS}},
     "monotone_table": {"hardening": {"law": "monotone_table", "points": POINTS}},
+    "hensel_spittel": {
+        "hardening": {
+            "law": "hensel_spittel",
+            "A": 500,
+            "m1": -4e-3,
+            "m2": 0.1,
+            "m3": 0.1,
+            "m4": -5e-4,
+            "m5": -3e-4,
+            "m7": 0.1,
+            "m8": 1e-5,
+            "m9": 0.1,
+            **WINDOWS,
+        },
+        "heating": HOT_HEATING,
+        "density": "2700 kg/m^3",
+    },
+    "norton_hoff": {
+        "hardening": {"law": "norton_hoff", "K": 5, "e0": 0.01, "n": 0.1, "m": 0.12, "beta": 2000, **WINDOWS},
+        "heating": {"start": 400},
+    },
+    "sinh_arrhenius": {
+        "hardening": {"law": "sinh_arrhenius", "A": 1e10, "alpha": 0.02, "n": 5, "Q": "150 kJ/mol", **WINDOWS},
+        "heating": {"start": 400},
+    },
+    "whole johnson_cook": {
+        "hardening": {
+            "law": "johnson_cook",
+            "A": 100,
+            "B": 200,
+            "n": 0.4,
+            "C": 0.02,
+            "reference_rate": 1,
+            "m": 1.1,
+            "melting": 660,
+            **WINDOWS,
+        },
+        "heating": HOT_HEATING,
+        "density": "2700 kg/m^3",
+    },
     "cowper_symonds": {"rate": {"law": "cowper_symonds", "D": 40, "q": 5}},
     "johnson_cook": {"rate": {"law": "johnson_cook", "C": 0.02, "reference_rate": 1e-3}},
     "logarithmic": {"rate": {"law": "logarithmic", "C": 0.02, "reference_rate": 1e-3}},
@@ -86,6 +128,7 @@ BULK = "is a yield function of plane stress alone"
 ONE_STEP = "one step knows no"
 USER = ("user law", "jaumann_kirchhoff")
 CLOSED_FORM = "gives no strain for a stress in closed form"
+HOT = ("hensel_spittel", "norton_hoff", "sinh_arrhenius", "whole johnson_cook")
 REFUSED: dict[tuple[str, str], str] = {
     **{(name, family): BULK for name in ("barlat1989", "yld2000") for family in SOLIDS},
     **{(name, "one step"): CLOSED_FORM for name in ("barlat1989", "yld2000", "yld2004", "all of them")},
@@ -96,6 +139,7 @@ REFUSED: dict[tuple[str, str], str] = {
             "yoshida_uemori", "young_decrease",
         )
     },
+    **{(name, "one step"): "one step knows no strain rate and temperature" for name in HOT},
     **{(name, "one step"): "takes no UMAT" for name in USER},
     **{(name, ONE_POINT): "its hourglass control needs a flow stress" for name in USER},
     **{("jaumann_kirchhoff", family): "no shell takes it" for family in SHELLS},
@@ -148,7 +192,9 @@ def space_case(table: dict[str, Any]) -> dict[str, Any]:
         },
         "materials": {"metal": table},
         "boundary": {"end": {"set": "left", "fix": ["x", "y", "z"]}},
-        "stages": [{"name": "pull", "displacement": [{"set": "right", "component": "x", "value": 0.05}]}],
+        "stages": [
+            {"name": "pull", "duration": 1.0, "displacement": [{"set": "right", "component": "x", "value": 0.05}]}
+        ],
     }
 
 
@@ -164,7 +210,9 @@ def shell_case(table: dict[str, Any]) -> dict[str, Any]:
         },
         "materials": {"metal": table},
         "boundary": {"end": {"set": "left", "hold": "clamped"}},
-        "stages": [{"name": "pull", "displacement": [{"set": "right", "component": "x", "value": 0.2}]}],
+        "stages": [
+            {"name": "pull", "duration": 1.0, "displacement": [{"set": "right", "component": "x", "value": 0.2}]}
+        ],
     }
 
 
@@ -217,7 +265,7 @@ def error_of_tangent(model: Any, freedoms: int, size: float, *, hottest: float |
         force(increment, state)
         trial.nodes.displacement = state.nodes.displacement + increment
         trial.nodes.increment = increment.copy()
-        mechanics.settle(state, trial)
+        mechanics.settle(state, trial, DT)
         state, trial = trial, state
     trial = state.duplicate()
     increment = increment + 0.1 * size * rng.standard_normal(increment.shape)

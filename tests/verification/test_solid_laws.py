@@ -166,7 +166,7 @@ def test_a_resumed_run_with_every_law_gives_the_same_bits(tmp_path):
     head, rest = text.split("[materials.steel]")
     case = tmp_path / "case.toml"
     case.write_text(head + EVERYTHING + rest[rest.index("[tools.punch]") :].replace("stroke = 9.0", "stroke = 3.0"))
-    model = build_model(read_case(case, ["workpiece.mesh.cells=[3,3]"]))
+    model = build_model(read_case(case, ["workpiece.mesh.cells=[3,3]", "stages.0.duration=1.0"]))
     whole = run_model(model, tmp_path / "whole", threads=1).result
 
     def stop(progress):

@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.law_failed import LawFailed, place_increment
+from presswork.body.law_window import LawWindow, note_rates
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shell_energy import elastic_energy, plastic_work
 from presswork.evolution.points import find_evolved
@@ -21,7 +22,7 @@ from presswork.fields.shell_fields import (
     sheet_effective_stress,
     shell_cell_fields,
 )
-from presswork.law.elastic_plastic import temperature, temperature_at_rest
+from presswork.law.elastic_plastic import rate_at_rest, temperature, temperature_at_rest
 from presswork.law.umat import SheetUmat, open_sheet_law
 from presswork.mesh.directors import Directors, find_directors
 from presswork.mesh.thickness_rule import thickness_rule
@@ -119,7 +120,7 @@ class ShellMechanics:
 
     def at_rest(self) -> State:
         """Return nodes and cells before the first increment."""
-        cells_at_rest = CellArrays([], [], [], [], [], [])
+        cells_at_rest = CellArrays([], [], [], [], [], [], [])
         shells = ShellArrays(self.directors.vectors.copy(), [], [], [], [])
         for i, (connectivity, section, law) in enumerate(
             zip(self._connectivity, self._sections, self._laws, strict=True)
@@ -139,8 +140,10 @@ class ShellMechanics:
             cells_at_rest.eqps.append(np.zeros((cells, q * k)))
             material = self._model.materials[self._model.mesh.blocks[i].material]
             cells_at_rest.temperature.append(temperature_at_rest(material, (cells, q * k)))
+            cells_at_rest.rate.append(rate_at_rest(material, (cells, q * k)))
             cells_at_rest.volume.append(np.zeros((cells, q * k)))
-        return State(NodeArrays.at_rest(len(self._model.mesh.points), 6), cells_at_rest, shells)
+        nodes = NodeArrays.at_rest(len(self._model.mesh.points), 6)
+        return State(nodes, cells_at_rest, shells, LawWindow.at_rest(self._model.materials))
 
     def _first_directions(self, block: int) -> FloatArray:
         """Return g_1 in the lamina frame (n_cells, q, 2), whose x is the rolling direction laid into the sheet, or the
@@ -216,8 +219,15 @@ class ShellMechanics:
         """Keep which increment this is, for laws that ask."""
         self._when = place_increment(step)
 
-    def settle(self, state_n: State, trial: State) -> None:
-        """Turn the directors of a converged trial state by its increment; with small displacements they stay."""
+    def settle(self, state_n: State, trial: State, dt: float) -> None:
+        """Turn the directors of a converged trial state by its increment; with small displacements they stay.
+
+        Find the rates of plastic strain, after dt [s].
+        """
+        for i, block in enumerate(self._model.mesh.blocks):
+            if trial.cells.rate[i].size and dt > 0.0:
+                material, degrees = self._model.materials[block.material], self.temperature_at_points(trial, i)
+                note_rates(i, block.material, material, state_n, trial, dt, degrees)
         if self._model.solver.is_small:
             return
         theta = trial.nodes.increment[self.directors.node, 3:]
@@ -251,13 +261,17 @@ class ShellMechanics:
         return total / np.maximum(count, 1.0)
 
     def flow_stress(self, block: int, state: State) -> FloatArray:
-        """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points); of a UMAT effective stress."""
+        """Return the flow stress [MPa] at a block's points at their rates (n_cells, n_points).
+
+        Of a UMAT: effective stress.
+        """
         law = self._laws[block]
         if isinstance(law, SheetUmat):  # which does not tell it
             return sheet_effective_stress(state.cells.stress[block])
         history = state.cells.history[block].reshape(-1, state.cells.history[block].shape[-1])
         eqps, heat = np.ascontiguousarray(history[:, 0]), self.temperature_at_points(state, block)
-        flow, _ = law.flow_stress(eqps, temperature=heat)
+        rate = state.cells.rate[block].ravel() if state.cells.rate[block].size else None
+        flow, _ = law.flow_stress(eqps, rate, heat)
         result: FloatArray = flow.reshape(state.cells.eqps[block].shape)
         return result
 

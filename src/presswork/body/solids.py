@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.law_failed import LawFailed, place_increment
+from presswork.body.law_window import LawWindow, note_rates
 from presswork.body.shells import ShellMechanics
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
 from presswork.evolution.points import find_evolved
@@ -24,6 +25,7 @@ from presswork.law.elastic_plastic import (
     make_plane_law,
     make_solid_law,
     plastic_work_density,
+    rate_at_rest,
     temperature,
     temperature_at_rest,
 )
@@ -150,6 +152,7 @@ class Mechanics:
             stress=[np.zeros((*size, components)) for size in sizes],
             eqps=[np.zeros(size) for size in sizes],
             temperature=[temperature_at_rest(self._material(i), size) for i, size in enumerate(sizes)],
+            rate=[rate_at_rest(self._material(i), size) for i, size in enumerate(sizes)],
             history=[
                 _history_at_rest(law, size, components, np.asarray(self._material(i).rolling_direction))
                 for i, (law, size) in enumerate(zip(self._laws, sizes, strict=True))
@@ -157,14 +160,19 @@ class Mechanics:
             volume=[np.zeros(size) for size in sizes],
             hourglass=[np.zeros((size[0], 2)) for size in sizes],
         )
-        return State(NodeArrays.at_rest(len(self._model.mesh.points), self.freedoms), cells)
+        nodes = NodeArrays.at_rest(len(self._model.mesh.points), self.freedoms)
+        return State(nodes, cells, LawWindow.at_rest(self._model.materials))
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""
         self._when = place_increment(step)
 
-    def settle(self, state_n: State, trial: State) -> None:
-        """Bring a converged trial state's other arrays up to its displacement: solids have none."""
+    def settle(self, state_n: State, trial: State, dt: float) -> None:
+        """Find the rates of plastic strain of a converged trial state, after an increment over dt [s]."""
+        for i, block in enumerate(self._model.mesh.blocks):
+            if trial.cells.rate[i].size and dt > 0.0:
+                degrees = self.temperature_at_points(trial, i)
+                note_rates(i, block.material, self._material(i), state_n, trial, dt, degrees)
 
     def force_of_round_off(self) -> float:
         """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
@@ -255,14 +263,15 @@ class Mechanics:
         return self.flow_stress(block, state)
 
     def flow_stress(self, block: int, state: State) -> FloatArray:
-        """Return the flow stress [MPa] at a block's points, at rest (n_cells, n_points)."""
+        """Return the flow stress [MPa] at a block's points at their rates (n_cells, n_points)."""
         law, eqps = self._laws[block], state.cells.eqps[block]
         assert not isinstance(law, _core.Umat)
         flat = np.ascontiguousarray(eqps).ravel()
         if isinstance(law, _core.VonMises):
             flow, _ = law.flow_stress(flat)
         else:
-            flow, _ = law.flow_stress(flat, temperature=self.temperature_at_points(state, block))
+            rate = state.cells.rate[block].ravel() if state.cells.rate[block].size else None
+            flow, _ = law.flow_stress(flat, rate, self.temperature_at_points(state, block))
         result: FloatArray = flow.reshape(eqps.shape)
         return result
 

@@ -54,6 +54,7 @@ HEAT_CAPACITY = Dimension("a specific heat capacity", "mm^2/(s^2*K)", "460 J/(kg
 CONDUCTIVITY = Dimension("a thermal conductivity", "N/(s*K)", "30 W/(m*K)", 1e5)
 HEAT_TRANSFER = Dimension("a coefficient of heat transfer", "N/(mm*s*K)", "2000 W/(m^2*K)", 1e4)
 HEAT_FLUX = Dimension("a heat flux", "N/(mm*s)", "50 kW/m^2")
+ACTIVATION_ENERGY = Dimension("an energy per mole", "J/mol", "312 kJ/mol")
 HEAT_OF_MASS = Dimension("a heat per mass", "mm^2/s^2", "250 kJ/kg")
 ENERGY = Dimension("an energy", "kJ", "25 kJ", 1e9)
 POWER = Dimension("a power", "kW", "90 kW", 1e9)
@@ -73,6 +74,7 @@ _USUAL = {
     CONDUCTIVITY: {"W/(m*K)": 1.0},
     HEAT_TRANSFER: {"W/(m^2*K)": 1e-3, "kW/(m^2*K)": 1.0},
     HEAT_FLUX: {"W/m^2": 1e-3, "kW/m^2": 1.0},
+    ACTIVATION_ENERGY: {"J/mol": 1.0, "kJ/mol": 1e3},
     HEAT_OF_MASS: {"kJ/kg": 1e9, "J/kg": 1e6},
     ENERGY: {"kJ": 1.0},
     POWER: {"kW": 1.0},
@@ -218,6 +220,7 @@ Rate = Annotated[float, *_scalar(RATE)]
 Conductivity = Annotated[float, *_scalar(CONDUCTIVITY)]
 HeatTransfer = Annotated[float, *_scalar(HEAT_TRANSFER)]
 HeatFlux = Annotated[float, *_scalar(HEAT_FLUX)]
+ActivationEnergy = Annotated[float, *_scalar(ACTIVATION_ENERGY)]
 HeatOfMass = Annotated[float, *_scalar(HEAT_OF_MASS)]
 HeatCapacity = Annotated[float, *_scalar(HEAT_CAPACITY)]
 Energy = Annotated[float, *_scalar(ENERGY)]

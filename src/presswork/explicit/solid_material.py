@@ -11,7 +11,7 @@ from presswork import _core
 from presswork.explicit.input_checks import HEAVIEST, ExplicitError
 from presswork.law.elastic_plastic import find_heating, make_hardening, make_plane_law
 from presswork.law.umat import open_umat
-from presswork.model import Hardening, Heating, Kinematic, Material, Rate, Umat, YieldFunction
+from presswork.model import FloatArray, Hardening, Heating, Kinematic, Material, Rate, Umat, YieldFunction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,15 +73,23 @@ class SolidMaterial:
         """Return the compiled law: in closed form where there is one, or open the library that has it."""
         if self.umat is not None:
             return open_umat(self.umat)
-        if self.yield_function or self.kinematic or self.young_decrease:
+        if self.yield_function or self.kinematic or self.young_decrease or self._hardening().is_hot:
             return make_plane_law(self._to_model())
         rate = _core.RateLaw[self.rate.law if self.rate else "none"]
         parameters = self.rate.parameters if self.rate else {}
         h, given = self.heating, {}
         if h is not None:
-            given = {"start": h.start, "reference": h.reference, "melting": h.melting, "exponent": h.exponent}
+            melting = h.reference if h.melting is None else h.melting
+            given = {"start": h.start, "reference": h.reference, "melting": melting, "exponent": h.exponent}
             given["heating"] = find_heating(self._to_model())
         return _core.AdiabaticMises(self.make_mises(), rate=rate, rate_parameters=parameters, **given)
+
+    def flow_stress(self, eqps: FloatArray, temperature: FloatArray) -> FloatArray:
+        """Return the flow stress (n,) [MPa] at rest where nothing softens; of a hot law at temperatures [degrees C]."""
+        eqps = np.ascontiguousarray(eqps)
+        if self._hardening().is_hot:
+            return make_plane_law(self._to_model()).flow_stress(eqps, None, np.ascontiguousarray(temperature))[0]
+        return self.make_mises().flow_stress(eqps)[0]
 
     def _hardening(self) -> Hardening:
         return self.hardening or Hardening("linear", np.array([1e3 * self.young, 0.0]))
@@ -104,9 +112,9 @@ class SolidMaterial:
 def check_heating(heating: Heating) -> None:
     """Raise ExplicitError for values that no run can start from."""
     h = heating
-    if not h.melting > h.reference:
+    if h.melting is not None and not h.melting > h.reference:
         raise ExplicitError(f"melting = {h.melting}: it must be above reference = {h.reference}")
-    if not h.reference <= h.start < h.melting:
+    if h.melting is not None and not h.reference <= h.start < h.melting:
         raise ExplicitError(f"start = {h.start}: it must lie from reference up to melting")
     if not h.exponent > 0:
         raise ExplicitError(f"exponent = {h.exponent}: it must be above zero")

@@ -160,7 +160,7 @@ class ImplicitProcedure:
         outcome = self.equilibrium.solve(state_n, trial, step, np.zeros_like(state_n.nodes.increment))
         if isinstance(outcome, Failed):
             return outcome
-        self.mechanics.settle(state_n, trial)
+        self.mechanics.settle(state_n, trial, 0.0)
         for interaction in self.interactions.all:
             interaction.commit(state_n, trial, step)
         for interaction in self.interactions.all:
@@ -270,7 +270,7 @@ class ImplicitProcedure:
 
     def _settle(self, trial: State, step: Step) -> None:
         """Complete the trial state, which is in equilibrium."""
-        self.mechanics.settle(self._start, trial)
+        self.mechanics.settle(self._start, trial, step.dt)
         for interaction in self.interactions.all:
             interaction.commit(self._start, trial, step)
 

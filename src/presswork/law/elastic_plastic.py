@@ -63,7 +63,17 @@ def first_flow_stress(material: Material) -> float:
 def is_plain(material: Material) -> bool:
     """Tell whether a solid's material is von Mises with isotropic hardening alone, which has a law in closed form."""
     beside = (material.yield_function, material.kinematic, material.rate, material.heating, material.young_decrease)
-    return material.umat is None and all(part is None for part in beside)
+    return material.umat is None and not is_hot(material) and all(part is None for part in beside)
+
+
+def is_hot(material: Material) -> bool:
+    """Tell whether the flow stress is one of strain, strain rate and temperature together."""
+    return material.hardening is not None and material.hardening.is_hot
+
+
+def depends_on_rate(material: Material) -> bool:
+    """Tell whether the flow stress depends on the rate of plastic strain."""
+    return material.rate is not None or is_hot(material)
 
 
 def heats(material: Material) -> bool:
@@ -84,8 +94,9 @@ def make_thermal(material: Material) -> _core.Thermal | None:
     h = material.heating
     if h is None:
         return None
+    melting = h.reference if h.melting is None else h.melting
     heating = find_heating(material)
-    return _core.Thermal(start=h.start, reference=h.reference, melting=h.melting, exponent=h.exponent, heating=heating)
+    return _core.Thermal(start=h.start, reference=h.reference, melting=melting, exponent=h.exponent, heating=heating)
 
 
 def back_stress(material: Material, history: FloatArray, components: int) -> FloatArray:
@@ -107,6 +118,11 @@ def temperature_at_rest(material: Material, shape: tuple[int, ...]) -> FloatArra
     if material.heating is None:
         return np.zeros((0, *shape[1:]))
     return np.full(shape, material.heating.start)
+
+
+def rate_at_rest(material: Material, shape: tuple[int, ...]) -> FloatArray:
+    """Return the rate of plastic strain of points (n_cells, n) at the start [1/s]; no rows if the law does not ask."""
+    return np.zeros(shape if depends_on_rate(material) else (0, *shape[1:]))
 
 
 def temperature(material: Material, history: FloatArray, given: FloatArray | None = None) -> FloatArray:
@@ -138,15 +154,13 @@ def plastic_work_density(
     stress; stress (n, components): at the end, in the law's axes; given: temperatures (n,) before and after.
     """
     components = stress.shape[-1]
+    dp = history[:, 0] - history_n[:, 0]
+    rate = dp / dt if dt > 0.0 else np.zeros_like(dp)
     ends = [
-        law.flow_stress(np.ascontiguousarray(h[:, 0]), temperature=temperature(material, h, t))[0]
+        law.flow_stress(np.ascontiguousarray(h[:, 0]), rate, temperature(material, h, t))[0]
         for h, t in zip((history_n, history), given, strict=True)
     ]
-    dp = history[:, 0] - history_n[:, 0]
-    flow = 0.5 * (ends[0] + ends[1])
-    if material.rate is not None and dt > 0.0:
-        flow *= law.rate_factor(np.ascontiguousarray(dp / dt))[0]
-    work = flow * dp
+    work = 0.5 * (ends[0] + ends[1]) * dp
     if material.kinematic is not None:
         before, after = (back_stress(material, h, components) for h in (history_n, history))
         flows = dp > 0.0

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from presswork import _core
 from presswork.formability import Formability
 from presswork.model.arrays import FloatArray
@@ -17,13 +19,34 @@ UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
 
 @dataclass(frozen=True)
 class Hardening:
-    """Flow stress against equivalent plastic strain; see docs/theory/material.md for the laws' formulas."""
+    """Flow stress against equivalent plastic strain, of hot laws also against strain rate and temperature.
+
+    See docs/theory/material.md for the laws' formulas.
+    """
 
     law: str
     """Name of one of _core.HardeningLaw."""
     parameters: FloatArray
     """In the order of _core.parameter_names of the law, stresses in MPa; of a table its rows one after the other:
     plastic strain and stress, of monotone_table also the slope."""
+
+    @property
+    def is_hot(self) -> bool:
+        """Whether the flow stress is one of strain, strain rate and temperature together."""
+        return _core.is_hot(_core.HardeningLaw[self.law])
+
+    @property
+    def window(self) -> FloatArray | None:
+        """Lowest and highest strain, rate [1/s] and temperature [degrees C] of a hot law (3, 2); None of others."""
+        if not self.is_hot:
+            return None
+        named = self.named()
+        if named:
+            ends = [[named[f"{name}_{end}"] for end in ("min", "max")] for name in ("strain", "rate", "temperature")]
+            return np.array(ends)
+        counts = self.parameters[:3].astype(int)
+        axes = np.split(self.parameters[3 : 3 + counts.sum()], np.cumsum(counts)[:2])
+        return np.array([[axis[0], axis[-1]] for axis in axes])
 
     def named(self) -> dict[str, float]:
         """Return the parameters by name; of a table none."""
@@ -65,12 +88,13 @@ class Rate:
 class Heating:
     """Softening by 1 - T*^exponent, T* from 0 at `reference` to 1 at `melting`, and adiabatic heating by plastic work.
 
-    Temperatures in degrees C; heat_capacity [mm2/(s2 K)] (steel has 4.6e8, that is 460 J/(kg K)), None: the temperature
-    stays as it starts; plastic_fraction: of the plastic work that becomes heat (Taylor & Quinney 1934).
+    Without melting nothing softens. Temperatures in degrees C; heat_capacity [mm2/(s2 K)] (steel has 4.6e8, that is
+    460 J/(kg K)), None: the temperature stays as it starts; plastic_fraction: of the plastic work that becomes heat
+    (Taylor & Quinney 1934).
     """
 
-    melting: float
-    exponent: float
+    melting: float | None = None
+    exponent: float = 1.0
     heat_capacity: float | None = None
     plastic_fraction: float = 0.9
     reference: float = 20.0

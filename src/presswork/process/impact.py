@@ -52,7 +52,6 @@ class ExplicitImpact(RowRecording):
         super().__init__(model, threads, 4)
         self.settings = model.explicit
         self._materials = [SolidMaterial.from_model(material) for material in model.materials]
-        self._mises = [material.make_mises() for material in self._materials]
         self._make_run({})
         self.solids.set_velocity("all", self.settings.velocity)
         self._force = np.zeros((len(self.walls), 2))
@@ -175,18 +174,15 @@ class ExplicitImpact(RowRecording):
         return Watched((hydrostatic, *([deepest] if deepest else [])))
 
     def _flow_stress(self) -> FloatArray:
-        """Return the flow stress of the cells at rest where nothing softens (n_cells,) [MPa]; effective of a UMAT."""
-        eqps = self.solids.equivalent_plastic_strain
+        """Return the flow stress of the cells (n_cells,) [MPa], as SolidMaterial has it; effective stress of a UMAT."""
+        solids = self.solids
         ends = np.cumsum([len(block.connectivity) for block in self.mesh.blocks])[:-1]
-        parts = zip(
-            self.mesh.blocks, np.split(eqps, ends), np.split(effective_stress(self.solids.stress), ends), strict=True
-        )
+        found = (solids.equivalent_plastic_strain, solids.temperature, effective_stress(solids.stress))
+        parts = zip(self.mesh.blocks, *(np.split(values, ends) for values in found), strict=True)
         return np.concatenate(
             [
-                q
-                if self.model.materials[b.material].umat
-                else self._mises[b.material].flow_stress(np.ascontiguousarray(e))[0]
-                for b, e, q in parts
+                effective if self.model.materials[b.material].umat else self._materials[b.material].flow_stress(eqps, t)
+                for b, eqps, t, effective in parts
             ]
         )
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.body.law_window import LawWindow
 from presswork.body.solids import Mechanics
 from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
@@ -252,11 +253,13 @@ class ImplicitRecording(IncrementRecording):
             "energy": procedure.energy_balance(),
             **self._summarise_heat(),
             **summarise_ram(model, history),
+            **state[LawWindow].summarise(model.materials),
             "linear_solver": procedure.equilibrium.solver.name,
             **({"formability": verdict.to_summary()} if verdict else {}),
             "warnings": [
                 *_warn(contact),
                 *(warn_of_ram(model, history, state[RamArrays].plastic_share) if RamArrays in state else ()),
+                *state[LawWindow].warnings(model.materials),
                 *(warn_of_tables(model, history) if procedure.heat else ()),
                 *(verdict.warnings() if verdict else ()),
             ],

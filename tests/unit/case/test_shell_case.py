@@ -81,6 +81,7 @@ YOSHIDA = {"law": "yoshida_uemori", "B": 300, "C": 200, "m": 12, "b": 40, "Rsat"
 def test_a_material_has_back_stresses_rate_and_falling_modulus() -> None:
     data = case()
     data["materials"]["steel"] |= KINEMATIC
+    data["stages"][0]["duration"] = 1.0
     model = build_model(ShellCase.model_validate(data))
     steel = model.materials[0]
     assert steel.kinematic == Kinematic("chaboche", {"C": (2000, 500), "gamma": (20, 0)})

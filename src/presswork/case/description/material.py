@@ -28,7 +28,11 @@ def describe_material(material: model.Material) -> str:
         parts += [f"{material.rate.law} rate: {told}"]
     if material.heating:
         h = material.heating
-        parts += [f"softens with temperature from {h.reference:g} to {h.melting:g} degrees C, starts at {h.start:g}"]
+        if h.melting is None:
+            parts += [f"starts at {h.start:g} degrees C"]
+        else:
+            softens = f"softens with temperature from {h.reference:g} to {h.melting:g} degrees C"
+            parts += [f"{softens}, starts at {h.start:g}"]
         if h.heat_capacity is not None:
             parts += [f"heated by {h.plastic_fraction:g} of its plastic work"]
     if material.damage:

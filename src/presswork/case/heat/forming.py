@@ -16,6 +16,7 @@ from presswork.case.heat.quantities import HeatTransferByPressure, Temperature, 
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.part import Part
 from presswork.case.units import Conductivity, Density, HeatCapacity, HeatTransfer, Length, Number, fault
+from presswork.law.elastic_plastic import is_hot
 
 if TYPE_CHECKING:
     from presswork.case.solid import schema
@@ -145,8 +146,9 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
         key = "heat.initial_temperature" if part.initial_temperature is None else f"{key}.initial_temperature"
         material = case.materials.get(part.material)
         heating = material.heating if material is not None and not isinstance(material, UmatMaterial) else None
-        if heating is not None and start >= heating.melting:
-            fault_text = f"not below the melting temperature of {part.material}, {heating.melting:g} degrees C"
+        melting = heating.melting if heating is not None else None
+        if melting is not None and start >= melting:
+            fault_text = f"not below the melting temperature of {part.material}, {melting:g} degrees C"
             yield Problem(key, fault_text, "lower it", start)
     for index, stage in enumerate(case.stages):
         if stage.velocity is None and stage.press is None and "duration" not in stage.model_fields_set:
@@ -188,6 +190,6 @@ def _check_material(name: str, material: schema.Material | UmatMaterial | None) 
 
 def start_hot(material: model.Material, heat: FormingHeat | None) -> model.Material:
     """Return a material whose law begins at the initial temperature of the case."""
-    if heat is None or material.heating is None:
+    if heat is None or (material.heating is None and not is_hot(material)):
         return material
-    return replace(material, heating=replace(material.heating, start=heat.initial_temperature))
+    return replace(material, heating=replace(material.heating or model.Heating(), start=heat.initial_temperature))

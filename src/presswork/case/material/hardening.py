@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from presswork import _core, model
+from presswork.case.material.hot_hardening import HenselSpittel, HotLaw, JohnsonCookHardening, NortonHoff, SinhArrhenius
 from presswork.case.part import Part
 from presswork.case.units import Number, Stress, fault
 
@@ -189,7 +190,19 @@ class MonotoneTable(_Points):
 
 
 Hardening = Annotated[
-    Linear | Swift | Ludwik | Voce | LinearVoce | HockettSherby | SwiftVoce | Table | MonotoneTable,
+    Linear
+    | Swift
+    | Ludwik
+    | Voce
+    | LinearVoce
+    | HockettSherby
+    | SwiftVoce
+    | Table
+    | MonotoneTable
+    | HenselSpittel
+    | NortonHoff
+    | SinhArrhenius
+    | JohnsonCookHardening,
     Field(discriminator="law"),
 ]
 
@@ -205,4 +218,6 @@ def _check_saturation(yield_stress: float, saturation_stress: float) -> None:
 
 def build_hardening(hardening: Hardening) -> model.Hardening:
     """Turn a case's hardening law into the Model's."""
+    if isinstance(hardening, HotLaw):
+        return hardening.to_model()
     return model.Hardening(law=hardening.law, parameters=np.array(hardening.parameters()))

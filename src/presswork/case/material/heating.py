@@ -28,11 +28,12 @@ def require_density(density: float | None) -> None:
 class Heating(Part):
     """Flow stress times 1 - T*^exponent, T* = (T - reference)/(melting - reference), and heating by plastic work.
 
-    Temperatures are degrees Celsius. Without heat_capacity the temperature stays as it starts.
+    Temperatures are degrees Celsius. Without heat_capacity the temperature stays as it starts. A hardening law that
+    depends on temperature itself takes no melting, exponent and reference.
     """
 
-    melting: Number = Field(description="temperature at which no flow stress is left [degrees C]")
-    exponent: Number = Field(gt=0, description="exponent of softening")
+    melting: Number | None = Field(default=None, description="temperature at which no flow stress is left [degrees C]")
+    exponent: Number | None = Field(default=None, gt=0, description="exponent of softening")
     heat_capacity: HeatCapacity | None = Field(
         default=None,
         ge=1e6,
@@ -49,9 +50,9 @@ class Heating(Part):
 
     @model_validator(mode="after")
     def _check_order(self) -> Self:
-        if not self.melting > self.reference:
+        if self.melting is not None and not self.melting > self.reference:
             raise fault(f"not above reference = {self.reference:g}", "steel melts at 1500 degrees C", key="melting")
-        if self.start is not None and not self.reference <= self.start < self.melting:
+        if self.melting is not None and self.start is not None and not self.reference <= self.start < self.melting:
             raise fault(
                 f"not from reference = {self.reference:g} up to melting = {self.melting:g}", "leave it out", key="start"
             )
@@ -62,4 +63,5 @@ class Heating(Part):
     def to_model(self) -> model.Heating:
         """Return the Model's heating."""
         start = self.reference if self.start is None else self.start
-        return model.Heating(**{**self.model_dump(), "start": start})
+        given = {name: value for name, value in self.model_dump().items() if value is not None}
+        return model.Heating(**{**given, "start": start})

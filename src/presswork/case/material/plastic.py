@@ -14,11 +14,13 @@ from presswork.case.magnitudes import DESCRIPTION, Magnitudes, require_metal
 from presswork.case.material.damage import Damage
 from presswork.case.material.hardening import Hardening, Linear, build_hardening
 from presswork.case.material.heating import Heating
+from presswork.case.material.hot_hardening import HotLaw, check_heating
 from presswork.case.material.laws import Kinematic, RateLaw, YoshidaUemori, YoungDecrease
 from presswork.case.material.yield_function import Barlat1989, VonMisesYield, YieldFunction, Yld2000
 from presswork.case.part import Part
 from presswork.case.units import Number, Stress, fault
 from presswork.law.elastic_plastic import make_sheet_law
+from presswork.model import FloatArray
 
 
 class PlasticLaws(Part):
@@ -40,6 +42,10 @@ class PlasticLaws(Part):
     @model_validator(mode="after")
     def _check_laws(self) -> Self:
         """Refuse laws that do not go together."""
+        check_heating(self.heating, self.hardening)
+        if isinstance(self.hardening, HotLaw) and self.rate is not None:
+            remedy = f"remove it: {self.hardening.law} depends on the rate by itself"
+            raise fault("the flow stress would depend on the rate twice", remedy, key="rate")
         if isinstance(self.kinematic, YoshidaUemori):
             if not isinstance(self.hardening, Linear) or self.hardening.modulus != 0.0:
                 raise fault(
@@ -56,12 +62,20 @@ class PlasticLaws(Part):
         if self.young_decrease is not None and self.young_decrease.saturated > self.young:
             raise fault("the saturated modulus is above Young's modulus", "it falls", key="young_decrease")
         if self.magnitudes == "metal":
-            cold = self.heating.reference if self.heating else 0.0
-            require_metal(
-                self.young,
-                lambda strain: self.build_law().flow_stress(strain, temperature=np.full(len(strain), cold))[0],
-            )
+            require_metal(self.young, self._usual_flow_stress)
         return self
+
+    def _usual_flow_stress(self, strain: FloatArray) -> FloatArray:
+        """Return the flow stress [MPa] at rest and unsoftened, or in the middle of a hot law's window."""
+        rate, degrees = 0.0, self.heating.reference if self.heating else 0.0
+        if isinstance(self.hardening, HotLaw):
+            rate = float(np.sqrt(np.prod(self.hardening.rate_window)))
+            degrees = sum(self.hardening.temperature_window) / 2
+        return self.build_law().flow_stress(strain, np.full(len(strain), rate), np.full(len(strain), degrees))[0]
+
+    def needs_time(self) -> str | None:
+        """Return the key of the law that depends on the strain rate, if there is one."""
+        return "hardening" if isinstance(self.hardening, HotLaw) else "rate" if self.rate is not None else None
 
     def to_model(self, name: str) -> model.Material:
         """Return the Model's material."""

@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 from presswork.case.case_file import CaseFile
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.forming_limit.build import build_formability
+from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.yield_function import Hill1948, VonMisesYield
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
@@ -103,6 +104,12 @@ class OneStepCase(CaseFile):
                 f"{material.yield_function.law} gives no strain for a stress in closed form",
                 "give the material hill1948 with its r-values, or von_mises",
                 key="blank",
+            )
+        if material is not None and isinstance(material.hardening, HotLaw):
+            raise fault(
+                f"one step knows no strain rate and temperature, which {material.hardening.law} depends on",
+                "give the flow stress against plastic strain alone, e.g. a table at one rate and temperature",
+                key=f"materials.{self.blank.material}.hardening",
             )
         for key, words in NOT_IN_ONE_STEP.items():
             if material is not None and material.library is None and getattr(material, key) is not None:

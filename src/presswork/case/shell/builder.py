@@ -12,6 +12,7 @@ import numpy as np
 from presswork import _core, model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.forming_limit.build import build_sheets
+from presswork.case.material.law_needs import check_needs
 from presswork.case.material.library import list_keys
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
@@ -83,15 +84,18 @@ def _check_names(case: ShellCase) -> list[Problem]:
         fault = "shells are implicit: a row an increment"
         problems.append(Problem("output.rows", fault, "remove it", case.output.rows))
     problems += check_small_displacements(case.solver) + _check_inertia(case)
+    if case.solver.control != "arc_length":
+        problems += check_needs(case.materials, [piece.material], case.stages)
     if case.solver.control == "arc_length":
         for index, stage in enumerate(case.stages):
             if stage.displacement or stage.rotation:
                 fault, remedy = "arc length follows loads, not prescribed displacements", 'take control = "load"'
                 problems.append(Problem("solver.control", f"{fault} (stages.{index})", remedy, "arc_length"))
         for name, material in case.materials.items():
-            if not isinstance(material, UmatMaterial) and material.rate is not None:
-                fault = f"along a path that arc length follows no time passes, which materials.{name}.rate needs"
-                remedy = 'take control = "load", or the material without rate'
+            key = None if isinstance(material, UmatMaterial) else material.needs_time()
+            if key is not None:
+                fault = f"along a path that arc length follows no time passes, which materials.{name}.{key} needs"
+                remedy = 'take control = "load", or a material that does not depend on the rate'
                 problems.append(Problem("solver.control", fault, remedy, "arc_length"))
     names = [stage.name for stage in case.stages]
     loaded = False

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from presswork.case.errors import Problem
+from presswork.case.material.hot_hardening import HotLaw
+from presswork.case.material.law_needs import check_needs
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import Solver
 from presswork.case.solid import schema
@@ -23,7 +25,9 @@ def check_laws(case: schema.Case) -> list[Problem]:
                 fault, remedy = "expected an angle from x in the plane [degrees]", "e.g. 45"
                 given = list(material.rolling_direction)
                 problems.append(Problem(f"materials.{name}.rolling_direction", fault, remedy, given))
-    for name in sorted({body.material for _, body in list_bodies(case).values()} & set(case.materials)):
+    used = sorted({body.material for _, body in list_bodies(case).values()} & set(case.materials))
+    problems += check_needs(case.materials, used, case.stages, heated=case.heat is not None)
+    for name in used:
         material = case.materials[name]
         if not isinstance(material, UmatMaterial):
             problems += check_integrator(name, material, case.solver)
@@ -33,6 +37,8 @@ def check_laws(case: schema.Case) -> list[Problem]:
 def check_integrator(name: str, material: schema.Material, solver: Solver) -> list[Problem]:
     """Return the problems of an integrator or a tangent that is of von Mises with isotropic hardening alone."""
     given = [key for key in BESIDE if getattr(material, key) is not None]
+    if isinstance(material.hardening, HotLaw):
+        given.append(material.hardening.law)
     if material.yield_function.law != "von_mises":
         given.insert(0, "yield_function")
     if not given:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.material.law_needs import check_needs
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_materials
@@ -95,7 +96,7 @@ def _check_names(case: SpaceCase) -> list[Problem]:
 
 def _check_materials(case: SpaceCase) -> list[Problem]:
     """Return the problems of laws that no solid in space takes."""
-    problems = []
+    problems = list(check_needs(case.materials, [case.workpiece.material], case.stages))
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
             if case.solver.tangent == "thesis":

@@ -18,6 +18,7 @@ from presswork.case.material.forming_limit.curves import (
     swift_hill_curve,
 )
 from presswork.case.material.forming_limit.marciniak import marciniak_kuczynski_curve
+from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.laws import KeelerLimit, PointsLimit, SwiftHillLimit
 from presswork.case.material.sheet import SheetLaws
 from presswork.case.material.umat import UmatMaterial, build_umat
@@ -57,6 +58,11 @@ def build_curve(material: SheetLaws, thickness: float | None = None) -> FormingL
         return scale_with_thickness(measured, limit.thickness, thickness)
     if material.kinematic is not None:
         text = f"{limit.law} knows isotropic hardening alone, and this material has back stresses"
+        raise CaseError([Problem("forming_limit.law", text, "give keeler or points")], "material")
+    if isinstance(material.hardening, HotLaw):
+        text = (
+            f"{limit.law} is computed for one temperature and no strain rate, and {material.hardening.law} knows both"
+        )
         raise CaseError([Problem("forming_limit.law", text, "give keeler or points")], "material")
     function, law = material.yield_function.build(), material.build_law()
     if isinstance(limit, SwiftHillLimit):

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How often and how far metal flows outside the window that its flow stress was fitted in, where the law stays as at
+the window's end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from presswork.model import FloatArray, Material
+from presswork.state import RUN, Arrays, OnNewMesh, State
+
+QUANTITIES = ("strain", "rate", "temperature")
+UNITS = ("", " 1/s", " degrees C")
+
+
+@dataclass
+class LawWindow(Arrays):
+    """What the materials have been through where they flowed, since the start; of laws without a window nothing."""
+
+    owner = "law_window"
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(("flowed", "outside", "reached"), RUN)
+    flowed: FloatArray
+    """Points times increments in which they flowed (n_materials,)."""
+    outside: FloatArray
+    """Of these those below and above the window, by QUANTITIES (n_materials, 3, 2)."""
+    reached: FloatArray
+    """Lowest and highest strain, rate [1/s] and temperature [degrees C] (n_materials, 3, 2)."""
+
+    @classmethod
+    def at_rest(cls, materials: Sequence[Material]) -> LawWindow:
+        """Return that of materials that have not flowed."""
+        n = len(materials)
+        reached = np.tile([np.inf, -np.inf], (n, 3, 1))
+        return cls(np.zeros(n), np.zeros((n, 3, 2)), reached)
+
+    def note(self, number: int, material: Material, values: tuple[FloatArray, FloatArray, FloatArray]) -> None:
+        """Note strains, rates and temperatures (n,) of points that flowed in an increment."""
+        window = None if material.hardening is None else material.hardening.window
+        if window is None or not len(values[0]):
+            return
+        self.flowed[number] += len(values[0])
+        for k, found in enumerate(values):
+            low, high = window[k]
+            self.outside[number, k] += (found < low).sum(), (found > high).sum()
+            ends = self.reached[number, k]
+            ends[:] = min(ends[0], found.min()), max(ends[1], found.max())
+
+    def summarise(self, materials: Sequence[Material]) -> dict[str, Any]:
+        """Return windows, what was reached and the shares outside, by material and quantity."""
+        told: dict[str, Any] = {}
+        for i, material in enumerate(materials):
+            window = None if material.hardening is None else material.hardening.window
+            if window is None or not self.flowed[i]:
+                continue
+            told[material.name] = {
+                name: {
+                    "window": window[k].tolist(),
+                    "reached": self.reached[i, k].tolist(),
+                    "share_below": float(self.outside[i, k, 0] / self.flowed[i]),
+                    "share_above": float(self.outside[i, k, 1] / self.flowed[i]),
+                }
+                for k, name in enumerate(QUANTITIES)
+            }
+        return {"law_windows": told} if told else {}
+
+    def warnings(self, materials: Sequence[Material]) -> list[str]:
+        """Say which laws were taken beyond their windows; below the smallest strain every law is, as metal yields."""
+        found = []
+        for i, material in enumerate(materials):
+            window = None if material.hardening is None else material.hardening.window
+            if window is None or not self.flowed[i]:
+                continue
+            for k, name in enumerate(QUANTITIES):
+                for end, word in ((0, "down"), (1, "up")):
+                    share = self.outside[i, k, end] / self.flowed[i]
+                    if share == 0.0 or (name, end) == ("strain", 0):
+                        continue
+                    low, high = window[k]
+                    found.append(
+                        f"{material.name}: its law holds for a {name} from {low:g} to {high:g}{UNITS[k]}, and metal "
+                        f"flowed {word} to {self.reached[i, k, end]:.4g}, {100 * share:.2g} % of points and increments "
+                        "outside; there the flow stress was taken as at the end of the window"
+                    )
+        return found
+
+
+def note_rates(
+    block: int, number: int, material: Material, state_n: State, trial: State, dt: float, temperature: FloatArray
+) -> None:
+    """Fill the rates of plastic strain of a block after an increment over dt [s], and note what flowed.
+
+    number: of the material; temperature: at the points (n,) [degrees C].
+    """
+    grown = trial.cells.eqps[block] - state_n.cells.eqps[block]
+    trial.cells.rate[block] = grown / dt
+    flows = (grown > 0.0).ravel()
+    values = (trial.cells.eqps[block].ravel()[flows], grown.ravel()[flows] / dt, temperature[flows])
+    trial[LawWindow].note(number, material, values)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the laws of a material ask of the rest of a case: time where they depend on the rate, and a temperature."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from presswork.case.errors import Problem
+from presswork.case.material.hot_hardening import HotLaw
+from presswork.case.material.plastic import PlasticLaws
+from presswork.case.material.umat import UmatMaterial
+from presswork.case.part import Part
+
+TIMING = ("duration", "velocity", "press")
+"""Keys any of which times a stage."""
+
+
+def check_needs(
+    materials: Mapping[str, PlasticLaws | UmatMaterial],
+    used: Sequence[str],
+    stages: Sequence[Part],
+    *,
+    heated: bool = False,
+) -> Iterator[Problem]:
+    """Yield the problems of rate laws in stages without a time, and of hot laws without a temperature.
+
+    used: names of the materials of bodies. heated: [heat] gives the temperature.
+    """
+    for name in used:
+        material = materials.get(name)
+        if not isinstance(material, PlasticLaws):
+            continue
+        law = material.needs_time()
+        for index, stage in enumerate(stages if law else ()):
+            if not any(getattr(stage, key, None) and key in stage.model_fields_set for key in TIMING):
+                fault = f"missing key: materials.{name}.{law} depends on the strain rate, and nothing times the stage"
+                yield Problem(f"stages.{index}.duration", fault, "add it, in seconds")
+        if isinstance(material.hardening, HotLaw):
+            yield from _check_temperature(name, material, material.hardening, heated)
+
+
+def _check_temperature(name: str, material: PlasticLaws, hardening: HotLaw, heated: bool) -> Iterator[Problem]:
+    if not heated and (material.heating is None or material.heating.start is None):
+        fault = f"missing key: {hardening.law} depends on temperature"
+        low, high = hardening.temperature_window
+        remedy = f"add the temperature at which the material is formed, such as {(low + high) / 2:g} degrees C"
+        yield Problem(f"materials.{name}.heating.start", fault, remedy)
