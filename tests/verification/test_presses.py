@@ -12,6 +12,7 @@ from scipy.integrate import quad
 
 from presswork.case import build_model
 from presswork.case.solid.schema import Case
+from presswork.case.stamping.schema import StampingCase
 from presswork.recorder import Outcome, run_model
 from tests.regression.whole_runs import assert_same_bits, stop_after
 
@@ -109,6 +110,98 @@ def test_a_crank_stage_takes_the_time_of_the_slider_crank(tmp_path: Path) -> Non
     start = float(np.interp(24.0, ways, turned))
     assert history["time"] == pytest.approx((start - angles) / (2.0 * math.pi), abs=2e-5)
     assert history["ram_speed"][-1] == pytest.approx(0.0, abs=1e-3)
+
+
+def crank_time(way: float, travel: float, stroke: float, ratio: float, rpm: float) -> float:
+    """Return the time of a ram that goes `travel` to bottom dead centre until it has gone `way` [s]."""
+    radius, rod = 0.5 * stroke, 0.5 * stroke / ratio
+
+    def angle(height: float) -> float:
+        h = radius + rod - height
+        return math.acos(min((radius**2 + h**2 - rod**2) / (2.0 * radius * h), 1.0))
+
+    return (angle(travel) - angle(travel - way)) / (2.0 * math.pi * rpm / 60.0)
+
+
+def test_explicit_solids_follow_the_crank(tmp_path: Path) -> None:
+    data = deepcopy(CASE)
+    data["procedure"] = "explicit"
+    data["materials"]["metal"] |= {"young": "200 GPa", "density": "7850 kg/m^3"}
+    data["workpiece"]["element"] = "quad4_1pt"
+    data["presses"]["maxi"]["rpm"] = 6000
+    data["output"] = {"rows": 20, "steps": 2}
+    done = run(tmp_path, data, press="maxi")
+    history = done.result.history
+    for row in (4, 11, 17):
+        way = 2.0 * float(history["die.stroke"][row])
+        assert history["time"][row] == pytest.approx(crank_time(way, 24.0, 200.0, 0.2, 6000.0), rel=1e-6)
+    ways = np.diff(np.append(0.0, 2.0 * history["die.stroke"]))  # forces are means over the rows
+    assert history["energy_spent"][-1] == pytest.approx(float(history["ram_force"] @ ways), rel=1e-9)
+    # sigma V ln(h0/h), and what the ram's speed of up to 30 m/s adds to it
+    assert YIELD * VOLUME * math.log(60 / 36) < history["energy_spent"][-1] < 1.2 * YIELD * VOLUME * math.log(60 / 36)
+    assert 1e-6 * history["energy_spent"][-1] == pytest.approx(done.result.summary["press"][0]["energy_spent_kJ"])
+
+
+CUP: dict[str, Any] = {
+    "title": "a cup under a crank press",
+    "analysis": "stamping",
+    "blank": {
+        "shape": "circle",
+        "diameter": 60,
+        "thickness": 1,
+        "element_size": 5,
+        "material": "steel",
+        "symmetry": ["x", "y"],
+    },
+    "materials": {
+        "steel": {"young": "210 GPa", "poisson": 0.3, "hardening": {"law": "swift", "K": 565, "e0": 0.007, "n": 0.26}}
+    },
+    "tools": {
+        "punch": {"kind": "punch", "shape": "round", "diameter": 30, "edge_radius": 5, "mu": 0.1},
+        "die": {"kind": "die", "shape": "round", "diameter": 34, "edge_radius": 5, "mu": 0.1},
+        "holder": {"kind": "holder", "shape": "round", "diameter": 34, "edge_radius": 1, "mu": 0.1},
+    },
+    "presses": {
+        "maxi": {"kind": "crank", "stroke": 100, "rpm": 900, "rod_ratio": 0.2},
+        "hammer": {"kind": "hammer", "energy": 0.02, "velocity": "5 m/s", "efficiency": 1},
+        "weak": {"kind": "hydraulic", "velocity": 100, "force": "9 kN"},
+    },
+    "stages": [{"name": "draw", "press": "maxi", "tools": {"punch": {"stroke": 8}, "holder": {"force": "10 kN"}}}],
+    "output": {"steps": 2, "rows": 40},
+}
+
+
+@pytest.mark.parametrize("procedure", ["implicit", "explicit"])
+def test_stampings_follow_the_crank(procedure: str, tmp_path: Path) -> None:
+    data = CUP | {"procedure": procedure}
+    done = run_model(build_model(StampingCase.model_validate(data)), tmp_path / "out", threads=1)
+    assert done.status == "completed"
+    history = done.result.history
+    for row in (5, len(history["time"]) // 2, -3):
+        way = float(history["punch.stroke"][row])
+        assert history["time"][row] == pytest.approx(crank_time(way, 8.0, 100.0, 0.2, 900.0), rel=1e-6)
+    assert history["ram_force"][-1] == pytest.approx(float(history["punch.force"][-1]), rel=1e-12)
+    assert history["ram_speed"][-1] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_blow_draws_a_cup_as_deep_as_its_energy_goes(tmp_path: Path) -> None:
+    data = deepcopy(CUP) | {"procedure": "implicit"}
+    data["stages"][0]["press"] = "hammer"
+    done = run_model(build_model(StampingCase.model_validate(data)), tmp_path / "out", threads=1)
+    history = done.result.history
+    stroke, force = (np.append(0.0, history[f"punch.{name}"]) for name in ("stroke", "force"))
+    assert 1.0 < stroke[-1] < 8.0
+    assert float(np.trapezoid(force, stroke)) == pytest.approx(0.02e6, rel=1e-4)
+    assert history["energy_spent"][-1] == pytest.approx(0.02e6, rel=2e-5)
+    assert done.result.summary["warnings"] == []
+
+
+def test_a_stamping_stops_at_the_force_of_its_press(tmp_path: Path) -> None:
+    data = deepcopy(CUP) | {"procedure": "implicit"}
+    data["stages"][0]["press"] = "weak"
+    history = run_model(build_model(StampingCase.model_validate(data)), tmp_path / "out", threads=1).result.history
+    assert history["punch.force"][-1] == pytest.approx(9e3, rel=1e-4)
+    assert history["time"][-1] == pytest.approx(history["punch.stroke"][-1] / 100.0, rel=1e-9)
 
 
 def test_a_hydraulic_press_stops_at_its_limit_of_force(tmp_path: Path) -> None:

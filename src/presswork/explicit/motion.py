@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork.explicit.input_checks import ExplicitError
+from presswork.model import Drive
 
 Array = npt.NDArray[np.float64]
 FIT = 1e-3
@@ -71,6 +72,25 @@ class SmoothStroke:
         left = self.duration - t
         constant = 0.5 * self.peak * ramp + self.peak * (t - ramp)
         return np.where(t < ramp, rising(t), np.where(left < ramp, self.stroke - rising(left), constant))
+
+
+@dataclass(frozen=True)
+class DrivenStroke:
+    """The part of the way of a stage that a ram has gone, times `scale`, from `start` [s] on.
+
+    Where the course of the stage decides on its time, all moves evenly.
+    """
+
+    drive: Drive
+    scale: float = 1.0
+    start: float = 0.0
+
+    def position(self, time: Array) -> Array:
+        """Give the way gone at times (n) [s]."""
+        since = np.clip(np.asarray(time, dtype=float) - self.start, 0.0, self.drive.duration)
+        if not self.drive.is_given:
+            return np.asarray(self.scale * since / self.drive.duration)
+        return self.scale * np.array([self.drive.part_at(float(t)) for t in np.atleast_1d(since)]).reshape(since.shape)
 
 
 class VelocityCurve:

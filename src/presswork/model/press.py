@@ -154,6 +154,11 @@ class Drive:
         assert not isinstance(self.motion, Blow), "the time of a blow follows from its course"
         return self.motion.time_at(end * self.travel) - self.motion.time_at(start * self.travel)
 
+    def speed_at(self, part: float) -> float:
+        """Return the speed [mm/s] at a part of the way, where it follows from the way alone."""
+        assert not isinstance(self.motion, Blow), "the speed of a blow follows from its course"
+        return self.motion.speed_at(part * self.travel)
+
     def part_at(self, time: float) -> float:
         """Return the part of the way that is gone after a time [s], where it follows from the time alone."""
         assert not isinstance(self.motion, Blow), "the way of a blow follows from its course"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.explicit.energy import EnergyBalance, warn_of_energies
 from presswork.explicit.input_checks import check_damping
-from presswork.explicit.motion import SmoothStroke
+from presswork.explicit.motion import DrivenStroke, Motion, SmoothStroke
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids, Wall
 from presswork.fields.instant import Instant, SolidPoints
@@ -26,6 +26,7 @@ from presswork.model import ExplicitSolid, FloatArray, Model, Stage, Tool, ToolM
 from presswork.process.epochs import NamedArrays
 from presswork.process.limits import Watched, measure_hydrostatic_stress
 from presswork.process.penetration import Penetration
+from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
@@ -95,6 +96,9 @@ class ExplicitImpact(RowRecording):
         cycles = self.solids.cycle - cycle
         return cycles, stage.duration / rows / cycles, energies
 
+    def _tool_forces(self) -> FloatArray:
+        return self._force
+
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe: the mean velocity of each motion over the stage."""
         number = int(self._progress[STAGE])
@@ -115,7 +119,8 @@ class ExplicitImpact(RowRecording):
         forces = ("stroke", "force", "force_x", "force_y", "force_z")
         tools = [f"{tool.name}.{quantity}" for tool in self.model.tools for quantity in forces]
         first = ["time", "stage", "increment", "cycles", *tools]
-        return [*first, *self.reactions.columns, *EXTENTS, *LAST_COLUMNS]
+        ram = RAM_COLUMNS if has_ram(self.model) else ()
+        return [*first, *ram, *self.reactions.columns, *EXTENTS, *LAST_COLUMNS]
 
     @property
     def time(self) -> float:
@@ -143,6 +148,7 @@ class ExplicitImpact(RowRecording):
         row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
         for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
             row |= self._measure(tool, wall, mean)
+        row |= self._ram_row(report)
         displacement = self.solids.position - self.model.mesh.points
         row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
@@ -257,6 +263,7 @@ class ExplicitImpact(RowRecording):
             "mass": {"workpiece_t": mass.mass, "added_percent": mass.percent},
             "energy": last_energies(history),
             "time_simulated": self.solids.time,
+            **summarise_ram(self.model, history),
             "warnings": [
                 *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),
                 *warn_of_energies(history, advice),
@@ -264,8 +271,10 @@ class ExplicitImpact(RowRecording):
         }
 
 
-def _motion_of(stage: Stage, begin: float) -> SmoothStroke | None:
+def _motion_of(stage: Stage, begin: float) -> Motion | None:
     """Return how long all that moves in a stage has gone at its mean velocity [s], by the time; None: evenly."""
+    if stage.drive is not None:
+        return DrivenStroke(stage.drive, stage.duration, begin)
     if stage.ramp == 0.0:
         return None
     return SmoothStroke(stage.duration, stage.duration, rise=stage.ramp / stage.duration, start=begin)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,14 +20,23 @@ from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.implicit.progress import Progress
+from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SheetToolArrays
-from presswork.model import FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
+from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.process.peaks import peak_columns, peak_row
+from presswork.process.press_quantities import (
+    RAM_COLUMNS,
+    has_ram,
+    measure_ram,
+    ram_at_rest,
+    summarise_ram,
+    warn_of_ram,
+)
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.stamping_tools import (
@@ -61,7 +71,8 @@ def make_shell_model(model: Model) -> Model:
         Stage(
             name=stage.name,
             duration=stage.duration,
-            clock=_clock(stage),
+            clock=None if stage.drive is not None else _clock(stage),
+            drive=_drive_what_is_modelled(model, stage),
             tool_motion={name: motion for name, motion in stage.tool_motion.items() if name not in pushes}
             | {name: ToolMotion(push=of_stages[number]) for name, of_stages in pushes.items()},
             bead_share={name: of_stages[number] for name, of_stages in shares.items()},
@@ -82,6 +93,11 @@ def make_shell_model(model: Model) -> Model:
         beads=model.beads,
         rolling_direction=model.rolling_direction,
     )
+
+
+def _drive_what_is_modelled(model: Model, stage: Stage) -> Drive | None:
+    """Return the ram of a stage; its work is that of the whole part."""
+    return None if stage.drive is None else replace(stage.drive, whole=float(model.whole))
 
 
 def _clock(stage: Stage) -> FloatArray:
@@ -114,7 +130,8 @@ class ImplicitStamping(IncrementRecording):
         """Of history.csv."""
         first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
         first += peak_columns(find_evolved(self.procedure.state))
-        return [*first, *self.reactions.columns, *ENERGIES, "energy_error_percent"]
+        ram = RAM_COLUMNS if has_ram(self.model) else ()
+        return [*first, *ram, *self.reactions.columns, *ENERGIES, "energy_error_percent"]
 
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
@@ -155,6 +172,7 @@ class ImplicitStamping(IncrementRecording):
             **self._begin_row(report),
             **self._tool_columns(),
             **self._bead_columns(),
+            **(measure_ram(self.model, state, self._stage()) if RamArrays in state else {}),
             **peak_row(find_evolved(state)),
             **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
             **{name: balance[name] for name in ENERGIES},
@@ -218,7 +236,7 @@ class ImplicitStamping(IncrementRecording):
 
     def row_at_rest(self) -> Row:
         """Return the row of the history once the part is released: strokes, and what the energies have come to."""
-        balance = self.procedure.energy_balance()
+        balance, state = self.procedure.energy_balance(), self.procedure.state
         tools = tool_columns(self.model, self._displacement(), np.zeros((len(self.model.tools), 3)))
         energies = {name: balance[name] for name in ENERGIES}
         return {
@@ -226,11 +244,16 @@ class ImplicitStamping(IncrementRecording):
             "iterations": 0,
             **tools,
             **bead_columns(self.model, [0.0] * len(self.model.beads)),
+            **(ram_at_rest(state[RamArrays].work) if RamArrays in state else {}),
             **peak_row(find_evolved(self.procedure.state)),
             **self.reactions.nothing(),
             **energies,
             "energy_error_percent": balance["error_percent"],
         }
+
+    def _warn_of_ram(self, history: Mapping[str, NDArray[Any]]) -> list[str]:
+        state = self.procedure.state
+        return warn_of_ram(self.model, history, state[RamArrays].plastic_share) if RamArrays in state else []
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are beyond their limits."""
@@ -254,7 +277,8 @@ class ImplicitStamping(IncrementRecording):
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
             "time_simulated": state[Progress].time,
+            **summarise_ram(self.model, history),
             "formability": verdict.to_summary(),
             "linear_solver": self.procedure.equilibrium.solver.name,
-            "warnings": [*warnings, *verdict.warnings()],
+            "warnings": [*warnings, *self._warn_of_ram(history), *verdict.warnings()],
         }

@@ -28,6 +28,22 @@ def has_ram(model: Model) -> bool:
     return any(stage.drive is not None for stage in model.stages)
 
 
+def force_on_ram(model: Model, stage: int, forces: FloatArray) -> float:
+    """Return the force against the ram [N], by the forces of the workpiece on the tools (n_tools, 2 | 3) [N]."""
+    drive, motions = model.stages[stage].drive, model.stages[stage].tool_motion
+    assert drive is not None, "a stage without a ram"
+    work = 0.0
+    for tool, force in zip(model.tools, forces, strict=True):
+        if tool.name in motions:
+            work -= float(force @ np.array(motions[tool.name].move[: len(force)]))
+    return drive.whole * work / drive.travel
+
+
+def ram_at_rest(work: float) -> Row:
+    """Return the RAM_COLUMNS of a ram that stands still, after so much work [N mm]."""
+    return dict(zip(RAM_COLUMNS, (0.0, 0.0, work, 0), strict=True))
+
+
 def measure_ram(model: Model, state: State, stage: int) -> Row:
     """Return the RAM_COLUMNS of a converged state, which belongs to a stage."""
     ram, drive = state[RamArrays], model.stages[stage].drive

@@ -16,15 +16,17 @@ from presswork import _core
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
-from presswork.model import Model
+from presswork.explicit.motion import DrivenStroke
+from presswork.model import FloatArray, Model, Stage
 from presswork.outcome import GaveUpError
 from presswork.process.epochs import EpochRecording
+from presswork.process.press_quantities import RAM_COLUMNS, force_on_ram, has_ram, ram_at_rest
 from presswork.process.recording import Row
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
-STAGE, ROW = 0, 1
-"""Of the progress; the rows of a stage come last."""
+STAGE, ROW, RAM_WORK = 0, 1, -2
+"""Of the progress; the work of the ram [N mm] and the rows of a stage come last."""
 LAST_COLUMNS = ("time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent")
 
 
@@ -51,7 +53,7 @@ class RowRecording(EpochRecording, ABC):
         _core.set_threads(threads or available_threads())
         super().__init__(model)
         self.timing = Timing(*phases)
-        self._progress = np.zeros(n_progress)
+        self._progress = np.zeros(n_progress + 1)
         self._progress[-1] = model.output.rows
 
     @property
@@ -105,6 +107,9 @@ class RowRecording(EpochRecording, ABC):
         number, row = (int(self._progress[i]) for i in (STAGE, ROW))
         stage, rows, steps = self.model.stages[number], self.model.output.rows, self.model.output.steps
         cycles, step, energies = self._compute_row(number, row)
+        if stage.drive is not None:
+            way = stage.drive.travel * np.diff(DrivenStroke(stage.drive).position(self._times(stage, row)))
+            self._progress[RAM_WORK] += force_on_ram(self.model, number, self._tool_forces()) * float(way[0])
         self._progress[ROW] = row + 1
         if row + 1 == rows:
             self._progress[[STAGE, ROW]] = (number + 1, 0)
@@ -120,6 +125,31 @@ class RowRecording(EpochRecording, ABC):
             energies=energies,
             is_save_point=(row + 1) * steps // rows > row * steps // rows,
         )
+
+    @abstractmethod
+    def _tool_forces(self) -> FloatArray:
+        """Return the mean forces on the tools in the last row (n_tools, 2 | 3) [N]."""
+
+    def _times(self, stage: Stage, row: int) -> FloatArray:
+        """Return when a row begins and ends, since the stage began (2,) [s]."""
+        return stage.duration * np.array([row, row + 1]) / self.model.output.rows
+
+    def _ram_row(self, report: RowReport) -> Row:
+        """Return the RAM_COLUMNS of the history, with the speed at the end of the row and the mean force over it."""
+        if not has_ram(self.model):
+            return {}
+        number, work = self._stage_of_row(), float(self._progress[RAM_WORK])
+        drive = self.model.stages[number].drive
+        if drive is None:
+            return ram_at_rest(work)
+        speed = drive.speed_at(drive.part_at(report.fraction * drive.duration))
+        return dict(
+            zip(RAM_COLUMNS, (speed, force_on_ram(self.model, number, self._tool_forces()), work, 0), strict=True)
+        )
+
+    def _ram_at_rest(self) -> Row:
+        """Return the RAM_COLUMNS once the part is released."""
+        return ram_at_rest(float(self._progress[RAM_WORK])) if has_ram(self.model) else {}
 
     def _stage_of_row(self) -> int:
         """Return the stage that the last row belongs to."""

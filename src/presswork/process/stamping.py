@@ -31,6 +31,7 @@ from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinem
 from presswork.process.epochs import NamedArrays
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
@@ -175,6 +176,9 @@ class ExplicitStamping(RowRecording):
         self._progress[ADDED_MASS] = scaling.percent
         return scaling
 
+    def _tool_forces(self) -> FloatArray:
+        return self.tools.forces()
+
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe."""
         self._prescribe(self.shells)
@@ -192,7 +196,7 @@ class ExplicitStamping(RowRecording):
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
-        first += self.reactions.columns
+        first += [*(RAM_COLUMNS if has_ram(self.model) else ()), *self.reactions.columns]
         first += ["shells"] if self.model.refinement else []
         return [*first, *LAST_COLUMNS]
 
@@ -219,6 +223,7 @@ class ExplicitStamping(RowRecording):
             "increment": report.number,
             "cycles": int(self._progress[CYCLES]),
             **self.tools.row(),
+            **self._ram_row(report),
             **self._measure_reactions(),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
             **self._end_row(report),
@@ -299,7 +304,7 @@ class ExplicitStamping(RowRecording):
         gone = {
             f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
         }
-        return self.row(report) | gone | self.reactions.nothing() | {"kinetic_energy": 0.0}
+        return self.row(report) | gone | self.reactions.nothing() | self._ram_at_rest() | {"kinetic_energy": 0.0}
 
     def _epoch_arrays(self) -> NamedArrays:
         sheet = self._sheet
@@ -337,6 +342,7 @@ class ExplicitStamping(RowRecording):
             "mass": {"blank_t": self._mass, "added_percent": self.added_mass},
             "energy": last_energies(history),
             "time_simulated": shells.time,
+            **summarise_ram(self.model, history),
             "formability": verdict.to_summary(),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from presswork import _core
-from presswork.explicit.motion import SmoothStroke
+from presswork.explicit.motion import DrivenStroke, Motion, SmoothStroke
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
 from presswork.formability import Info
@@ -273,8 +273,10 @@ def by_stage(model: Model, times: FloatArray, values: FloatArray) -> list[FloatA
     return rows
 
 
-def stroke_of(stage: Stage) -> SmoothStroke:
+def stroke_of(stage: Stage) -> Motion:
     """Return the part of its way that all that moves in a stage has gone, 0 to 1, as a motion in time."""
+    if stage.drive is not None:
+        return DrivenStroke(stage.drive)
     return SmoothStroke(1.0, stage.duration, rise=stage.ramp / stage.duration)
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork import model
+from presswork.case.description.press import describe_drive
 
 SECONDS = 0.1e-6
 """Of one core for a cell and a cycle, about."""
@@ -28,6 +29,7 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
             how = (
                 f"{stage.ramp:.3g} s to start and to stop" if stage.ramp else "at full velocity from the first cycle on"
             )
+            how = how if stage.drive is None else describe_drive(stage.drive)
             yield f'stage {number} "{stage.name}", {stage.duration:.4g} s: {how}'
     if settings.damping:
         yield f"mass damping {settings.damping:g} 1/s"

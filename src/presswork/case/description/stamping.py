@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork.case.description.material import describe_forming_limit, describe_material
+from presswork.case.description.press import describe_drive
 from presswork.case.stamping.clashes import find_closing_stroke
 from presswork.geometry.tool_radius import find_least_radius
 from presswork.geometry.tool_surface import make_surface
@@ -67,7 +68,8 @@ def describe_stamping(problem: Model) -> Iterator[str]:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)
         yield f"support: {support.node_set} held in {', '.join(names)}"
     for number, stage in enumerate(problem.stages, 1):
-        yield f'stage {number} "{stage.name}", {stage.duration:.4g} s, {stage.ramp:.3g} s to start and to stop:'
+        how = f", {stage.ramp:.3g} s to start and to stop" if stage.drive is None else ""
+        yield f'stage {number} "{stage.name}", {stage.duration:.4g} s{how}:'
         yield from (f"  {line}" for line in _describe_stage(problem, stage))
     for line in problem.trim:
         low, high = line.polygon.min(axis=0), line.polygon.max(axis=0)
@@ -179,11 +181,13 @@ def _describe_tool(tool: Tool) -> str:
 def _describe_stage(problem: Model, stage: Stage) -> Iterator[str]:
     holders = {tool.name: tool for tool in problem.tools if tool.kind == "holder"}
     ways = {tool.name: tool.way for tool in problem.tools}
+    if stage.drive is not None:
+        yield describe_drive(stage.drive)
     for name, motion in stage.tool_motion.items():
         if motion.push is None:
             stroke = float(np.dot(motion.move, ways[name] or (0.0, 0.0, 0.0)))
-            speed = abs(stroke) / (stage.duration - stage.ramp)
-            yield f"{name} moves by {stroke:g} mm, at {speed:.4g} mm/s"
+            speed = f", at {abs(stroke) / (stage.duration - stage.ramp):.4g} mm/s" if stage.drive is None else ""
+            yield f"{name} moves by {stroke:g} mm{speed}"
         else:
             forces = motion.push.force[:, 1]
             span = f"{forces[0]:g} N" if len(forces) == 1 else f"{forces.min():g} to {forces.max():g} N over the stroke"

@@ -63,6 +63,16 @@ def check_timing(timing: Timing, presses: Mapping[str, Press]) -> Iterator[Probl
             yield Problem(f"{key}.press.{k}", f"has no meaning for a press of kind {kind}", "leave it out")
 
 
+def check_in_explicit(key: str, press: Press, name: str) -> list[Problem]:
+    """Return the problem of a press in an explicit stage: there position follows from time."""
+    remedy = 'take a crank or a given speed, or procedure = "implicit"'
+    if isinstance(press, EnergyPress):
+        return [Problem(f"{key}.press", "the explicit procedure has no blows by energy", remedy, name)]
+    if isinstance(press, HydraulicPress) and (press.force or press.power):
+        return [Problem(f"{key}.press", "the explicit procedure has no limits of force and power", remedy, name)]
+    return []
+
+
 def build_drive(timing: Timing, presses: Mapping[str, Press], halves: Halves) -> model.Drive | Problem | None:
     """Return the ram that drives a stage; None of a stage that has none."""
     travel = timing.way * halves.across

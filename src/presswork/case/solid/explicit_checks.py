@@ -8,6 +8,7 @@ import numpy as np
 from presswork import _core, model
 from presswork.case.errors import Problem
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.press.builder import check_in_explicit
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import list_bodies
 from presswork.case.solid.tool import Tool
@@ -64,6 +65,8 @@ def _check_explicit(case: schema.Case) -> list[Problem]:
         problems += _check_tool(f"tools.{name}", tool)
     for index, stage in enumerate(case.stages):
         problems += _check_stage(f"stages.{index}", stage)
+        if stage.press is not None and stage.press.name in case.presses:
+            problems += check_in_explicit(f"stages.{index}", case.presses[stage.press.name], stage.press.name)
     problems += _check_magnitudes(case) + _check_target_step(case)
     fault = "is for the implicit procedure"
     keys = [f"solver.{key}" for key in sorted(case.solver.model_fields_set - {"displacements"})]
@@ -131,7 +134,11 @@ def _check_tool(key: str, tool: Tool) -> list[Problem]:
 
 def _check_stage(key: str, stage: schema.Stage) -> list[Problem]:
     problems = []
-    if "duration" not in stage.model_fields_set:
+    if stage.press is not None or stage.velocity is not None:
+        if stage.ramp is not None:
+            fault = "a ram neither starts nor stops smoothly"
+            problems.append(Problem(f"{key}.ramp", fault, "leave it out", stage.ramp))
+    elif "duration" not in stage.model_fields_set:
         problems.append(Problem(f"{key}.duration", "missing key", 'add it: dynamics take their time, e.g. "80 us"'))
     elif stage.ramp is not None and stage.ramp > 0.5 * stage.duration * (1 + 1e-12):
         longest = 0.5 * stage.duration

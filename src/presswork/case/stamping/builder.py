@@ -13,6 +13,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.material.forming_limit.build import build_sheets
+from presswork.case.press.builder import Halves, build_drive
 from presswork.case.settings import RAMP
 from presswork.case.shell.schema import FREEDOMS, HOLDS
 from presswork.case.solid.references import check_set_names
@@ -55,7 +56,8 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
     """
     _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_tools(case) + check_ways(case), case)
-    stages = tuple(build_stage(stage, case) for stage in case.stages)
+    stages, problems = _build_stages(case)
+    _stop_at(problems, case)
     _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
     mesh = _build_mesh(case)
     uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
@@ -194,6 +196,20 @@ def _read_mesh(
         outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
     node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
     return assign_section(replace(mesh, node_sets=node_sets), _elements(case), section, material)
+
+
+def _build_stages(case: StampingCase) -> tuple[tuple[model.Stage, ...], list[Problem]]:
+    """Return the Model's stages, and the problems of presses."""
+    stages, problems = [], []
+    for number, given in enumerate(case.stages):
+        stage = build_stage(given, case)
+        drive = build_drive(given.find_timing(number), case.presses, Halves())
+        if isinstance(drive, Problem):
+            problems.append(drive)
+        elif drive is not None:
+            stage = replace(stage, drive=drive, duration=drive.duration, ramp=RAMP * drive.duration)
+        stages.append(stage)
+    return tuple(stages), problems
 
 
 def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:

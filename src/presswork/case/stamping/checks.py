@@ -10,6 +10,7 @@ import numpy as np
 from presswork.case.errors import Problem, suggest
 from presswork.case.material.library import list_keys
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.press.builder import check_in_explicit, check_timing
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
 from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage, TrimFile
 from presswork.case.stamping.shapes import clearance
@@ -69,7 +70,7 @@ def check_names(case: StampingCase) -> list[Problem]:
             for tool in stage.tools
             if tool not in case.tools
         ]
-        problems += _check_timing(key, stage)
+        problems += _check_timing(key, stage) + _check_press(case, index, stage)
     return problems
 
 
@@ -89,6 +90,23 @@ def explain_too_many(n_cells: float, element_size: float) -> Problem:
     """Return the problem of a blank of too many elements."""
     fault = f"about {n_cells:.2g} elements, more than memory will hold"
     return Problem("blank.element_size", fault, "make it larger", element_size)
+
+
+def _check_press(case: StampingCase, index: int, stage: StampingStage) -> list[Problem]:
+    """Return the problems of the press of a stage."""
+    problems = list(check_timing(stage.find_timing(index), case.presses))
+    if problems or stage.press is None:
+        return problems
+    key = f"stages.{index}"
+    if stage.press.blows > 1:
+        fault = "the tools of a stamping cannot be placed anew for a second blow"
+        problems.append(Problem(f"{key}.press.blows", fault, "take one blow", stage.press.blows))
+    if stage.displacement:
+        fault = "the blank itself is moved, whose work is not the ram's"
+        problems.append(Problem(f"{key}.displacement", fault, "give it a stage of its own"))
+    if case.procedure == "explicit":
+        problems += check_in_explicit(key, case.presses[stage.press.name], stage.press.name)
+    return problems
 
 
 def _check_timing(key: str, stage: StampingStage) -> list[Problem]:

@@ -15,6 +15,8 @@ from presswork.case.limits import Limits
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
+from presswork.case.press.builder import Timing
+from presswork.case.press.schema import Press, StagePress
 from presswork.case.shell.material import HeavyShellMaterial, add_library_materials
 from presswork.case.shell.schema import ShellBoundary, ShellDisplacement
 from presswork.case.stamping.bead import Bead
@@ -89,6 +91,9 @@ class StampingStage(Part):
         "times a press's, at which inertia is still small (see the energies)",
     )
     duration: Time | None = Field(default=None, gt=0, description="instead of velocity: how long the stage takes [s]")
+    press: StagePress | None = Field(
+        default=None, description="instead of velocity: the press that moves the tools, one of [presses]"
+    )
     ramp: Time | None = Field(
         default=None, gt=0, description="time of the smooth start and of the smooth end [s]; without it: a tenth"
     )
@@ -97,7 +102,15 @@ class StampingStage(Part):
     def _check_one_way_of_timing(self) -> Self:
         if self.velocity is not None and self.duration is not None:
             raise fault("velocity and duration both time the stage", "give one of them", key="duration")
+        if self.press is not None and self.ramp is not None:
+            raise fault("a press neither starts nor stops smoothly", "leave it out", key="ramp")
         return self
+
+    def find_timing(self, number: int) -> Timing:
+        """Return what this stage, with its number from 0, says of its press."""
+        has_time = self.duration is not None or self.velocity is not None
+        way = max((abs(action.stroke) for action in self.tools.values() if action.stroke), default=0.0)
+        return Timing(f"stages.{number}", None, self.press, has_time, way)
 
 
 class StampingBead(Bead):
@@ -253,6 +266,7 @@ class StampingCase(CaseFile):
     blank: Blank = Field(description="the sheet that is formed")
     materials: dict[Name, StampingTable] = Field(default={}, description="materials by name")
     tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
+    presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     beads: tuple[StampingBead, ...] = Field(default=(), description="drawbeads")
     boundary: dict[Name, ShellBoundary] = Field(
         default={}, description="what holds the blank beside the tools, by name"
