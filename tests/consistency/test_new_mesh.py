@@ -119,6 +119,8 @@ def test_linear_states_survive_a_new_mesh(monkeypatch, law: str, element: str, h
     for arrays in state:
         for name, becomes in arrays.on_new_mesh.items():
             values = getattr(arrays, name)
+            if values == {}:  # no law of these materials keeps any
+                continue
             if becomes.kind == "point" and values[0].size:
                 given = linear(at_points, values[0].shape[2:], 1e-2)
                 values[0][:] = given.reshape(values[0].shape)
@@ -147,6 +149,8 @@ def test_linear_states_survive_a_new_mesh(monkeypatch, law: str, element: str, h
     for arrays in after:
         for name, becomes in arrays.on_new_mesh.items():
             values = getattr(arrays, name)
+            if values == {}:  # no law of these materials keeps any
+                continue
             if becomes.kind == "point" and values[0].size and not (hot and name == "temperature"):
                 found = values[0].reshape(len(at_points), *values[0].shape[2:])
                 wanted = linear(at_points, found.shape[1:], 1e-2)

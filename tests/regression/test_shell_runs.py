@@ -117,6 +117,7 @@ duration = 0.1
 rotation = [{ set = "right", axis = "y", angle = -40 }]
 [[stages]]
 name = "release"
+duration = 1.0
 [solver]
 initial_increment = 0.25
 max_increment = 0.25
