@@ -38,6 +38,7 @@ from presswork.results import (
 )
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
 from presswork.results.history import BY_OTHERS
+from presswork.results.progress import ProgressFile
 from presswork.results.whole_file import explain_write_error, replace_whole
 
 __all__ = ["Outcome", "Progress", "StartError", "fingerprint", "run_model"]
@@ -144,6 +145,7 @@ class _Run:
         self.folder = folder
         self.model = model
         self.history = History(folder / HISTORY, recording.columns)
+        self.progress = ProgressFile(folder)
         self.saved_steps = 0
         self.recorded = 0
         self.log = logging.getLogger(f"presswork.{id(self)}")
@@ -172,6 +174,7 @@ class _Run:
         """Advance to the end, recording; always leaves a checkpoint of what the history holds, and a summary."""
         status: Status = "completed"
         reason = ""
+        self.progress.tell(1.0 - self.recording.remaining(), "")
         try:
             if self.recorded:
                 self._look_again()
@@ -193,6 +196,7 @@ class _Run:
             if not stop.is_urgent():
                 self._save_last_state()
         self._write_summary(status, reason)
+        self.progress.remove()
         timing = self.recording.timing
         self.log.info("%.1f s of wall time: %s", timing.total(), timing.shares())
         for handler in list(self.log.handlers):
@@ -224,8 +228,10 @@ class _Run:
         if report.number % recording.checkpoint_every == 0 or recording.remaining() == 0.0:
             self.save_checkpoint()
         recording.timing.add("output", started)
+        now = Progress(1.0 - recording.remaining(), recording.progress_text(report))
+        self.progress.tell(now.fraction, now.text)
         if on_increment:
-            on_increment(Progress(1.0 - recording.remaining(), recording.progress_text(report)))
+            on_increment(now)
         if reason is not None:
             raise GaveUpError(reason)
 

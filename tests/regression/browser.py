@@ -30,18 +30,28 @@ def chromium() -> Iterator[Any]:
             browser.close()
 
 
-class Page:
+class Tab:
     """A page that is open; every error in it and every address that it asks for is noted."""
 
-    def __init__(self, browser: Any, path: Path, width: int = 1280, height: int = 800) -> None:
+    def __init__(self, browser: Any, address: str, width: int = 1280, height: int = 800) -> None:
         self.tab = browser.new_page(viewport={"width": width, "height": height})
         self.errors: list[str] = []
         self.addresses: list[str] = []
         self.tab.on("console", lambda message: message.type == "error" and self.errors.append(message.text))
         self.tab.on("pageerror", lambda error: self.errors.append(str(error)))
         self.tab.on("request", lambda request: self.addresses.append(request.url))
-        self.tab.goto(path.as_uri())
+        self.tab.goto(address)
+        self.wait_until_drawn()
+
+    def wait_until_drawn(self) -> None:
+        """Wait until the page that is open shows what it is for."""
+        self.tab.wait_for_load_state()
         self.tab.wait_for_selector("html[data-ready]", timeout=60_000)
+
+    def close(self) -> None:
+        """Close the page; it must have shown no error."""
+        assert not self.errors, self.errors
+        self.tab.close()
 
     def ask(self, script: str, argument: Any = None) -> Any:
         """Return what a function of JavaScript returns in the page."""
@@ -61,3 +71,10 @@ class Page:
         """Press a button by its name."""
         self.tab.get_by_role("button", name=name, exact=True).first.click()
         self.settle()
+
+
+class Page(Tab):
+    """A page that is opened from a file."""
+
+    def __init__(self, browser: Any, path: Path, width: int = 1280, height: int = 800) -> None:
+        super().__init__(browser, path.as_uri(), width, height)

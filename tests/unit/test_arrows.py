@@ -82,6 +82,7 @@ PYTHON_ROOMS = {
     "material": {"case", "formability", "law", "model", "view"},
     "onestep": {"case", "explicit", "fields", "implicit", "mesh", "model", "results"},
     "api": {"case", "mesh", "onestep", "recorder", "results"},
+    "server": {"case", "examples", "material", "model", "outcome", "process", "report", "results", "view"},
     "cli": {
         "fields",
         "case",
@@ -97,6 +98,7 @@ PYTHON_ROOMS = {
         "results",
         "recorder",
         "report",
+        "server",
         "study",
         "view",
     },

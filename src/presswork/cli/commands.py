@@ -16,6 +16,7 @@ COMMANDS = {
     "check": "Validate a case and say in words what would be computed; code that it names runs only if asked for.",
     "plot": "Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.",
     "report": "Write one page for the browser: the part in 3D with its fields over time, curves, forming limit, case.",
+    "view": "Show the runs of a folder in the browser, and follow those that compute.",
     "examples": "List the example cases, or copy one here.",
     "schema": "Print the JSON schema of case files, for editors that complete them.",
     "sweep": "Run a family of cases in parallel, and leave one table and one picture.",

@@ -21,7 +21,7 @@ _DEFLATE = 3
 """Higher levels take several times as long and save a few per cent."""
 
 Packed = dict[str, Any]
-"""What the page needs to unpack an array: the block's number, how it is written, how many values it has."""
+"""What the page needs to unpack an array: the block's number or text, how it is written, how many values it has."""
 
 
 @dataclass
@@ -29,6 +29,8 @@ class Blocks:
     """Blocks of a page, in the order in which they were added."""
 
     texts: list[str] = field(default_factory=list)
+    is_inline: bool = False
+    """Whether a packed array has its text in itself, in place of the number of a block."""
 
     def add_values(self, values: NDArray[np.floating[Any]]) -> Packed:
         """Add values (n,) or (n, k), each column in 16 bits of its own range [lo, hi]; whole numbers stay whole."""
@@ -63,8 +65,11 @@ class Blocks:
         """Return how long all texts are."""
         return sum(len(text) for text in self.texts)
 
-    def _add(self, data: bytes) -> int:
-        self.texts.append(base64.b64encode(zlib.compress(data, _DEFLATE)).decode("ascii"))
+    def _add(self, data: bytes) -> int | str:
+        text = base64.b64encode(zlib.compress(data, _DEFLATE)).decode("ascii")
+        if self.is_inline:
+            return text
+        self.texts.append(text)
         return len(self.texts) - 1
 
 

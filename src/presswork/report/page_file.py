@@ -26,21 +26,25 @@ _IMPORT = re.compile(r'\bfrom\s*"\./([^"]+)"')
 _MAIN = "main.js"
 
 
-def assemble_page(header: dict[str, Any], blocks: Blocks) -> str:
-    """Return the page's text; header: plain values, blocks: its numbers."""
+def make_policy(*, is_served: bool = False) -> str:
+    """Return the page's policy; a page that is served may ask its own server, and no other, for numbers."""
+    digest = base64.b64encode(hashlib.sha256(_read("start.js").encode()).digest()).decode()
+    policy = f"default-src 'none'; script-src 'sha256-{digest}' blob:; style-src 'unsafe-inline'; img-src data: blob:; "
+    return policy + "base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if is_served else "")
+
+
+def assemble_page(header: dict[str, Any], blocks: Blocks, *, is_served: bool = False) -> str:
+    """Return the page's text; header: plain values, blocks: its numbers; is_served: by a server of ours."""
     titles = [str(run["title"]) for run in header["runs"]]
-    start = _read("start.js")
-    digest = base64.b64encode(hashlib.sha256(start.encode()).digest()).decode()
     data = "\n".join(f'<script type="text/plain" id="block-{i}">{text}</script>' for i, text in enumerate(blocks.texts))
     parts = {
-        "{{policy}}": f"default-src 'none'; script-src 'sha256-{digest}' blob:; style-src 'unsafe-inline'; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'",
+        "{{policy}}": make_policy(is_served=is_served),
         "{{title}}": escape(" | ".join(titles)),
         "{{style}}": _read("style.css"),
         "{{header}}": _to_json(header),
         "{{blocks}}": data,
         "{{modules}}": _pack_modules(),
-        "{{start}}": start,
+        "{{start}}": _read("start.js"),
     }
     return re.sub("|".join(re.escape(mark) for mark in parts), lambda mark: parts[mark[0]], _read("frame.html"))
 

@@ -78,6 +78,15 @@ def occupy(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
+def is_occupied(folder: Path) -> bool:
+    """Say whether a run is at work in a folder."""
+    try:
+        with occupy(folder):
+            return False
+    except OutputError:
+        return True
+
+
 def _create(folder: Path) -> None:
     """Create the folder if it is not there; its parent must be."""
     if folder.is_dir():

@@ -38,6 +38,16 @@ export class CurvesPanel {
     this.update([]);
   }
 
+  /** Put curves that have grown into all charts. */
+  async #drawAgain() {
+    for (const chart of [this.chart, ...this.charts]) {
+      if (!chart) continue;
+      const series = chart.series.map(async (one) => ({ ...one, x: await one.run.history(one.over), y: await one.run.history(one.column) }));
+      chart.setSeries(await Promise.all(series));
+    }
+    await this.update([]);
+  }
+
   #addFixed(parent, main) {
     const energies = main.curves.energies, iterations = ["iterations", "cycles"].find((name) => main.findColumn(name));
     const add = async (title, ys) => {
@@ -59,7 +69,7 @@ export class CurvesPanel {
         const values = await run.history(y);
         if (!values) continue;
         const name = run.findColumn(y).label, label = runs.length > 1 ? `${run.name}: ${name}` : name;
-        series.push({ x: xs, y: values, label, colour: LINES[series.length % LINES.length], run, column: y });
+        series.push({ x: xs, y: values, label, colour: LINES[series.length % LINES.length], run, column: y, over: x });
       }
     }
     const known = runs.find((run) => run.findColumn(x)), xColumn = known?.findColumn(x), yColumn = known && runs.map((run) => run.findColumn(ys[0])).find(Boolean);
@@ -88,6 +98,7 @@ export class CurvesPanel {
 
   /** Mark the present step on all charts, and list the columns' values there. */
   async update(changed) {
+    if (changed.includes("rows")) return this.#drawAgain();
     if (!this.chart || (changed.length && !changed.some((name) => ["step", "run", "layout"].includes(name)))) return;
     const main = this.runs[this.store.state.run], rows = new Map();
     for (const run of this.runs) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Starts the page: reads the header, makes the runs, and joins stage, controls and panels by one state.
 import { makeTimeline, makeToolbar } from "./controls.js";
+import { follow } from "./follow.js";
 import { makePanels } from "./panels.js";
 import { Run } from "./run.js";
 import { Stage } from "./stage.js";
@@ -41,6 +42,7 @@ async function start() {
   await store.set({});
   document.documentElement.dataset.ready = String(Math.round(performance.now()));
   makePanels(runs, store, stage);
+  if (header.served) follow(header.served, runs, store, showHead);
   Object.assign(window, { presswork: { store, stage, runs } });
 }
 

@@ -2,7 +2,7 @@
 // A run of the report: its arrays, unpacked when they are first asked for.
 import { averageToNodes, makeInterpolation, measureAreas } from "./fields.js";
 import { makePlainShape, makeRevolvedShape } from "./shapes.js";
-import { MISSING, unpack } from "./unpack.js";
+import { ask, MISSING, unpack } from "./unpack.js";
 
 export class Run {
   #kept = new Map();
@@ -74,6 +74,23 @@ export class Run {
       return value === MISSING || Math.abs(theirValue) > 1e29 ? MISSING : value - theirValue;
     });
     return { values, isNodal: !(isSame && isCell) };
+  }
+
+  /** Return a field's least and largest value over all steps; a served page asks for it, once a number of steps. */
+  async range(field) {
+    if (!this.address) return this.fields[field].range;
+    const { name } = this.fields[field], count = this.steps.length;
+    return this.#once(`range ${count} ${name}`, () => ask(`range?${this.address}&field=${encodeURIComponent(name)}&steps=${count}`));
+  }
+
+  /** Take up what a run has written since the page last asked. */
+  grow({ steps, meshes, curves, summary }) {
+    this.steps.push(...steps);
+    Object.assign(this, { meshes, summary });
+    if (curves) {
+      this.curves = curves;
+      for (const name of this.#kept.keys()) if (name.startsWith("history ")) this.#kept.delete(name);
+    }
   }
 
   history(name) {

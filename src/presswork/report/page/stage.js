@@ -98,14 +98,15 @@ export class Stage {
     const raw = found.values, shown = { ...field, kind: found.isNodal ? "point" : "cell" };
     const isNodal = found.isNodal || (state.isSmooth && !field.zones && field.name !== "body");
     const nodal = found.isNodal ? raw : isNodal ? averageToNodes(mesh, raw) : null;
-    return { raw, nodal, isNodal, field: shown, isDifference };
+    const whole = state.rangeOf === "all" && !isDifference ? await run.range(index) : null;
+    return { raw, nodal, isNodal, field: shown, isDifference, whole };
   }
 
   #describeField(coloured) {
     const { state } = this.store;
     if (!coloured) return { label: "no such field in this run", unit: "", range: [0, 1] };
-    const { field, isDifference, raw } = coloured;
-    if (!isDifference && state.rangeOf === "all") return field;
+    const { field, isDifference, raw, whole } = coloured;
+    if (whole) return { ...field, range: whole };
     const extremes = findExtremes(raw) ?? { lowest: 0, highest: 1 };
     if (!isDifference) return { ...field, range: [extremes.lowest, extremes.highest] };
     const most = Math.max(Math.abs(extremes.lowest), Math.abs(extremes.highest)) || 1;

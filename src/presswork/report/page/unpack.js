@@ -4,8 +4,8 @@
 export const MISSING = 1e30; // stands for a value that is not finite
 const LEVELS = 65534;
 
-async function readBlock(number) {
-  const text = document.getElementById(`block-${number}`).textContent;
+async function readBlock(block) {
+  const text = typeof block === "number" ? document.getElementById(`block-${block}`).textContent : block;
   const bytes = Uint8Array.fromBase64 ? Uint8Array.fromBase64(text) : Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
@@ -45,8 +45,16 @@ function scaleToRange(coded, { n, lo, hi, whole }) {
   return found;
 }
 
+/** Return what the server of a served page answers. */
+export async function ask(address, options) {
+  const response = await fetch(address, options), answer = await response.json();
+  if (!response.ok) throw new Error(answer.error ?? response.statusText);
+  return answer;
+}
+
 /** Return the array that a header's entry stands for: Float32Array, or Uint32Array of indices. */
 export async function unpack(packed) {
+  if (packed.address) return unpack(await ask(packed.address));
   const bytes = await readBlock(packed.block);
   if (packed.as === "range") return scaleToRange(sumDifferences(joinBytes(bytes, 2)), packed);
   const whole = joinBytes(bytes, 4);

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parts of a run's header, plain values and numbers: what a page that holds a run and one that is served have alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from presswork.fields.table import describe_field
+from presswork.formability import ZONES
+from presswork.model import FloatArray
+from presswork.post import measure_draw_in_around, trace_interface
+from presswork.report.case_data import list_defaults, read_text
+from presswork.report.choose import Shown
+from presswork.report.surface import Surface
+from presswork.results import Result, ResultMesh
+from presswork.results.folder import CASE
+from presswork.view.shell_plot import DIVERGING, ZONE_FIELD
+from presswork.view.style import ZONE_COLOURS, describe_step
+
+_UNITS = {"1": "–", "degrees C": "°C"}
+
+
+def describe_run(result: Result) -> dict[str, Any]:
+    """Return what a header says of a run as a whole."""
+    name = result.folder.resolve().name
+    return {
+        "name": name,
+        "title": str(result.info.get("title", "")).strip() or name,
+        "analysis": _name_analysis(result),
+        "axisymmetric": result.info.get("analysis") == "axisymmetric",
+        "sheet": result.is_shell,
+        "dimension": result.mesh.points.shape[1],
+        "symmetry": str(result.info.get("symmetry", "")),
+        "formability": _pack_formability(result),
+        "summary": result.summary,
+        "case": read_text(result.folder / CASE),
+        "defaults": list_defaults(result.folder / CASE),
+    }
+
+
+def describe_saved_step(result: Result, step: int) -> dict[str, Any]:
+    """Return what a header says of a saved step beside its numbers: time, words, where the tools are."""
+    return {
+        "saved": step,
+        "time": float(result.times[step]),
+        "label": describe_step(result, step),
+        "tools": _place_tools(result, step),
+    }
+
+
+def _name_analysis(result: Result) -> str:
+    """Return the kind of analysis, which of heat alone is no strain: "heat, plane"."""
+    analysis = str(result.info.get("analysis", ""))
+    return f"heat, {analysis.split('_')[0]}" if result.info.get("physics") == "heat" else analysis
+
+
+def describe_shown(result: Result, shown: Shown, bounds: tuple[float, float]) -> dict[str, Any]:
+    """Return what the page says of a field; bounds: its smallest and largest value in the steps shown."""
+    unit = result.unit(shown.stored)
+    told: dict[str, Any] = {
+        "name": shown.name,
+        "label": describe_field(shown.name),
+        "unit": _UNITS.get(unit, unit),
+        "kind": shown.kind,
+        "range": bounds,
+        "signed": shown.name in DIVERGING,
+    }
+    if shown.name == ZONE_FIELD:
+        told["zones"] = [{"name": name, "colour": colour} for name, colour in zip(ZONES, ZONE_COLOURS, strict=True)]
+    return told
+
+
+def _place_tools(result: Result, step: int) -> list[list[float | None]]:
+    """Return each tool's displacement since the start [mm], in the plane with its angle [rad] behind."""
+    poses = (result.tool_pose(name, step) for name in result.tools)
+    placed = [[*round_values(pose.displacement), float(pose.angle)] for pose in poses]
+    return placed + [round_values(result.surface_displacement(name, step)) for name in result.surfaces]
+
+
+def pack_interfaces(result: Result, mesh: ResultMesh, surface: Surface, step: int) -> dict[str, Any]:
+    """Return the contact stress along each tool's contact surface; none where it was not saved."""
+    if not {"contact_pressure", "contact_shear"} <= set(result.field_names) or mesh is not result.mesh:
+        return {}
+    found = {}
+    for tool in result.tools:
+        trace = trace_interface(result, tool, step)
+        if len(trace.nodes):
+            found[tool] = {
+                "way": round_values(trace.arc_length),
+                "patch": trace.patch.tolist(),
+                "pressure": round_values(trace.contact_pressure),
+                "shear": round_values(trace.contact_shear),
+                "limit": round_values(trace.friction_limit),
+                "node": np.searchsorted(surface.nodes, trace.nodes).tolist(),
+            }
+    return found
+
+
+def _pack_formability(result: Result) -> dict[str, Any]:
+    """Return the forming limit of the sheet; empty without one."""
+    judged = result.formability
+    if judged.curve is None:
+        return {}
+    return {
+        "minor": round_values(judged.curve.minor),
+        "major": round_values(judged.curve.major),
+        "method": judged.curve.method,
+        "margin": judged.safety_margin,
+        "r": judged.r,
+    }
+
+
+def pack_draw_in(result: Result, steps: Sequence[int]) -> dict[str, Any]:
+    """Return how far a stamped blank's edge has come in, all round, by the last step before it was trimmed."""
+    if not result.is_stamping:
+        return {}
+    last = max(step for step in steps if result.mesh_at(step) is result.mesh)
+    angles, ways = measure_draw_in_around(result, last).T
+    return {"step": describe_step(result, last), "angle": round_values(angles), "way": round_values(ways)}
+
+
+def round_values(values: FloatArray) -> list[float | None]:
+    """Return numbers of seven digits, more than a page shows; None for what is not finite."""
+    return [float(f"{value:.7g}") if isfinite(value) else None for value in np.asarray(values, dtype=np.float64)]

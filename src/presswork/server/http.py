@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""HTTP for one person on this machine: who asks without the token, or under another name, is turned away.
+
+The standard library's server, a thread a connection, suffices: there is one page that asks once a second, and what it
+asks for takes longer to read from results than to send.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from presswork.results import OutputError
+from presswork.server.opened_folder import RefusedError
+
+MOST_BYTES = 64_000_000
+"""Bytes of a request's body, at most."""
+POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
+POLICY += "frame-src 'self'; base-uri 'none'; form-action 'none'"
+_TIMEOUT = 30.0
+"""Seconds that a connection may be silent in the middle of a request."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked: the last part of the address, its query, the body."""
+
+    method: str
+    name: str
+    query: dict[str, list[str]]
+    body: bytes = b""
+
+    def get(self, key: str, default: str | None = None) -> str:
+        """Return a value of the query, the last of several. Raises RefusedError if there is none."""
+        if key in self.query:
+            return self.query[key][-1]
+        if default is None:
+            raise RefusedError(f"the address lacks {key}=")
+        return default
+
+    def get_number(self, key: str) -> int:
+        """Return a whole number of the query. Raises RefusedError."""
+        text = self.get(key)
+        if not (text.isascii() and text.isdigit() and len(text) < 10):
+            raise RefusedError(f"{key} is no number")
+        return int(text)
+
+    def get_json(self) -> dict[str, Any]:
+        """Return the body as a table. Raises RefusedError."""
+        try:
+            data = json.loads(self.body)
+        except (ValueError, RecursionError) as error:
+            raise RefusedError("the request is not JSON") from error
+        if not isinstance(data, dict):
+            raise RefusedError("the request is no table")
+        return data
+
+
+@dataclass(frozen=True)
+class Response:
+    """An answer."""
+
+    content: bytes
+    kind: str = "application/json"
+    policy: str = POLICY
+
+
+def answer_json(data: object) -> Response:
+    """Return data as an answer."""
+    return Response(json.dumps(data, ensure_ascii=False, allow_nan=False, default=str).encode())
+
+
+Answer = Callable[[Request], Response]
+
+
+class Server(ThreadingHTTPServer):
+    """A server on the loopback address; `address` leads to it, with the token that it asks for."""
+
+    daemon_threads = True
+
+    def __init__(self, answer: Answer, port: int = 0) -> None:
+        self.answer = answer
+        self.token = secrets.token_urlsafe(24)
+        super().__init__(("127.0.0.1", port), _Handler)
+
+    @property
+    def address(self) -> str:
+        """The address of its first page."""
+        return f"http://127.0.0.1:{self.server_port}/{self.token}/"
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """One connection."""
+
+    server: Server
+    protocol_version = "HTTP/1.1"
+    server_version = "presswork"
+    sys_version = ""
+    timeout = _TIMEOUT
+
+    def do_GET(self) -> None:
+        """Answer a question."""
+        self._serve("GET")
+
+    def do_POST(self) -> None:
+        """Do what is asked."""
+        self._serve("POST")
+
+    def _serve(self, method: str) -> None:
+        status = 200
+        try:
+            response = self.server.answer(self._admit(method))
+        except RefusedError as error:
+            status, response = error.status, answer_json({"error": str(error)})
+            self.close_connection = True
+        except OutputError as error:
+            status, response = 404, answer_json({"error": str(error)})
+        except (OSError, ValueError, LookupError, TypeError, RuntimeError) as error:
+            status, response = 500, answer_json({"error": f"{type(error).__name__}: {error}"})
+        self._send(status, response)
+
+    def _admit(self, method: str) -> Request:
+        """Return the request if it may be answered. Raises RefusedError."""
+        port = self.server.server_port
+        hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
+        if self.headers.get("Host") not in hosts:  # a page elsewhere whose name leads to this machine
+            raise RefusedError("this server answers to its own address only", 403)
+        origin = self.headers.get("Origin")
+        if origin is not None and origin not in [f"http://{host}" for host in hosts]:
+            raise RefusedError("this server answers to its own pages only", 403)
+        address = urlsplit(self.path)
+        _, token, *rest = address.path.split("/", 2)
+        if not hmac.compare_digest(token.encode(), self.server.token.encode()):
+            raise RefusedError("the address lacks the token", 403)
+        body = self._read_body() if method == "POST" else b""
+        return Request(method, rest[0] if rest else "", parse_qs(address.query, max_num_fields=100), body)
+
+    def _read_body(self) -> bytes:
+        text = self.headers.get("Content-Length", "0")
+        if not (text.isascii() and text.isdigit()) or self.headers.get("Transfer-Encoding"):
+            raise RefusedError("the length of the request is not known", 411)
+        if int(text) > MOST_BYTES:
+            raise RefusedError(f"the request is larger than {MOST_BYTES / 1e6:.0f} MB", 413)
+        return self.rfile.read(int(text))
+
+    def _send(self, status: int, response: Response) -> None:
+        self.send_response(status)
+        for name, value in {
+            "Content-Type": f"{response.kind}; charset=utf-8" if "image" not in response.kind else response.kind,
+            "Content-Length": str(len(response.content)),
+            "Content-Security-Policy": f"{response.policy}; frame-ancestors 'self'",
+            "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "no-referrer",
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Cache-Control": "no-store",
+        }.items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(response.content)
+
+    def log_message(self, format: str, *args: object) -> None:
+        """Say nothing: the terminal is the user's."""

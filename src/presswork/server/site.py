@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the server answers: pages, runs piece by piece, and what is to be done with a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import UTC, datetime
+from importlib.resources import files
+from pathlib import Path
+
+from presswork import __version__
+from presswork.report import ServedRun, assemble_page, make_policy
+from presswork.report.pack import Blocks
+from presswork.results.folder import CASE
+from presswork.server.http import Request, Response, answer_json
+from presswork.server.jobs import Jobs
+from presswork.server.opened_folder import OpenedFolder, RefusedError, read_case_data, require_no_code
+from presswork.server.run_list import RunList
+
+_PAGE = files("presswork.server") / "page"
+_KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css"}
+_MODULES = ("colours.js", "elements.js", "chart.js")
+"""Modules of the report's page that the pages of lists share with it."""
+
+
+class Site:
+    """One opened folder in the browser."""
+
+    def __init__(self, root: Path) -> None:
+        self.opened = OpenedFolder(root)
+        self.jobs = Jobs()
+        self.list = RunList(self.opened, self.jobs)
+        self._runs: dict[str, ServedRun] = {}
+        get: dict[str, Callable[[Request], Response]] = {
+            "": lambda _: self._page("list.html"),
+            "runs": lambda _: answer_json(self.list.list_all()),
+            "run": self._run_page,
+            "state": self._state,
+            "news": self._news,
+            "array": self._array,
+            "range": lambda r: answer_json(self._run(r.get("run")).range(r.get("field"))),
+            "picture": self._picture,
+            "sweep": lambda _: self._page("sweep.html"),
+            "table": lambda r: answer_json(self.list.read_sweep(r.get("sweep"))),
+        }
+        post: dict[str, Callable[[Request], Response]] = {
+            "pause": lambda r: self._act(r, self.jobs.pause),
+            "stop": lambda r: self._act(r, self.jobs.stop),
+            "resume": self._resume,
+        }
+        self.answers = {"GET": get, "POST": post}
+
+    def answer(self, request: Request) -> Response:
+        """Answer a request. Raises RefusedError or OutputError."""
+        if request.method == "GET" and request.name.startswith("files/"):
+            return self._page(request.name.removeprefix("files/"))
+        answer = self.answers[request.method].get(request.name)
+        if answer is None:
+            raise RefusedError("there is no such page", 404)
+        return answer(request)
+
+    # --- pages -------------------------------------------------------------------------------------------------------
+
+    def _page(self, name: str) -> Response:
+        """Return a file of the pages."""
+        known = {entry.name for entry in _PAGE.iterdir()}
+        if name in known and "." in name:
+            return Response((_PAGE / name).read_bytes(), _KINDS[name.rpartition(".")[2]])
+        if name in _MODULES or name == "libraries/uplot.js":
+            module = files("presswork.report") / "page"
+            return Response(module.joinpath(*name.split("/")).read_bytes(), _KINDS["js"])
+        raise RefusedError("there is no such file", 404)
+
+    def _run_page(self, request: Request) -> Response:
+        runs = [self._run(name) for name in request.query.get("run", [])[:8]]
+        if not runs:
+            raise RefusedError("the address names no run")
+        header = {
+            "version": __version__,
+            "written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+            "runs": [run.header() for run in runs],
+            "served": {"generations": [run.generation for run in runs]},
+        }
+        page = assemble_page(header, Blocks(), is_served=True)
+        return Response(page.encode(), "text/html", make_policy(is_served=True))
+
+    # --- runs --------------------------------------------------------------------------------------------------------
+
+    def _run(self, name: str) -> ServedRun:
+        folder = self.opened.find_run(name)
+        key = self.opened.name(folder)
+        if key not in self._runs:
+            self._runs[key] = ServedRun(folder, key)
+        return self._runs[key]
+
+    def _state(self, request: Request) -> Response:
+        folder = self.opened.find(request.get("run"))
+        return answer_json(self.jobs.state(folder, self.list.read_summary(folder)))
+
+    def _news(self, request: Request) -> Response:
+        run = self._run(request.get("run"))
+        state = self.jobs.state(run.folder, self.list.read_summary(run.folder))
+        told = run.news(request.get_number("steps"), request.get_number("rows"))
+        return answer_json({**told, "state": state})
+
+    def _array(self, request: Request) -> Response:
+        run = self._run(request.get("run"))
+        if request.get_number("of") != run.generation:
+            raise RefusedError("the results were replaced", 409)
+        return answer_json(run.array(request.get("what"), request.get_number("step"), request.get("field", "")))
+
+    def _picture(self, request: Request) -> Response:
+        path = self.list.find_picture(self.opened.find(request.get("run")))
+        if path is None:
+            raise RefusedError("there is no picture", 404)
+        return Response(path.read_bytes(), "image/png")
+
+    def _act(self, request: Request, action: Callable[[Path], None]) -> Response:
+        action(self.opened.find(request.get("run")))
+        return answer_json({})
+
+    def _resume(self, request: Request) -> Response:
+        folder = self.opened.find(request.get("run"))
+        data = read_case_data(self.opened.find(f"{request.get('run')}/{CASE}"))
+        require_no_code(data)
+        self.opened.require_own_files(data, folder)
+        self.jobs.resume(folder)
+        return answer_json({})
