@@ -125,22 +125,22 @@ def test_run_is_followed_stopped_and_goes_on_to_the_same_bits(browser: Any, site
     page = Tab(browser, f"{site.address}run?run={name}")
     rows, steps = "() => presswork.runs[0].curves.columns[0].values.n", "() => presswork.runs[0].steps.length"
     page.tab.wait_for_function("() => (presswork.runs[0].curves.columns[0]?.values.n ?? 0) > 3", timeout=60_000)
-    before = page.ask(rows), page.ask(steps)
-    page.tab.wait_for_function(f"() => presswork.runs[0].curves.columns[0].values.n > {before[0]}", timeout=60_000)
-    page.tab.wait_for_function(f"() => presswork.runs[0].steps.length > {before[1]}", timeout=60_000)
-    assert page.ask("() => presswork.store.state.step") == page.ask(steps) - 1, "the latest shape is shown"
     page.tab.get_by_role("button", name="Hold the computation", exact=False).click()
     wait_for(site, name, "paused")
     held = (folder / name / "history.csv").stat().st_size
     time.sleep(1.0)
     assert (folder / name / "history.csv").stat().st_size == held
-    page.tab.get_by_role("button", name="Go on", exact=False).click()
+    page.tab.get_by_role("button", name="Go on from", exact=False).click()
     wait_for(site, name, "running")
+    before = page.ask(rows), page.ask(steps)
+    page.tab.wait_for_function(f"() => presswork.runs[0].curves.columns[0].values.n > {before[0]}", timeout=60_000)
+    page.tab.wait_for_function(f"() => presswork.runs[0].steps.length > {before[1]}", timeout=60_000)
+    assert page.ask("() => presswork.store.state.step") == page.ask(steps) - 1, "the latest shape is shown"
     page.tab.get_by_role("button", name="Stop after this increment", exact=False).click()
     state = wait_for(site, name, "interrupted")
     assert 0.0 < state["fraction"] < 1.0
     assert state["can"] == ["resume"]
-    page.tab.get_by_role("button", name="Go on", exact=False).click()
+    page.tab.get_by_role("button", name="Go on from", exact=False).click()
     wait_for(site, name, "completed")
     page.tab.wait_for_function("() => presswork.runs[0].summary.status === 'completed'", timeout=60_000)
     page.close()
@@ -153,7 +153,7 @@ def test_run_is_followed_stopped_and_goes_on_to_the_same_bits(browser: Any, site
 
 def begin_long_run(folder: Path, name: str) -> str:
     """Run the upsetting in small increments, which takes some ten seconds, and return its name."""
-    settings = ["workpiece.mesh.cells=[10,10]", "output.steps=40", "solver.max_increment=0.002"]
+    settings = ["workpiece.mesh.cells=[10,10]", "output.steps=40", "solver.max_increment=0.0007"]
     options = [word for setting in settings for word in ("--set", setting)]
     command = [sys.executable, "-c", "from presswork.cli import main; main()", "run", str(folder / "upsetting_q4.toml")]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -163,7 +163,7 @@ def begin_long_run(folder: Path, name: str) -> str:
 
 
 def test_each_member_of_a_sweep_is_a_click_from_its_part(browser: Any, site: Server, folder: Path) -> None:
-    vary = {"tools.punch.friction.mu": [0.05, 0.1, 0.2]}
+    vary = {"stages.0.tools.punch.stroke": [2.0, 4.0, 6.0]}
     case = folder / "upsetting_q4.toml"
     run_sweep(case, vary, folder / "sweep", settings=["workpiece.mesh.cells=[4,4]", "output.steps=2"], jobs=1)
     page = Tab(browser, site.address)
@@ -175,10 +175,12 @@ def test_each_member_of_a_sweep_is_a_click_from_its_part(browser: Any, site: Ser
     assert page.ask("() => presswork.runs[0].name") == "member_001"
     page.tab.go_back()
     page.wait_until_drawn()
-    over = page.tab.locator(".u-over").bounding_box()
-    page.tab.get_by_label("y", exact=True).select_option(label="max_force_punch")
-    page.tab.wait_for_timeout(300)
-    assert over
-    page.tab.mouse.click(over["x"] + 0.02 / 1.04 * over["width"], over["y"] + 0.5 * over["height"])
-    page.tab.wait_for_timeout(1000)
+    table = ask(site, "table?sweep=sweep")
+    assert [row[1] for row in table["rows"]] == [2.0, 4.0, 6.0]
+    script = "({ series: [{ x, y }], plot }) => [plot.valToPos(x[2], 'x'), plot.valToPos(y[2], 'y')]"
+    x, y = page.ask(f"() => ({script})(presswork.chart)")
+    page.tab.locator(".u-over").click(position={"x": x, "y": y})
+    page.tab.wait_for_url("**/run?*")
+    page.wait_until_drawn()
+    assert page.ask("() => presswork.runs[0].name") == "member_002"
     page.close()

@@ -35,6 +35,7 @@ class OpenedFolder:
         """Return the path that a name stands for, links followed. Raises RefusedError if it is not in the folder."""
         try:
             path = (self.root / name).resolve()
+            path.exists()  # raises for a name that no file can have
         except (OSError, ValueError, RuntimeError) as error:
             raise RefusedError("this is no name of a file") from error
         if not path.is_relative_to(self.root):

@@ -23,6 +23,7 @@ function show({ columns, rows, members }) {
     const points = rows.map((row, i) => [row[x], row[y], i]).filter(([a, b]) => typeof a === "number" && typeof b === "number");
     chart.setSeries([{ x: points.map(([a]) => a), y: points.map(([, b]) => b), colour: LINES[0], isPoints: true }]);
     chart.setMarks(points.map(([a, b]) => ({ x: a, y: b, colour: LINES[0] })));
+    Object.assign(window, { presswork: { chart } });
   };
   const pick = (px, py, toPixels) => {
     let best = null;

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Attacks on the server: what is outside the opened folder stays unread, no code of a case runs, text stays text."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import h5py
+import numpy as np
+import pytest
+
+from presswork import Case, run
+from presswork.examples import copy_example
+from presswork.server.http import MOST_BYTES, Server
+from presswork.server.site import Site
+
+SECRET = "the secret of the next folder"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with one run, beside a file that is none of its business."""
+    root = tmp_path_factory.mktemp("beside")
+    (root / "secret.txt").write_text(SECRET)
+    np.asarray([float(ord(letter)) for letter in SECRET]).tofile(root / "secret.bin")
+    opened = root / "opened"
+    path = copy_example("upsetting_q4", opened)
+    settings = ["workpiece.mesh.cells=[3,3]", "output.steps=2", "stages.0.tools.punch.stroke=1"]
+    run(Case.from_toml(path, overrides=settings), opened / "run")
+    return opened
+
+
+@pytest.fixture(scope="module")
+def server(folder: Path) -> Iterator[Server]:
+    with Server(Site(folder).answer) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield server
+        server.shutdown()
+
+
+def ask(
+    server: Server, address: str, method: str = "GET", *, token: str | None = None, body: bytes = b"", **headers: str
+) -> tuple[int, str, dict[str, str]]:
+    """Return status, text and headers of an answer; headers: with _ for -."""
+    connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=60)
+    path = f"/{server.token if token is None else token}/{address}"
+    connection.request(method, path, body=body, headers={key.replace("_", "-"): text for key, text in headers.items()})
+    answer = connection.getresponse()
+    found = answer.status, answer.read().decode(errors="replace"), dict(answer.headers)
+    connection.close()
+    return found
+
+
+def test_only_this_machine_is_served(server: Server) -> None:
+    assert server.server_address[0] == "127.0.0.1"
+
+
+@pytest.mark.parametrize("token", ["", "wrong", "..", "%00", "é"])
+def test_without_the_token_nothing_is_told(server: Server, token: str) -> None:
+    status, text, _ = ask(server, "runs", token=quote(token))
+    assert status == 403
+    assert "run" not in json.loads(text)
+
+
+def test_token_cannot_be_guessed(server: Server, folder: Path) -> None:
+    with Server(Site(folder).answer) as other:
+        assert len(other.token) >= 32
+        assert other.token != server.token
+
+
+def test_other_names_of_the_server_are_refused(server: Server) -> None:
+    """A page elsewhere may have its name lead to 127.0.0.1 (DNS rebinding)."""
+    assert ask(server, "runs", Host=f"evil.example:{server.server_port}")[0] == 403
+    assert ask(server, "runs", Host=f"localhost:{server.server_port}")[0] == 200
+
+
+def test_pages_of_others_cannot_act(server: Server) -> None:
+    assert ask(server, "stop?run=run", "POST", Origin="http://evil.example")[0] == 403
+
+
+OUTSIDE = ["..", "../opened/../../beside0", "/etc", "run/../..", "%2e%2e", "run/../../", "\x00", "a" * 5000, "~"]
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+@pytest.mark.parametrize("page", ["run?run=", "picture?run=", "table?sweep=", "news?steps=0&rows=0&run="])
+def test_no_name_leads_out_of_the_folder(server: Server, page: str, name: str) -> None:
+    status, text, _ = ask(server, page + quote(name, safe="%"))
+    assert status in (400, 403, 404)
+    assert SECRET not in text
+
+
+@pytest.mark.parametrize(
+    "name", ["../site.py", "/etc/passwd", "..%2fsite.py", "list.html/../../site.py", "__init__.py"]
+)
+def test_no_file_but_those_of_the_pages_is_sent(server: Server, name: str) -> None:
+    assert ask(server, f"files/{name}")[0] == 404
+
+
+def test_links_that_lead_out_are_not_followed(server: Server, folder: Path) -> None:
+    """A run whose case, or whose folder, is a link to something outside."""
+    made = folder / "linked"
+    made.mkdir()
+    for name in ("results.vtkhdf", "summary.json", "history.csv"):
+        (made / name).write_bytes((folder / "run" / name).read_bytes())
+    (made / "case.toml").symlink_to(folder.parent / "secret.txt")
+    (made / "plots").mkdir()
+    (made / "plots" / "mesh_x.png").symlink_to(folder.parent / "secret.txt")
+    (folder / "out").symlink_to(folder.parent)
+    for address in ("run?run=linked", "picture?run=linked", "runs", "run?run=out/opened/run", "picture?run=out"):
+        assert SECRET not in ask(server, address)[1], address
+    assert ask(server, "run?run=linked")[0] == 403
+    (folder / "out").unlink()
+
+
+@pytest.mark.parametrize("kind", ["link", "raw", "virtual"])
+def test_results_that_take_data_from_other_files_are_refused(server: Server, folder: Path, kind: str) -> None:
+    made = folder / f"hdf_{kind}"
+    made.mkdir()
+    path = made / "results.vtkhdf"
+    path.write_bytes((folder / "run" / "results.vtkhdf").read_bytes())
+    with h5py.File(path, "r+") as file:
+        body = file["VTKHDF"]
+        if kind == "link":
+            body["taken"] = h5py.ExternalLink("../../secret.h5", "/")
+        elif kind == "raw":
+            size = len(SECRET)
+            body.create_dataset("taken", (size,), "f8", external=[(folder.parent / "secret.bin", 0, 8 * size)])
+        else:
+            layout = h5py.VirtualLayout((4,), "f8")
+            layout[:] = h5py.VirtualSource("../../secret.h5", "x", (4,))
+            body.create_virtual_dataset("taken", layout)
+    status, text, _ = ask(server, f"run?run=hdf_{kind}")
+    assert status == 403
+    assert "other files" in text
+
+
+def test_case_with_code_does_not_go_on_from_the_browser(server: Server, folder: Path) -> None:
+    made = folder / "coded"
+    made.mkdir()
+    for name in ("results.vtkhdf", "checkpoint.h5"):
+        (made / name).write_bytes((folder / "run" / name).read_bytes())
+    (made / "case.toml").write_text('analysis = "axisymmetric"\n[materials.m]\numat = "law.so"\n')
+    status, text, _ = ask(server, "resume?run=coded", "POST")
+    assert status == 403
+    assert "code" in text
+    (made / "case.toml").write_text('analysis = "axisymmetric"\n[workpiece.mesh]\npath = "../../secret.txt"\n')
+    assert ask(server, "resume?run=coded", "POST")[0] == 403
+
+
+def test_stop_signals_nobody_whom_a_file_names(server: Server, folder: Path) -> None:
+    """progress.json may be written by anyone; without a run at work in the folder it is not believed."""
+    process = __import__("os").getpid()
+    (folder / "run" / "progress.json").write_text(json.dumps({"process": process, "fraction": 0, "text": ""}))
+    for action in ("stop", "pause"):
+        assert ask(server, f"{action}?run=run", "POST")[0] == 409
+    (folder / "run" / "progress.json").unlink()
+
+
+def test_requests_without_end_are_refused(server: Server) -> None:
+    assert ask(server, "stop?run=run", "POST", Content_Length=str(MOST_BYTES + 1))[0] == 413
+    assert ask(server, "stop?run=run", "POST", Content_Length="-5")[0] == 411
+    assert ask(server, "stop?run=run", "POST", Transfer_Encoding="chunked")[0] == 411
+
+
+@pytest.mark.parametrize(
+    "address", ["array?run=run&what=field&step=99&of=0&field=x", "array?run=run&what=points&step=-1&of=0"]
+)
+def test_what_is_not_there_is_an_answer_not_a_crash(server: Server, address: str) -> None:
+    status, text, _ = ask(server, address)
+    assert status in (400, 404)
+    assert json.loads(text)["error"]
+
+
+@pytest.mark.parametrize("address", ["", "runs", "run?run=run", "sweep", "files/list.js", "nothing"])
+def test_every_answer_forbids_foreign_and_inline_scripts(server: Server, address: str) -> None:
+    headers: dict[str, Any] = ask(server, address)[2]
+    policy = dict(rule.strip().split(" ", 1) for rule in headers["Content-Security-Policy"].split(";"))
+    assert policy["default-src"] == "'none'"
+    assert policy["frame-ancestors"] == "'self'"
+    assert "unsafe" not in policy["script-src"]
+    assert not {"*", "http:", "https:", "data:"} & set(" ".join(policy.values()).split()) - {"data:"}
+    assert "data:" not in policy["script-src"]
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert headers["Referrer-Policy"] == "no-referrer", "the token stays here"
