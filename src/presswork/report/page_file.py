@@ -39,6 +39,7 @@ def assemble_page(header: dict[str, Any], blocks: Blocks, *, is_served: bool = F
     data = "\n".join(f'<script type="text/plain" id="block-{i}">{text}</script>' for i, text in enumerate(blocks.texts))
     parts = {
         "{{policy}}": make_policy(is_served=is_served),
+        "{{icon}}": '<link rel="icon" href="data:,">\n' if is_served else "",
         "{{title}}": escape(" | ".join(titles)),
         "{{style}}": _read("style.css"),
         "{{header}}": _to_json(header),
