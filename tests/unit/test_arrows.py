@@ -137,7 +137,7 @@ def test_imports_run_forwards(path: Path) -> None:
     allowed = (
         PYTHON_ROOMS[room]
         | {room, "_core", "_cpu"}
-        | (public if room in {"cli", "onestep", "recorder", "report", "results"} else set())
+        | (public if room in {"cli", "onestep", "recorder", "report", "results", "server"} else set())
     )
     assert imports_of(path) <= allowed
 
