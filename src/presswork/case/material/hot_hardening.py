@@ -17,6 +17,7 @@ from presswork.case.heat.quantities import Temperature
 from presswork.case.part import Part
 from presswork.case.units import ActivationEnergy, Number, Stress, fault
 from presswork.law.elastic_plastic import make_sheet_law
+from presswork.model import FloatArray
 
 NONE = 0.01
 """Part of the flow stress that is next to none."""
@@ -25,12 +26,31 @@ POINTS = 5
 
 
 class HotLaw(Part):
-    """What all such laws have: the window of the tests that the law was fitted to, beyond which it stays as at the end.
+    """A flow stress of strain, rate and temperature."""
+
+    law: str
+
+    def parameters(self) -> list[float]:
+        """Return the parameters in the order of the compiled law."""
+        raise NotImplementedError
+
+    def to_model(self) -> model.Hardening:
+        """Return the Model's hardening law."""
+        return model.Hardening(law=self.law, parameters=np.array(self.parameters()))
+
+    def window(self) -> FloatArray:
+        """Return lowest and highest strain, rate [1/s] and temperature [degrees C] (3, 2)."""
+        window = self.to_model().window
+        assert window is not None
+        return window
+
+
+class FittedLaw(HotLaw):
+    """A formula, and the window of the tests that it was fitted to, beyond which it stays as at the end.
 
     Keys that are no window are the names of the compiled law's parameters.
     """
 
-    law: str
     strain_window: tuple[Number, Number] = Field(
         description="smallest and largest equivalent plastic strain of the tests"
     )
@@ -50,10 +70,6 @@ class HotLaw(Part):
         }
         names = _core.parameter_names(_core.HardeningLaw[self.law])
         return [float(ends[name] if name in ends else getattr(self, name)) for name in names]
-
-    def to_model(self) -> model.Hardening:
-        """Return the Model's hardening law."""
-        return model.Hardening(law=self.law, parameters=np.array(self.parameters()))
 
     @model_validator(mode="after")
     def _check_windows(self) -> Self:
@@ -113,7 +129,7 @@ class HotLaw(Part):
             )
 
 
-class HenselSpittel(HotLaw):
+class HenselSpittel(FittedLaw):
     """A exp(m1 T) T^m9 e^m2 exp(m4/e) (1 + e)^(m5 T) exp(m7 e) rate^(m3 + m8 T), T in degrees C."""
 
     law: Literal["hensel_spittel"] = "hensel_spittel"
@@ -137,7 +153,7 @@ class HenselSpittel(HotLaw):
             )
 
 
-class NortonHoff(HotLaw):
+class NortonHoff(FittedLaw):
     """K (e0 + e)^n rate^m exp(beta/T), T in K."""
 
     law: Literal["norton_hoff"] = "norton_hoff"
@@ -153,7 +169,7 @@ class NortonHoff(HotLaw):
             raise fault("the law is zero at a strain of zero", remedy, key="strain_window")
 
 
-class SinhArrhenius(HotLaw):
+class SinhArrhenius(FittedLaw):
     """asinh((Z/A)^(1/n))/alpha, Z = rate exp(Q/(R T)), T in K: the flow stress at steady state."""
 
     law: Literal["sinh_arrhenius"] = "sinh_arrhenius"
@@ -168,7 +184,7 @@ class SinhArrhenius(HotLaw):
     )
 
 
-class JohnsonCookHardening(HotLaw):
+class JohnsonCookHardening(FittedLaw):
     """(A + B e^n) (1 + C ln(rate/reference_rate)) (1 - T*^m), T* = (T - reference)/(melting - reference)."""
 
     law: Literal["johnson_cook"] = "johnson_cook"
@@ -187,9 +203,6 @@ class JohnsonCookHardening(HotLaw):
         if not self.temperature_window[1] < self.melting:
             remedy = "end the window below it: nothing is left to flow there"
             raise fault(f"it reaches the melting temperature, {self.melting:g}", remedy, key="temperature_window")
-
-
-HOT: tuple[type[HotLaw], ...] = (HenselSpittel, NortonHoff, SinhArrhenius, JohnsonCookHardening)
 
 
 def check_heating(data: Any, hardening: object) -> None:

@@ -42,6 +42,6 @@ def check_needs(
 def _check_temperature(name: str, material: PlasticLaws, hardening: HotLaw, heated: bool) -> Iterator[Problem]:
     if not heated and (material.heating is None or material.heating.start is None):
         fault = f"missing key: {hardening.law} depends on temperature"
-        low, high = hardening.temperature_window
-        remedy = f"add the temperature at which the material is formed, such as {(low + high) / 2:g} degrees C"
+        usual = hardening.window()[2].mean()
+        remedy = f"add the temperature at which the material is formed, such as {usual:g} degrees C"
         yield Problem(f"materials.{name}.heating.start", fault, remedy)

@@ -69,8 +69,8 @@ class PlasticLaws(Part):
         """Return the flow stress [MPa] at rest and unsoftened, or in the middle of a hot law's window."""
         rate, degrees = 0.0, self.heating.reference if self.heating else 0.0
         if isinstance(self.hardening, HotLaw):
-            rate = float(np.sqrt(np.prod(self.hardening.rate_window)))
-            degrees = sum(self.hardening.temperature_window) / 2
+            window = self.hardening.window()
+            rate, degrees = float(np.sqrt(np.prod(window[1]))), float(window[2].mean())
         return self.build_law().flow_stress(strain, np.full(len(strain), rate), np.full(len(strain), degrees))[0]
 
     def needs_time(self) -> str | None:
