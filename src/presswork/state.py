@@ -23,16 +23,18 @@ class OnNewMesh:
 
     run: it fits any mesh and goes along. anew: the new mesh finds it for itself, as at rest. motion: moves of the
     nodes, by the shape functions of the old cells. node: a field given at the nodes. point: a field given at the
-    integration points, one entry for each block. surface: values at nodes of the boundary, carried along its arc.
+    integration points, one entry for each block. cell: values of cells; they begin anew with their cells, one entry for
+    each block. surface: values at nodes of the boundary, carried along its arc.
     surface_force: the same of forces, carried per area.
     """
 
-    kind: Literal["run", "anew", "motion", "node", "point", "surface", "surface_force"]
+    kind: Literal["run", "anew", "motion", "node", "point", "cell", "surface", "surface_force"]
     axis: int = 0
     """Of the array, along which nodes are counted."""
 
 
-RUN, ANEW, MOTION, NODE, POINT = (OnNewMesh(kind) for kind in ("run", "anew", "motion", "node", "point"))
+RUN, ANEW, MOTION, NODE = OnNewMesh("run"), OnNewMesh("anew"), OnNewMesh("motion"), OnNewMesh("node")
+POINT, CELL = OnNewMesh("point"), OnNewMesh("cell")
 SURFACE, SURFACE_FORCE = OnNewMesh("surface"), OnNewMesh("surface_force")
 
 
@@ -134,7 +136,7 @@ class CellArrays(Arrays):
         "rate": POINT,
         "history": POINT,
         "volume": ANEW,
-        "hourglass": ANEW,
+        "hourglass": CELL,
     }
     stress: list[FloatArray]
     """Cauchy stress xx, yy, zz, xy (n_cells, p, 4), in space also yz, zx (n_cells, p, 6); of shells xx, yy, xy in the

@@ -22,7 +22,7 @@ from presswork.interaction.heat_films import ToolFilm
 from presswork.interaction.heat_surface import HeatSurface, SurfaceNow, Touch
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays
-from presswork.model import FloatArray, Heat, Model
+from presswork.model import BoolArray, FloatArray, Heat, Model
 from presswork.outcome import Failed, GaveUpError, Step
 from presswork.state import NODE, RUN, Arrays, OnNewMesh, State
 from presswork.timing import Timing
@@ -106,8 +106,8 @@ class HeatOfForming:
         before, _ = self._equation.conduction.content(start_temperatures(self._model, self._heat))
         return float((now - before).sum())
 
-    def keep_stored(self, state: State, stored: float) -> float:
-        """Bring temperatures carried to this mesh to a heat stored since the start [N mm]; return the largest change.
+    def keep_stored(self, state: State, stored: float, new: BoolArray) -> None:
+        """Bring temperatures carried to this mesh to a heat stored since the start [N mm]; new: nodes (n_points,).
 
         What is missing goes to the nodes in proportion to the range of temperature in the cells round them, where
         carrying errs: an even temperature stays.
@@ -118,12 +118,12 @@ class HeatOfForming:
         for block in self._model.mesh.blocks:
             own = carried[block.connectivity]
             np.maximum.at(span, block.connectivity, np.ptp(own, axis=1)[:, None])
+        span *= new
         change = 0.0
         for _ in range(_CONTENT_ROUNDS if span.max() > 0.0 else 0):
             _, slope = conduction.content(arrays.temperature)
             change += (stored - self.stored(state)) / float((slope * span).sum())
             arrays.temperature = carried + change * span
-        return float(np.abs(arrays.temperature - carried).max())
 
     def spread(self, state: State) -> None:
         """Give the nodes' temperatures to the integration points of materials that depend on them."""

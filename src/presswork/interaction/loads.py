@@ -55,7 +55,10 @@ def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float
     thickness = None if model.analysis == "axisymmetric" else model.depth
     for edge_load in model.stages[stage].edge_forces:
         edges = model.mesh.edge_sets[edge_load.edge_set]
-        share = edge_areas(model.mesh.points, edges, thickness)[..., None] * np.asarray(edge_load.force)
+        areas = edge_areas(model.mesh.points, edges, thickness)
+        if edge_load.area is not None:
+            areas = areas * (edge_load.area / float(areas.sum()))
+        share = areas[..., None] * np.asarray(edge_load.force)
         np.add.at(force, edges, fraction * share)
     for pressure in model.stages[stage].pressures:
         edges = model.mesh.edge_sets[pressure.edge_set]

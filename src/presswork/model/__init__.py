@@ -47,7 +47,7 @@ from presswork.model.material import (
     YieldFunction,
 )
 from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
-from presswork.model.mesh_change import change_mesh
+from presswork.model.mesh_change import change_mesh, choose_slave, mean_edge
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
 from presswork.model.press import Blow, Crank, Drive, SpeedTable
@@ -178,5 +178,7 @@ __all__ = [
     "UmatJacobian",
     "YieldFunction",
     "change_mesh",
+    "choose_slave",
     "list_names",
+    "mean_edge",
 ]

@@ -36,6 +36,8 @@ class BodyContact:
     contact: ContactLaw
     m: float = 0.0
     mu: float = 0.0
+    keeps_slave: bool = False
+    """Whether the case names the slave; else it is chosen anew with every mesh (choose_slave)."""
 
     @property
     def master(self) -> int:

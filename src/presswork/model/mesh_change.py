@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from presswork.model.contact import Body
+from presswork.model.contact import Body, BodyContact
 from presswork.model.mesh import Mesh
 from presswork.model.model import Model
+
+SAME_SIZE = 0.9
+"""Mean edges that differ by less than this ratio count as equally fine: then the softer body is the slave."""
 
 
 def change_mesh(model: Model, mesh: Mesh) -> Model:
@@ -22,7 +25,34 @@ def change_mesh(model: Model, mesh: Mesh) -> Model:
     for kind, name in list_sets(model):
         if name not in getattr(mesh, f"{kind}_sets"):
             raise ValueError(f"the new mesh has no {kind} set {name!r}, which the model names")
-    return replace(model, mesh=mesh, bodies=_follow_bodies(model.bodies, mesh))
+    bodies = _follow_bodies(model.bodies, mesh)
+    contacts = tuple(_choose_anew(model, contact, mesh, bodies) for contact in model.contacts)
+    return replace(model, mesh=mesh, bodies=bodies, contacts=contacts)
+
+
+def choose_slave(mesh: Mesh, bodies: Sequence[Body], young: Sequence[float], first: int, second: int) -> int:
+    """Return the body with the finer boundary, or the softer one of two that are alike, or the first.
+
+    young: Young's modulus of the first and of the second [MPa].
+    """
+    sizes = [mean_edge(mesh, bodies[i]) for i in (first, second)]
+    if min(sizes) < SAME_SIZE * max(sizes):
+        return (first, second)[int(np.argmin(sizes))]
+    return second if young[1] < young[0] else first
+
+
+def mean_edge(mesh: Mesh, body: Body) -> float:
+    """Return the mean length of the edges of a body's boundary [mm]."""
+    edges = mesh.boundary_edges[body.owns(mesh.boundary_edges)]
+    return float(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1).mean())
+
+
+def _choose_anew(model: Model, contact: BodyContact, mesh: Mesh, bodies: tuple[Body, ...]) -> BodyContact:
+    """Return a contact with the slave that fits a mesh, where the case does not name it."""
+    if contact.keeps_slave:
+        return contact
+    young = [model.materials[mesh.blocks[bodies[i].blocks.start].material].young for i in contact.between]
+    return replace(contact, slave=choose_slave(mesh, bodies, young, *contact.between))
 
 
 def list_sets(model: Model) -> Iterator[tuple[str, str]]:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -20,3 +21,9 @@ class Remeshing:
     """Quality of the worst cell, expected after the next increment, below which a new mesh is made; 1 is a square."""
     every: float = 0.0
     """Fraction of a stage after which it is meshed anew in any case; 0: never."""
+    bodies: Mapping[str, Remeshing] = field(default_factory=dict)
+    """Of further bodies, by their names; `every` is that of the workpiece for all."""
+
+    def of_body(self, name: str) -> Remeshing:
+        """Return the sizes and triggers of a body."""
+        return self.bodies.get(name, self)

@@ -93,6 +93,9 @@ class EdgeForce:
     edge_set: str
     force: tuple[float, ...]
     """x, y; of a shell x, y, z; or x, y, z and the moments about them."""
+    area: float | None = None
+    """Of the set when the run began [mm2], by which the whole force stays the same on new meshes of a solid in the
+    plane; None: that of the mesh."""
 
 
 @dataclass(frozen=True)

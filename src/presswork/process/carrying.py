@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from presswork.body.solids import Mechanics
 from presswork.implicit.epochs import Epoch
@@ -45,10 +46,12 @@ def carry_state(before: Epoch, after: Epoch, carrier: Carrier) -> None:
                     else carrier.points(given, rest)
                 )
                 setattr(arrays, name, found)
+            elif becomes.kind == "cell":
+                setattr(arrays, name, carrier.cells(given, rest))
     after.run.evolution.clip(after.state)
-    _return_to_law(after)
+    _return_to_law(after, {part.block for part in carrier.parts if part.surface is not None})
     if after.run.heat is not None and before.run.heat is not None:
-        after.run.heat.keep_stored(after.state, before.run.heat.stored(before.state))
+        after.run.heat.keep_stored(after.state, before.run.heat.stored(before.state), carrier.is_new())
         after.run.heat.spread(after.state)
 
 
@@ -70,6 +73,8 @@ def carry_surface(before: ImplicitProcedure, after: ImplicitProcedure, carrier: 
                 at_rest = np.zeros((len(areas), *given.shape[1:]))
                 at_rest[nodes] = rest[own]
                 everywhere[nodes_n] = given[own_n]
+                if _is_other_body(before, nodes_n, nodes, after):
+                    _face(everywhere, nodes_n, before)
                 if becomes.kind == "surface":
                     found[own] = carrier.surface(everywhere, at_rest)[nodes]
                     continue
@@ -97,15 +102,38 @@ def _find_rows(run: ImplicitProcedure, arrays: Arrays) -> list[IntArray]:
     return [np.arange(len(run.model.mesh.points), dtype=np.int32)]
 
 
-def _return_to_law(after: Epoch) -> None:
-    """Bring what was fitted back to what a law can have.
+def _is_other_body(before: ImplicitProcedure, nodes_n: IntArray, nodes: IntArray, after: ImplicitProcedure) -> bool:
+    """Say whether a group of rows stands for another body now: the slave of a contact has been chosen anew."""
+    places = [
+        {i for i, body in enumerate(run.model.bodies) if np.isin(own, body.points).any()}
+        for run, own in ((before, nodes_n), (after, nodes))
+    ]
+    return len(places[0]) == len(places[1]) == 1 and places[0] != places[1]
+
+
+def _face(values: FloatArray, nodes: IntArray, run: ImplicitProcedure) -> None:
+    """Give what stands at nodes of one surface to the nodes of others that face it, in place."""
+    position = run.model.mesh.points + run.state.nodes.displacement
+    edges = run.model.mesh.boundary_edges
+    near = float(np.linalg.norm(position[edges[:, 1]] - position[edges[:, 0]], axis=1).max())
+    others = np.setdiff1d(edges, nodes)
+    distance, place = cKDTree(position[nodes]).query(position[others], k=2, distance_upper_bound=near)
+    faces = np.isfinite(distance).all(axis=1)
+    share = 1.0 / (distance[faces] + 1e-9 * near)
+    share /= share.sum(axis=1, keepdims=True)
+    values[others[faces]] = np.einsum("nk,nk...->n...", share, values[nodes[place[faces]]])
+
+
+def _return_to_law(after: Epoch, blocks: set[int]) -> None:
+    """Bring what was fitted in blocks of cells back to what a law can have.
 
     Deviators beyond the flow stress are scaled to it, of laws with isotropic hardening alone. The directions of other
     laws' axes, their last two values, get their length back.
     """
     mechanics, state, model = after.run.mechanics, after.state, after.run.model
     assert isinstance(mechanics, Mechanics)
-    for number, block in enumerate(model.mesh.blocks):
+    for number in sorted(blocks):
+        block = model.mesh.blocks[number]
         history, stress = state.cells.history[number], state.cells.stress[number]
         if history.shape[2] > 0:
             if model.materials[block.material].umat is None:

@@ -7,8 +7,8 @@ at zero. The material's first place is carried from mesh to mesh, so that result
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,9 +18,11 @@ from presswork.geometry.pose import ToolPose, place_segments, start_centre, star
 from presswork.implicit.epochs import new_epoch
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.body_interface import InterfaceArrays
 from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
-from presswork.model import FloatArray, Mesh, Model, Remeshing
+from presswork.mesh.joined import join_parts, split_mesh
+from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
 from presswork.process.implicit_recording import ImplicitRecording
@@ -28,6 +30,7 @@ from presswork.process.recording import Row
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import NewSection, OldSection, measure_sizes, remesh_section
 from presswork.remesh.triggers import find_cut_edge, find_flat_cell, find_long_edge
+from presswork.state import State
 
 MOST_JUMP = 0.02
 """Change of a tool's force, of the largest, from which on a finer mesh is tried."""
@@ -38,7 +41,7 @@ FINER = 0.7
 
 
 class RemeshedForming(ImplicitRecording):
-    """An implicit procedure at work on one body of quadrilaterals, meshed anew where its mesh would fail."""
+    """An implicit procedure at work on bodies in the plane, each meshed anew where its mesh would fail."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
@@ -46,8 +49,11 @@ class RemeshedForming(ImplicitRecording):
         undeclared = find_undeclared(self.procedure.state)
         if undeclared:
             raise StartError(f"nothing says how {', '.join(undeclared)} would pass to a new mesh: leave out [remesh]")
+        volume = self.procedure.state.cells.volume
+        self._first_volumes = [sum(float(volume[i].sum()) for i in body.blocks) for body in self._bodies()]
         try:
-            self._section().chain()
+            for section in self._sections():
+                section.chains()
         except MeshError as error:
             raise StartError(f"{error}: leave out [remesh]") from error
         self.settings: Remeshing = model.remeshing
@@ -66,23 +72,42 @@ class RemeshedForming(ImplicitRecording):
         """Make another mesh if the present one should not go on, and go on with it; return whether there is one."""
         if failure:
             return not self._made_at == self.number > 0 and self._remesh("the next increment fails")
-        reason = self._reason()
-        return reason is not None and self._remesh(reason)
+        found = self._reason()
+        return found is not None and self._remesh(*found)
 
-    def _reason(self) -> str | None:
-        """Return why the present mesh should not go on."""
-        state, mesh = self.procedure.state, self.model.mesh
-        position = mesh.points + state.nodes.displacement
+    def _reason(self) -> tuple[str, set[int]] | None:
+        """Return why the present mesh should not go on, and of which bodies."""
         if self.settings.every > 0.0 and self._passed_fraction():
-            return "due"
-        cells = np.concatenate([block.connectivity for block in mesh.blocks]).astype(np.intp)
-        flat = find_flat_cell(position, state.nodes.increment, cells, self.settings.quality)
+            return "due", set(range(self._n_bodies))
+        found: dict[int, str] = {}
+        increment = self.procedure.state.nodes.increment
+        for number, old in enumerate(self._sections()):
+            reason = self._reason_of(old, increment[old.points.start : old.points.stop], self._settings_of(number))
+            if reason is not None:
+                found[number] = reason
+        return ("; ".join(dict.fromkeys(found.values())), set(found)) if found else None
+
+    @staticmethod
+    def _reason_of(old: OldSection, increment: FloatArray, settings: Remeshing) -> str | None:
+        """Return why a body's mesh should not go on."""
+        flat = find_flat_cell(old.position, increment, old.corners(), settings.quality)
         if flat is not None:
             return flat
-        old = self._section()
-        chain = old.chain()
-        cut = find_cut_edge(position[chain], old.profiles)
-        return cut or find_long_edge(position[chain], measure_sizes(old, chain, self.settings))
+        lines = [old.position[chain] for chain in old.chains()]
+        for line in lines:
+            cut = find_cut_edge(line, old.profiles)
+            if cut is not None:
+                return cut
+        size = measure_sizes(old, settings)
+        return next((long for line in lines if (long := find_long_edge(line, size)) is not None), None)
+
+    @property
+    def _n_bodies(self) -> int:
+        return max(len(self.model.bodies), 1)
+
+    def _settings_of(self, body: int) -> Remeshing:
+        """Return the sizes and triggers of a body."""
+        return self.settings.of_body(self.model.bodies[body].name) if self.model.bodies else self.settings
 
     def _passed_fraction(self) -> bool:
         progress = self.procedure.state[Progress]
@@ -91,41 +116,62 @@ class RemeshedForming(ImplicitRecording):
         every = self.settings.every * (1 - 1e-9)
         return bool(np.floor(before / every) > np.floor(last / every))
 
-    def _section(self) -> OldSection:
+    def _sections(self) -> list[OldSection]:
+        """Return the bodies where they are now."""
         procedure, model, state = self.procedure, self.model, self.procedure.state
-        contact = procedure.interactions.tools.contact
-        on_tool = np.zeros((len(model.plane_tools), len(model.mesh.points)), dtype=bool)
+        n_points = len(model.mesh.points)
+        on_tool = np.zeros((len(model.plane_tools), n_points), dtype=bool)
         profiles = []
         if ToolArrays in state:
             held, placed = state[ContactArrays].status > 0, state[ToolArrays]
-            on_tool[:, contact.nodes] = held.reshape(len(model.plane_tools), 2, -1).any(axis=1)
+            touching = held.reshape(len(model.plane_tools), 2, -1).any(axis=1)
+            on_tool[:, procedure.interactions.tools.contact.nodes] = touching
             profiles = [
                 place_segments(start_profile(t), ToolPose(start_centre(t), moved, float(angle)))
                 for t, moved, angle in zip(model.plane_tools, placed.displacement, placed.angle, strict=True)
             ]
-        fixed = procedure.interactions.supports.fixed(procedure.present_step().stage)
+        if InterfaceArrays in state:
+            on_tool = np.concatenate([on_tool, (state[InterfaceArrays].force != 0.0).any(axis=1, keepdims=True).T])
+        fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))
         position = model.mesh.points + state.nodes.displacement
-        ring = model.analysis == "axisymmetric"
-        return OldSection(model.mesh, position, on_tool, np.asarray(fixed), profiles, ring, self._lost_volume())
+        bodies = self._bodies()
+        sections = []
+        for number, (body, mesh) in enumerate(zip(bodies, split_mesh(model.mesh, bodies), strict=True)):
+            own = slice(body.points.start, body.points.stop)
+            ring, lost = model.analysis == "axisymmetric", self._lost_volume(body, number)
+            sections.append(
+                OldSection(mesh, position[own], on_tool[:, own], fixed[own], profiles, ring, body.points, lost)
+            )
+        return sections
 
-    def _lost_volume(self) -> float:
-        """Return the part of the volume that cells have lost beyond what their pressure explains."""
+    def _bodies(self) -> Sequence[Body]:
+        mesh = self.model.mesh
+        return self.model.bodies or (Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks))),)
+
+    def _lost_volume(self, body: Body, number: int) -> float:
+        """Return the part of a body's volume that cells have lost beyond what their pressure explains."""
         cells, unloaded = self.procedure.state.cells, 0.0
-        for block, stress, volume in zip(self.model.mesh.blocks, cells.stress, cells.volume, strict=True):
-            material = self.model.materials[block.material]
+        for block in body.blocks:
+            material = self.model.materials[self.model.mesh.blocks[block].material]
+            stress, volume = cells.stress[block], cells.volume[block]
             dilatation = stress[..., :3].sum(axis=-1) * (1.0 - 2.0 * material.poisson) / material.young
             unloaded += float((volume * np.exp(-dilatation)).sum())
-        return float(np.clip(self.procedure.initial_volume / unloaded - 1.0, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
+        lost = self._first_volumes[number] / unloaded - 1.0
+        return float(np.clip(lost, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
 
-    def _remesh(self, reason: str) -> bool:
-        """Make a new mesh and go on with it; the old one stays where that fails.
+    def _remesh(self, reason: str, bodies: set[int] | None = None) -> bool:
+        """Make new meshes of bodies (None: of all), and go on with them; the old ones stay where that fails.
 
         Where a tool's force changes by more than MOST_JUMP a second, finer mesh is tried; the better one is taken.
+        Quadratic cells all give way at once: bodies have as many nodes on an edge.
         """
-        old, found, faults = self._section(), [], []
+        old: list[OldSection] = self._sections()
+        own = bodies if bodies and self.model.mesh.boundary_edges.shape[1] == 2 else set(range(len(old)))
+        found: list[_NewEpoch] = []
+        faults: list[str] = []
         for part in (1.0, FINER):
             try:
-                found.append(self._try_mesh(old, part))
+                found.append(self._try_mesh(old, own, part))
             except (MeshError, GaveUpError) as error:
                 faults.append(str(error))
                 continue
@@ -137,27 +183,31 @@ class RemeshedForming(ImplicitRecording):
         self._begin_on(new.procedure, new.origin)
         volume = new.procedure.volume() / new.procedure.initial_volume - 1.0
         self._notes.append(
-            f"remesh {self.epoch} ({reason}): {len(self.model.mesh.blocks[0].connectivity)} cells, largest "
+            f"remesh {self.epoch} ({reason}): {sum(len(b.connectivity) for b in self.model.mesh.blocks)} cells, largest "
             f"force of a tool changes by {new.jump:.2%}, volume {volume:+.2e} of the first, {new.iterations} iterations"
             + (f"; none of {len(found)} meshes keeps the force within {MOST_JUMP:.0%}" if new.jump > MOST_JUMP else "")
         )
         return True
 
-    def _try_mesh(self, old: OldSection, part: float) -> _NewEpoch:
-        """Return equilibrium on a new mesh of a part of the size. Raises MeshError or GaveUpError."""
-        before, new = self.procedure, remesh_section(old, self.settings, part=part)
-        carrier = Carrier(old.mesh, old.position, new.mesh, [_whole(old.mesh, new)])
-        after = new_epoch(before, new.mesh, lambda old, new: carry_state(old, new, carrier))
+    def _try_mesh(self, old: list[OldSection], own: set[int], part: float) -> _NewEpoch:
+        """Return equilibrium on new meshes of bodies, of a part of the size. Raises MeshError or GaveUpError."""
+        before = self.procedure
+        new = [
+            remesh_section(section, self._settings_of(i), part=part) if i in own else None
+            for i, section in enumerate(old)
+        ]
+        position = before.model.mesh.points + before.state.nodes.displacement
+        mesh, parts = _join(old, new)
+        carrier = Carrier(before.model.mesh, position, mesh, parts)
+        after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
         carry_surface(before, after, carrier)
         outcome = after.balance_at_rest()
         if isinstance(outcome, Failed):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
-        force, force_n = (p.state[ToolArrays].force[:, :2] for p in (after, before))
-        jump = np.abs(force - force_n).max(initial=0.0) / max(np.abs(force_n).max(initial=0.0), 1e-300)
         origin = carrier.motion(self.mesh.points)
-        if old.ring:
-            origin[new.mesh.points[:, 0] == 0.0, 0] = 0.0
-        return _NewEpoch(after, origin, float(jump), len(outcome.log))
+        if old[0].ring:
+            origin[mesh.points[:, 0] == 0.0, 0] = 0.0
+        return _NewEpoch(after, origin, _measure_jump(before.state, after.state), len(outcome.log))
 
     def _stay(self, reason: str, fault: str) -> bool:
         """Go on with the old mesh."""
@@ -182,6 +232,22 @@ class _NewEpoch:
     iterations: int
 
 
-def _whole(old: Mesh, new: NewSection) -> Part:
-    """Return the only body as a part."""
-    return Part(range(len(old.points)), range(len(new.mesh.points)), 0, new.surface())
+def _join(old: Sequence[OldSection], new: Sequence[NewSection | None]) -> tuple[Mesh, list[Part]]:
+    """Return the mesh of all bodies, those without a new one as they lie now, and what becomes of each."""
+    parts, meshes, first = [], [], 0
+    for block, (before, made) in enumerate(zip(old, new, strict=True)):
+        mesh = replace(before.mesh, points=before.position) if made is None else made.mesh
+        points = range(first, first + len(mesh.points))
+        surface = None if made is None else made.surface(before.points.start, first)
+        parts.append(Part(before.points, points, block, surface))
+        meshes.append(mesh)
+        first = points.stop
+    return join_parts(meshes), parts
+
+
+def _measure_jump(before: State, after: State) -> float:
+    """Return the largest change of a tool's force over the largest force."""
+    if ToolArrays not in before:
+        return 0.0
+    force, force_n = (state[ToolArrays].force[:, :2] for state in (after, before))
+    return float(np.abs(force - force_n).max(initial=0.0) / max(np.abs(force_n).max(initial=0.0), 1e-300))

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from presswork import _core
+from presswork.geometry.polygon import list_sides
 from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.checks import MeshError
 from presswork.model import BoolArray, FloatArray, IndexArray
@@ -46,7 +47,7 @@ class OldLine:
     points: FloatArray
     """(n, 2) [mm]."""
     on_tool: BoolArray
-    """Which tools hold a node (n_tools, n)."""
+    """Which tools hold a node; a last row, if there is one more, marks nodes on other bodies (n_tools, n)."""
     in_plane: BoolArray
     """Which nodes supports hold along x and y (n, 2)."""
     kept: BoolArray
@@ -83,15 +84,20 @@ def enclosed_volume(line: FloatArray, *, ring: bool) -> float:
     return float(0.5 * ((line[:, 0] + after[:, 0]) * rise).sum())
 
 
-def find_fold(line: FloatArray) -> tuple[int, int] | None:
-    """Return two sides of a closed line (n, 2) that cross each other; None if there are none."""
-    n = len(line)
-    after = np.roll(line, -1, axis=0)
+def refuse_fold(sides: FloatArray) -> None:
+    """Raise MeshError where sides (n, 2, 2) cross each other."""
+    fold = find_fold(sides)
+    if fold is not None:
+        raise _fold_error(sides[:, 0], fold)
+
+
+def find_fold(sides: FloatArray) -> tuple[int, int] | None:
+    """Return two of sides (n, 2, 2) that cross each other; None if there are none."""
+    line, after = np.moveaxis(sides, 1, 0)
     first = _turn(line[:, None], after[:, None], line[None]) * _turn(line[:, None], after[:, None], after[None])
     crosses = (first < 0.0) & (first.T < 0.0)
-    i, j = np.nonzero(np.triu(crosses, 2))
-    apart = np.flatnonzero(j - i < n - 1)
-    return (int(i[apart[0]]), int(j[apart[0]])) if len(apart) else None
+    i, j = np.nonzero(np.triu(crosses, 1))
+    return (int(i[0]), int(j[0])) if len(i) else None
 
 
 def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
@@ -104,7 +110,7 @@ def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
 def resample(old: OldLine, size: SizeField) -> NewLine:
     """Return a new line whose edges have the size asked for.
 
-    Raises MeshError where the line crosses itself, or its volume cannot be given back.
+    Raises MeshError where its volume cannot be given back.
     """
     curve = _Curve(old)
     place, w = curve.measure(size)
@@ -116,14 +122,12 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     places = np.mod(np.concatenate(spread), len(old.points))
     points, is_free = curve.at(places), curve.is_free(places)
     points, is_free, offset = _give_volume_back(points, is_free, old)
-    fold = find_fold(points)
+    fold = find_fold(list_sides(points))
     if fold is not None:
         kept = _close_lap(points, fold, is_free)
         places = places[kept]
         points, is_free, offset = _give_volume_back(points[kept], is_free[kept], old)
-        fold = find_fold(points)
-    if fold is not None:
-        raise _fold_error(points, fold)
+        refuse_fold(list_sides(points))
     return NewLine(points, places, is_free, offset)
 
 
@@ -278,7 +282,7 @@ class _Curve:
     def soft_places(self) -> FloatArray:
         """Return the ends of contacts, and nodes alone in contact (m,)."""
         before = np.roll(self.kind, 1)
-        alone = self.old.on_tool.any(axis=0) & (before == FREE) & (self.kind == FREE)
+        alone = self.old.on_tool[: len(self._ways)].any(axis=0) & (before == FREE) & (self.kind == FREE)
         return np.flatnonzero(alone | (before != self.kind)).astype(float)
 
     def measure(self, size: SizeField) -> tuple[FloatArray, FloatArray]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.mesh.topology import count_corners
-from presswork.model import ELEMENTS, CellBlock, FloatArray, IndexArray, Mesh
+from presswork.model import ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArray, Mesh
 from presswork.remesh.transfer import Places, PointTransfer, find_transfer, locate
 
 
@@ -60,8 +60,8 @@ class _Sources:
     @cached_property
     def old_cells(self) -> IndexArray:
         """Corners of the old cells (n_cells, 3 | 4)."""
-        connectivity = self.old.connectivity
-        return connectivity[:, : count_corners(connectivity.shape[1])].astype(np.intp)
+        corners = self.old.connectivity[:, : count_corners(self.old.connectivity.shape[1])]
+        return corners.astype(np.intp)
 
     @cached_property
     def places(self) -> Places:
@@ -98,6 +98,13 @@ class Carrier:
             blocks = old.blocks[part.block], new.blocks[part.block]
             self._sources.append(_Sources(position, *blocks, new.points, own) if part.surface is not None else None)
 
+    def is_new(self) -> BoolArray:
+        """Mark the nodes of parts whose mesh is new (n_new_points,)."""
+        new = np.zeros(self._n_points, dtype=bool)
+        for part in self.parts:
+            new[part.new_points.start : part.new_points.stop] = part.surface is not None
+        return new
+
     def motion(self, values: FloatArray) -> FloatArray:
         """Carry moves of the old nodes (n_old_points, m) by the shape functions of the old cells."""
         result = np.zeros((self._n_points, *values.shape[1:]))
@@ -132,6 +139,14 @@ class Carrier:
             if sources is None or not given.size:
                 continue
             result[part.block] = _apply(sources.of_points, given.reshape(-1, *given.shape[2:]), rest.shape[:2])
+        return result
+
+    def cells(self, values: Sequence[FloatArray], at_rest: Sequence[FloatArray]) -> list[FloatArray]:
+        """Return values of the cells of each block (n_cells, ...) that stay, and those at rest of new cells."""
+        result = [given.copy() for given in at_rest]
+        for part in self.parts:
+            if part.surface is None:
+                result[part.block] = values[part.block].copy()
         return result
 
     def surface(self, values: FloatArray, at_rest: FloatArray) -> FloatArray:

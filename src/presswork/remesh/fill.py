@@ -13,12 +13,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
-from presswork.geometry.polygon import contains, list_sides, measure_distance
+from presswork.geometry.polygon import contains, measure_distance
 from presswork.mesh.checks import MeshError, corner_jacobians
 from presswork.model import BoolArray, FloatArray, IndexArray
 
@@ -35,17 +35,28 @@ _LEAST_JOINED = 0.35
 """Least sine of the corners of two triangles joined."""
 
 
-def fill_with_quadrilaterals(line: FloatArray, size: SizeField) -> tuple[FloatArray, IndexArray]:
+def close_loops(lengths: Sequence[int]) -> IndexArray:
+    """Return the number of the node that follows each of closed loops of so many nodes (k,)."""
+    firsts = np.cumsum([0, *lengths])[:-1].tolist()
+    return np.concatenate([first + np.roll(np.arange(n), -1) for first, n in zip(firsts, lengths, strict=True)])
+
+
+def fill_with_quadrilaterals(
+    line: FloatArray, size: SizeField, after: IndexArray | None = None
+) -> tuple[FloatArray, IndexArray]:
     """Return points (n, 2) and quadrilaterals (m, 4), counter-clockwise, inside a closed line.
 
-    line: nodes (k, 2) [mm], counter-clockwise, k even, the first not repeated; they come first among the points, as
-    they are. Corners belong at even places. Raises MeshError where the line is too coarse for its own shape.
+    line: nodes (k, 2) [mm], counter-clockwise, the first not repeated; loops round holes, clockwise, come behind it.
+    They come first among the points, as they are. Corners belong at even places, every loop has an even number. after:
+    the node that follows each (k,); None: there are no holes. Raises MeshError where the line is too coarse.
     """
     if len(line) % 2 or len(line) < 8:
         raise MeshError(f"a boundary of {len(line)} nodes", "an even number of them, at least eight")
+    after = close_loops([len(line)]) if after is None else after
     coarse = line[::2]
-    vertices, triangles = _triangulate(coarse, lambda p: 2.0 * size(p))
-    points, cells = _split(vertices, triangles, _join(vertices, triangles), line)
+    along = after[after[::2]] // 2
+    vertices, triangles = _triangulate(coarse, along, lambda p: 2.0 * size(p))
+    points, cells = _split(vertices, triangles, _join(vertices, triangles), line, along)
     points = _smooth(points, cells, len(line))
     worst = measure_quality(points, cells)
     if worst.min() <= 0.0:
@@ -57,8 +68,10 @@ def fill_with_quadrilaterals(line: FloatArray, size: SizeField) -> tuple[FloatAr
 def measure_quality(points: FloatArray, cells: IndexArray) -> FloatArray:
     """Return the quality of quadrilaterals (n,): 1 for a square, at most 0 for one that is not convex.
 
-    The least Jacobian at a corner over the mean square of all sides.
+    The least Jacobian at a corner over the mean square of all sides; of triangles so that an even-sided one has 1.
     """
+    if cells.shape[1] == 3:
+        return _measure_triangles(points, cells)
     x, y = points.T
     (xa, xb, xc, xd), (ya, yb, yc, yd) = x[cells.T], y[cells.T]
     sides = (xb - xa, yb - ya), (xc - xb, yc - yb), (xd - xc, yd - yc), (xa - xd, ya - yd)
@@ -70,10 +83,23 @@ def measure_quality(points: FloatArray, cells: IndexArray) -> FloatArray:
     return np.asarray(4.0 * least / square)
 
 
-def _triangulate(line: FloatArray, size: SizeField) -> tuple[FloatArray, IndexArray]:
+def _measure_triangles(points: FloatArray, cells: IndexArray) -> FloatArray:
+    """Return the quality of triangles (n,): twice the area over the mean square of the sides, times 2 / sqrt(3)."""
+    corners = points[cells]
+    sides = np.roll(corners, -1, axis=1) - corners
+    double = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    return np.asarray(2.0 / np.sqrt(3.0) * double / (sides**2).sum(axis=(1, 2)) * 3.0)
+
+
+def _list_sides(line: FloatArray, after: IndexArray) -> FloatArray:
+    """Return the sides of loops (k, 2, 2): start and end."""
+    return np.stack([line, line[after]], axis=1)
+
+
+def _triangulate(line: FloatArray, after: IndexArray, size: SizeField) -> tuple[FloatArray, IndexArray]:
     """Return vertices, those of the line first, and triangles counter-clockwise that fill it."""
-    inner = _place_vertices(line, size)
-    sides = list_sides(line)
+    inner = _place_vertices(line, after, size)
+    sides = _list_sides(line, after)
     triangles = np.zeros((0, 3), dtype=np.intp)
     for round_ in range(_TRIANGLE_ROUNDS + 1):
         points = np.concatenate([line, inner])
@@ -91,31 +117,32 @@ def _triangulate(line: FloatArray, size: SizeField) -> tuple[FloatArray, IndexAr
         triangles = triangles[np.abs(area) > 1e-12 * np.abs(area).max()]
         if round_ < _TRIANGLE_ROUNDS:
             inner = _relax(points, triangles, len(line))
-    _check_sides(line, triangles)
+    _check_sides(line, after, triangles)
     return points, triangles
 
 
-def _place_vertices(line: FloatArray, size: SizeField) -> FloatArray:
+def _place_vertices(line: FloatArray, after: IndexArray, size: SizeField) -> FloatArray:
     """Return inner vertices: rows that follow the line, and square lattices inside them."""
-    rows = _place_rows(line, size)
-    inner = np.concatenate([rows, _place_lattice(np.concatenate([line, rows]), line, size)])
+    rows = _place_rows(line, after, size)
+    inner = np.concatenate([rows, _place_lattice(np.concatenate([line, rows]), _list_sides(line, after), size)])
     return _thin(inner, size)
 
 
-def _place_rows(line: FloatArray, size: SizeField) -> FloatArray:
+def _place_rows(line: FloatArray, after: IndexArray, size: SizeField) -> FloatArray:
     """Return vertices in rows along the line, LAYERS deep, in thin metal as many as fit between its walls."""
-    along = np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0)
+    before = np.argsort(after)
+    along = line[after] - line[before]
     inwards = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True)
-    side = np.roll(line, -1, axis=0) - line
+    side = line[after] - line
     side /= np.linalg.norm(side, axis=1, keepdims=True)
-    lean = np.sqrt(np.maximum(0.5 * (1.0 + (side * np.roll(side, 1, axis=0)).sum(axis=1)), 0.25))
-    thickness = measure_thickness(line, line, inwards)
+    lean = np.sqrt(np.maximum(0.5 * (1.0 + (side * side[before]).sum(axis=1)), 0.25))
+    thickness = measure_thickness(_list_sides(line, after), line, inwards)
     step = size(line)
     count = np.maximum(np.floor(thickness / step + 0.75), 1.0)  # three rows of cells from 2.5 sizes on
     thin = count <= 2 * LAYERS + 1
     step[thin] = thickness[thin] / count[thin]
     step /= lean
-    sides, rows = list_sides(line), [np.zeros((0, 2))]
+    sides, rows = _list_sides(line, after), [np.zeros((0, 2))]
     for layer in range(1, LAYERS + 1):
         own = layer * lean < 0.5 * count + 0.25
         place = line[own] + layer * (step[own, None] * inwards[own])
@@ -124,10 +151,10 @@ def _place_rows(line: FloatArray, size: SizeField) -> FloatArray:
     return np.concatenate(rows)
 
 
-def _place_lattice(taken: FloatArray, line: FloatArray, size: SizeField) -> FloatArray:
+def _place_lattice(taken: FloatArray, sides: FloatArray, size: SizeField) -> FloatArray:
     """Return vertices on square lattices of spacings that differ by the root of two, off those that are taken."""
+    line, tree = sides[:, 0], cKDTree(taken)
     low, high = line.min(axis=0), line.max(axis=0)
-    tree, sides = cKDTree(taken), list_sides(line)
     least = float(size(line).min())
     most = float(np.linalg.norm(high - low))
     kept: list[FloatArray] = []
@@ -180,13 +207,12 @@ def _relax(points: FloatArray, triangles: IndexArray, n_line: int) -> FloatArray
     return np.asarray(0.5 * (points + mean)[n_line:])
 
 
-def _check_sides(line: FloatArray, triangles: IndexArray) -> None:
+def _check_sides(line: FloatArray, after: IndexArray, triangles: IndexArray) -> None:
     """Refuse a triangulation that does not hold every side of the line."""
     n = len(line)
     ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     number = ends[:, 0] * (n + triangles.max() + 1) + ends[:, 1]
-    first = np.arange(n)
-    wanted = first * (n + triangles.max() + 1) + (first + 1) % n
+    wanted = np.arange(n) * (n + triangles.max() + 1) + after
     missing = np.flatnonzero(~np.isin(wanted, number))
     if len(missing):
         x, y = line[missing[0]]
@@ -219,7 +245,7 @@ def _join(points: FloatArray, triangles: IndexArray) -> IndexArray:
 
 
 def _split(
-    vertices: FloatArray, triangles: IndexArray, pairs: IndexArray, line: FloatArray
+    vertices: FloatArray, triangles: IndexArray, pairs: IndexArray, line: FloatArray, after: IndexArray
 ) -> tuple[FloatArray, IndexArray]:
     """Return points and cells: every quadrilateral in four, every triangle in three; the line's nodes come first."""
     joined = np.zeros(len(triangles), dtype=bool)
@@ -232,9 +258,10 @@ def _split(
     number = number.reshape(-1)
     n_coarse = len(line) // 2
     place = np.concatenate([np.arange(0, len(line), 2), len(line) + np.arange(len(vertices) - n_coarse)])
-    gap = sides[:, 1] - sides[:, 0]
-    on_line = (sides[:, 1] < n_coarse) & ((gap == 1) | ((gap == n_coarse - 1) & (sides[:, 0] == 0)))
-    first = np.where(gap == 1, sides[:, 0], sides[:, 1])
+    follows = np.concatenate([after, np.full(len(vertices) - n_coarse, -1)])
+    ahead, back = follows[sides[:, 0]] == sides[:, 1], follows[sides[:, 1]] == sides[:, 0]
+    on_line = ahead | back
+    first = np.where(ahead, sides[:, 0], sides[:, 1])
     n = len(line) + len(vertices) - n_coarse
     middle = np.where(on_line, 2 * first + 1, 0)
     middle[~on_line] = n + np.arange(int((~on_line).sum()))
@@ -289,13 +316,13 @@ def _mark(nodes: IndexArray, n: int) -> BoolArray:
 
 
 def measure_thickness(
-    line: FloatArray, places: FloatArray, inwards: FloatArray, doubled: BoolArray | None = None
+    sides: FloatArray, places: FloatArray, inwards: FloatArray, doubled: BoolArray | None = None
 ) -> FloatArray:
-    """Return the way from places (n, 2) along unit directions (n, 2) to the opposite side of a closed line (n,) [mm].
+    """Return the way from places (n, 2) along unit directions (n, 2) to the opposite one of sides (k, 2, 2) (n,) [mm].
 
     doubled (k,): sides up to which the way counts twice. Infinite where no side lies opposite.
     """
-    along = np.roll(line, -1, axis=0) - line
+    line, along = sides[:, 0], sides[:, 1] - sides[:, 0]
     length = np.linalg.norm(along, axis=1)
     normal = np.column_stack([-along[:, 1], along[:, 0]]) / length[:, None]
     cross = inwards[:, None, 0] * along[None, :, 1] - inwards[:, None, 1] * along[None, :, 0]

@@ -8,41 +8,67 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from presswork.geometry.polygon import list_sides
 from presswork.mesh.checks import MeshError
-from presswork.mesh.topology import chain_edges, find_boundary_edges
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Mesh, Remeshing
-from presswork.remesh.boundary import NewLine, OldLine, resample
+from presswork.mesh.topology import chain_edges, count_corners, find_boundary_edges
+from presswork.model import BoolArray, ElementName, FloatArray, IndexArray, IntArray, Mesh, Remeshing
+from presswork.remesh.boundary import NewLine, OldLine, enclosed_volume, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
-from presswork.remesh.fill import fill_with_quadrilaterals
+from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
 from presswork.remesh.size_field import GradedSize, gap_sources, join_sources, tool_curvature
 
 _ATTEMPTS, _FINER = 3, 0.8
 """Where the boundary cannot be kept, or filled, cells are made smaller by a factor, and tried again."""
 
 
+ELEMENT: ElementName = "quad4_fbar"
+"""Of new meshes whose first one has triangles or quadratic cells."""
+
+
+def halve_edges(edges: IntArray) -> IntArray:
+    """Return edges with a node in their middle (n, 3) as two each, in their order; others as they are."""
+    return edges if edges.shape[1] == 2 else np.ascontiguousarray(edges[:, [0, 2, 2, 1]].reshape(-1, 2))
+
+
 @dataclass(frozen=True)
 class OldSection:
-    """What a remesh needs of the deformed mesh."""
+    """What a remesh needs of a body's deformed mesh: one block of cells."""
 
     mesh: Mesh
     position: FloatArray
     """Of the nodes (n_points, 2) [mm]."""
     on_tool: BoolArray
-    """Which tools hold a node (n_tools, n_points)."""
+    """Which tools hold a node; a last row, if there is one more, marks nodes on other bodies (n, n_points)."""
     fixed: BoolArray
     """Components that supports hold (n_points, 2)."""
     profiles: Sequence[FloatArray]
     """Of the tools where they stand."""
     ring: bool
+    points: range
+    """Its nodes among those of all bodies."""
     lost: float = 0.0
     """Part of the volume that was lost so far."""
 
-    def chain(self) -> IndexArray:
-        """Return the nodes of the boundary in order, counter-clockwise (k,). Raises MeshError if it is not one line."""
-        edges = chain_edges(self.mesh.boundary_edges, self.position)
-        if (edges[1:, 0] != edges[:-1, 1]).any() or edges[-1, 1] != edges[0, 0]:
-            raise MeshError("the boundary of the workpiece is not one closed line", "a section without holes")
-        return edges[:, 0].astype(np.intp)
+    def corners(self) -> IndexArray:
+        """Return the corners of the cells (n_cells, 3 | 4)."""
+        connectivity = self.mesh.blocks[0].connectivity
+        return connectivity[:, : count_corners(connectivity.shape[1])].astype(np.intp)
+
+    def chains(self) -> list[IndexArray]:
+        """Return the nodes of each loop of the boundary in order, the metal on the left.
+
+        Raises MeshError where loops are not closed, or share a node.
+        """
+        edges = chain_edges(halve_edges(self.mesh.boundary_edges), self.position)
+        ends = np.flatnonzero(np.append(edges[1:, 0] != edges[:-1, 1], True)) + 1
+        loops = np.split(edges, ends[:-1])
+        if any(loop[-1, 1] != loop[0, 0] for loop in loops) or len(np.unique(edges[:, 0])) < len(edges):
+            raise MeshError("the boundary of a body is not made of closed lines", "bodies whose parts do not touch")
+        return [loop[:, 0].astype(np.intp) for loop in loops]
+
+    def sides(self) -> FloatArray:
+        """Return the sides of the boundary, loop after loop (k, 2, 2) [mm]."""
+        return np.concatenate([list_sides(self.position[chain]) for chain in self.chains()])
 
 
 @dataclass(frozen=True)
@@ -54,28 +80,27 @@ class NewSection:
     """Its nodes come first among those of the mesh."""
     chain: IndexArray
     """Nodes of the old boundary, to which places on the line refer (k,)."""
+    following: IndexArray
+    """Which of them follows each (k,)."""
 
-    def surface(self) -> SurfacePlaces:
-        """Return where its boundary nodes lie on the old boundary."""
+    def surface(self, first_old: int, first_new: int) -> SurfacePlaces:
+        """Return where its boundary nodes lie on the old boundary; first: node of the body in all of the mesh."""
         before = self.line.place.astype(int)
-        after = np.roll(self.chain, -1)
-        return SurfacePlaces(
-            np.arange(len(before)), self.chain[before], after[before], np.asarray(self.line.place - before)
-        )
+        old, after = self.chain + first_old, self.chain[self.following] + first_old
+        part = np.asarray(self.line.place - before)
+        return SurfacePlaces(first_new + np.arange(len(before)), old[before], after[before], part)
 
 
-def measure_sizes(old: OldSection, chain: IndexArray, settings: Remeshing) -> GradedSize:
+def measure_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
     """Return the size of cells that tools, thickness and budget ask for now."""
-    line = old.position[chain]
-    held = (old.fixed[chain] & np.roll(old.fixed[chain], -1, axis=0)).any(axis=1)
-    sources = [gap_sources(line, np.asarray(held))]
-    sources += [tool_curvature(line, p, settings.size, settings.smallest_size) for p in old.profiles]
-    size = GradedSize(line, join_sources(*sources), settings.size, settings.smallest_size)
-    cells = np.concatenate([block.connectivity for block in old.mesh.blocks])
-    corners = old.position[cells]
-    diagonals = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
-    area = 0.5 * np.abs(diagonals[0][:, 0] * diagonals[1][:, 1] - diagonals[0][:, 1] * diagonals[1][:, 0])
-    expected = float((area / size(corners.mean(axis=1)) ** 2).sum())
+    sides = old.sides()
+    held = [(old.fixed[c] & np.roll(old.fixed[c], -1, axis=0)).any(axis=1) for c in old.chains()]
+    sources = [gap_sources(sides, np.concatenate(held))]
+    sources += [tool_curvature(sides, p, settings.size, settings.smallest_size) for p in old.profiles]
+    size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, settings.smallest_size)
+    x, y = np.moveaxis(old.position[old.corners()], -1, 0)
+    area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
+    expected = float((area / size(np.column_stack([x.mean(axis=1), y.mean(axis=1)])) ** 2).sum())
     if expected > settings.max_cells:
         size.scale(float(np.sqrt(expected / settings.max_cells)))
     return size
@@ -83,65 +108,113 @@ def measure_sizes(old: OldSection, chain: IndexArray, settings: Remeshing) -> Gr
 
 def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> NewSection:
     """Return a new mesh of the same element and material, of a part of the size. Raises MeshError if there is none."""
-    chain = old.chain()
-    size = measure_sizes(old, chain, settings)
+    chains = old.chains()
+    size = measure_sizes(old, settings)
     size.scale(part)
-    old_line = OldLine(
-        old.position[chain], old.on_tool[:, chain], old.fixed[chain], find_set_ends(old.mesh, chain), old.profiles,
-        old.ring, old.lost,
-    )  # fmt: skip
+    old_lines = [
+        OldLine(
+            old.position[chain], old.on_tool[:, chain], old.fixed[chain], find_set_ends(old.mesh, chain), old.profiles,
+            old.ring, lost,
+        )
+        for chain, lost in zip(chains, _share_lost(old, chains), strict=True)
+    ]  # fmt: skip
     for attempt in range(_ATTEMPTS):
         try:
-            line = resample(old_line, size)
-            points, cells = fill_with_quadrilaterals(line.points, size)
+            line, after = _join_lines([resample(old_line, size) for old_line in old_lines], chains)
+            points, cells = fill_with_quadrilaterals(line.points, size, after)
         except MeshError:
             if attempt == _ATTEMPTS - 1:
                 raise
             size.scale(_FINER)
             continue
         break
-    return NewSection(_name_mesh(old.mesh, chain, line, points, cells), line, chain)
+    return NewSection(
+        _name_mesh(old.mesh, chains, line, after, points, cells), line, np.concatenate(chains), _follow(chains)
+    )
 
 
-def _edges_in(sets: Mapping[str, IntArray], chain: IndexArray) -> dict[str, tuple[BoolArray, BoolArray]]:
+def _share_lost(old: OldSection, chains: Sequence[IndexArray]) -> list[float]:
+    """Return the part of the volume inside each loop that it gives back: the outer ones alone, for all of them."""
+    inside = np.array([enclosed_volume(old.position[chain], ring=old.ring) for chain in chains])
+    outer = inside > 0.0
+    return (old.lost * float(inside.sum() / inside[outer].sum()) * outer).tolist()
+
+
+def _follow(chains: Sequence[IndexArray]) -> IndexArray:
+    """Return the place of the node that follows each in loops put one behind the other (k,)."""
+    return close_loops([len(chain) for chain in chains])
+
+
+def _join_lines(lines: Sequence[NewLine], chains: Sequence[IndexArray]) -> tuple[NewLine, IndexArray]:
+    """Return new loops as one line whose places count through all loops, and the node that follows each.
+
+    Raises MeshError where sides cross each other.
+    """
+    firsts = np.cumsum([0, *(len(chain) for chain in chains)])[:-1].tolist()
+    joined = NewLine(
+        np.concatenate([line.points for line in lines]),
+        np.concatenate([first + line.place for first, line in zip(firsts, lines, strict=True)]),
+        np.concatenate([line.is_free for line in lines]),
+        max((line.offset for line in lines), key=abs),
+    )
+    after = close_loops([len(line.points) for line in lines])
+    if len(lines) > 1:
+        refuse_fold(np.stack([joined.points, joined.points[after]], axis=1))
+    return joined, after
+
+
+def _edges_in(
+    sets: Mapping[str, IntArray], chain: IndexArray, following: IndexArray
+) -> dict[str, tuple[BoolArray, BoolArray]]:
     """Return by set which nodes of the chain it holds, and which sides after them lie in it whole."""
     found = {}
     for name, nodes in sets.items():
         inside = np.isin(chain, nodes)
-        found[name] = inside, inside & np.roll(inside, -1)
+        found[name] = inside, inside & inside[following]
     return found
 
 
 def find_set_ends(mesh: Mesh, chain: IndexArray) -> BoolArray:
     """Mark the nodes of the boundary at which a named set ends (k,)."""
     ends = np.zeros(len(chain), dtype=bool)
-    for inside, sides in _edges_in(mesh.node_sets, chain).values():
+    for inside, sides in _edges_in(mesh.node_sets, chain, _follow([chain])).values():
         ends |= inside & ~(sides & np.roll(sides, 1))
     following = dict(zip(chain.tolist(), np.roll(chain, -1).tolist(), strict=True))
-    for edges in mesh.edge_sets.values():
+    for edges in map(halve_edges, mesh.edge_sets.values()):
         first = {a for a, b in edges[:, :2].tolist() if following.get(a) == b}
         sides = np.array([node in first for node in chain.tolist()], dtype=bool)
         ends |= sides != np.roll(sides, 1)
     return ends
 
 
-def _name_mesh(old: Mesh, chain: IndexArray, line: NewLine, points: FloatArray, cells: IndexArray) -> Mesh:
-    """Return the mesh with the sets of the old one: by the sides of the old boundary that nodes and edges lie on."""
+def _name_mesh(
+    old: Mesh, chains: Sequence[IndexArray], line: NewLine, new_following: IndexArray, points: FloatArray,
+    cells: IndexArray,
+) -> Mesh:  # fmt: skip
+    """Return the mesh with the sets of the old one: by the sides of the old boundary that nodes and edges lie on.
+
+    new_following: the node that follows each of the new boundary (n,).
+    """
+    chain, following = np.concatenate(chains), _follow(chains)
     connectivity: IntArray = cells.astype(np.int32)
     n_line = len(line.points)
     side = line.place.astype(int)
     at_node = line.place == side
     node_sets: dict[str, IntArray] = {}
-    for name, (inside, sides) in _edges_in(old.node_sets, chain).items():
+    for name, (inside, sides) in _edges_in(old.node_sets, chain, following).items():
         own = np.where(at_node, inside[side], sides[side])
         everything = len(old.node_sets[name]) == len(old.points)
         node_sets[name] = np.arange(len(points) if everything else n_line)[... if everything else own].astype(np.int32)
-    after = np.roll(line.place, -1)
+    after = line.place[new_following]
     middle = np.where(after > line.place, 0.5 * (line.place + after), line.place + 1e-9).astype(int) % len(chain)
     boundary = find_boundary_edges([connectivity])
     edge_sets = {}
-    for name, edges in old.edge_sets.items():
-        own_sides = np.isin(chain, edges[:, 0]) & np.isin(np.roll(chain, -1), edges[:, 1])
+    for name, whole in old.edge_sets.items():
+        edges = halve_edges(whole)
+        own_sides = np.isin(chain, edges[:, 0]) & np.isin(chain[following], edges[:, 1])
         edge_sets[name] = boundary[own_sides[middle][boundary[:, 0]]]
-    block = replace(old.blocks[0], connectivity=connectivity)
+    element = old.blocks[0].element
+    if not element.startswith("quad4"):
+        element = ELEMENT
+    block = replace(old.blocks[0], element=element, connectivity=connectivity)
     return Mesh(points, (block,), node_sets, edge_sets, boundary)

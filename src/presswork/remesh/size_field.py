@@ -77,8 +77,8 @@ def join_sources(*sources: SizeSources) -> SizeSources:
     return SizeSources(np.concatenate([s.place for s in sources]), np.concatenate([s.size for s in sources]))
 
 
-def tool_curvature(line: FloatArray, profile: FloatArray, largest: float, corner_size: float) -> SizeSources:
-    """Return sizes asked for by the arcs and corners of a placed profile near the boundary line (k, 2)."""
+def tool_curvature(sides: FloatArray, profile: FloatArray, largest: float, corner_size: float) -> SizeSources:
+    """Return sizes asked for by the arcs and corners of a placed profile near the sides of a boundary (k, 2, 2)."""
     way = ProfileWay(profile)
     places, sizes = [np.zeros((0, 2))], [np.zeros(0)]
     for i in np.flatnonzero(OF_RADIUS * way.radius < largest):
@@ -91,33 +91,33 @@ def tool_curvature(line: FloatArray, profile: FloatArray, largest: float, corner
     places.append(way.at(corners))
     sizes.append(np.full(len(corners), corner_size))
     place, size = np.concatenate(places), np.concatenate(sizes)
-    distance, _ = cKDTree(_refine(line, largest)).query(place)
+    distance, _ = cKDTree(_refine(sides, largest)).query(place)
     near = distance < REACH * largest
     # what is farther off may wait: it asks for less
     return SizeSources(place[near], size[near] + GRADATION * np.maximum(distance[near] - largest, 0.0))
 
 
-def _refine(line: FloatArray, spacing: float) -> FloatArray:
-    """Return points along a closed line no farther apart than a spacing."""
-    after = np.roll(line, -1, axis=0)
+def _refine(sides: FloatArray, spacing: float) -> FloatArray:
+    """Return points along sides (k, 2, 2) no farther apart than a spacing."""
+    line, after = np.moveaxis(sides, 1, 0)
     n = max(1, int(np.ceil(float(np.linalg.norm(after - line, axis=1).max()) / spacing)))
     part = (np.arange(n) / n)[:, None, None]
     return np.asarray((line + part * (after - line)).reshape(-1, 2))
 
 
-def metal_thickness(line: FloatArray, doubled: BoolArray) -> FloatArray:
-    """Return how thick the metal is inwards of each side's middle of a closed line (k, 2), counter-clockwise (k,) [mm].
+def metal_thickness(sides: FloatArray, doubled: BoolArray) -> FloatArray:
+    """Return how thick the metal is inwards of the middle of sides (k, 2, 2), the metal on their left (k,) [mm].
 
     doubled (k,): sides in symmetry planes; metal up to one is twice as thick. Infinite where no side lies opposite.
     """
-    along = np.roll(line, -1, axis=0) - line
+    along = sides[:, 1] - sides[:, 0]
     inwards = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True)
-    thickness = measure_thickness(line, 0.5 * (line + np.roll(line, -1, axis=0)), inwards, doubled)
+    thickness = measure_thickness(sides, sides.mean(axis=1), inwards, doubled)
     return np.asarray(np.where(doubled, np.inf, thickness))
 
 
-def gap_sources(line: FloatArray, doubled: BoolArray) -> SizeSources:
-    """Return a quarter of the metal's thickness at the middle of each side of the line (k, 2)."""
-    size = OF_GAP * metal_thickness(line, doubled)
+def gap_sources(sides: FloatArray, doubled: BoolArray) -> SizeSources:
+    """Return a quarter of the metal's thickness at the middle of each of sides (k, 2, 2)."""
+    size = OF_GAP * metal_thickness(sides, doubled)
     known = np.isfinite(size)
-    return SizeSources((0.5 * (line + np.roll(line, -1, axis=0)))[known], size[known])
+    return SizeSources(sides.mean(axis=1)[known], size[known])

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from presswork.geometry.polygon import list_sides
 from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.checks import MeshError
 from presswork.remesh.boundary import OldLine, enclosed_volume, find_fold, resample
@@ -102,8 +103,8 @@ def test_an_unfilled_inner_corner_of_a_tool_stays_void():
 
 def test_a_line_that_crosses_itself_is_found_and_refused():
     eight = np.array([[0, 0], [4, 4], [4, 0], [0, 4]], dtype=float)
-    assert find_fold(eight) == (0, 2)
-    assert find_fold(barrel(12)) is None
+    assert find_fold(list_sides(eight)) == (0, 2)
+    assert find_fold(list_sides(barrel(12))) is None
     points = barrel(12)
     points[16] = [-3.0, 5.0]
     with pytest.raises(MeshError, match="crosses itself"):
@@ -125,9 +126,9 @@ def test_a_small_lap_of_the_free_surface_is_closed():
     notch = points[middle] + [[0, -0.3], [-0.2, 0.01], [-0.5, -0.2], [-0.6, 0], [-0.5, 0.2], [-0.2, -0.01], [0, 0.3]]
     near = np.abs(points[:, 1] - points[middle, 1]) < 0.35
     lapped = np.concatenate([points[:middle][~near[:middle]], notch, points[middle:][~near[middle:]]])
-    assert find_fold(lapped) is not None
+    assert find_fold(list_sides(lapped)) is not None
     new = resample(old_line(lapped), uniform(0.15))
-    assert find_fold(new.points) is None
+    assert find_fold(list_sides(new.points)) is None
     assert len(new.points) % 2 == 0
     assert new.points[:, 0].min() == 0.0
     for corner in ([0, 0], [10, 0], [0, 10], [10, 10]):

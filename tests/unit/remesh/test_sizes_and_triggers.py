@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from presswork.geometry.polygon import list_sides
 from presswork.remesh.size_field import GRADATION, GradedSize, SizeSources, grade, metal_thickness, tool_curvature
 from presswork.remesh.triggers import find_cut_edge, find_flat_cell, find_long_edge
 
@@ -30,17 +31,17 @@ def test_size_grows_from_its_sources_by_the_gradation_only():
 def test_thickness_is_measured_inwards_and_doubled_at_a_symmetry_plane():
     in_plane = np.zeros(len(SECTION), dtype=bool)
     in_plane[:4] = True
-    thickness = metal_thickness(SECTION, in_plane)
+    thickness = metal_thickness(list_sides(SECTION), in_plane)
     np.testing.assert_allclose(thickness[5:7], 1.6)
     assert thickness[8] == pytest.approx(8.0)
     assert np.isinf(thickness[:4]).all()
 
 
 def test_tool_radius_counts_where_the_metal_comes_near_only():
-    near = tool_curvature(SECTION, ROUNDED, 1.5, 0.1)
+    near = tool_curvature(list_sides(SECTION), ROUNDED, 1.5, 0.1)
     assert near.size.min() == pytest.approx(0.25, rel=1e-6)
     assert np.abs(np.hypot(near.place[:, 0] - 6, near.place[:, 1] - 6) - 1).max() < 1e-6
-    assert len(tool_curvature(SECTION - [0, 30], ROUNDED, 1.5, 0.1).size) == 0
+    assert len(tool_curvature(list_sides(SECTION - [0, 30]), ROUNDED, 1.5, 0.1).size) == 0
 
 
 def test_triggers_name_the_cell_and_the_edge():

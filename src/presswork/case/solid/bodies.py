@@ -23,8 +23,6 @@ WORKPIECE = "workpiece"
 OVERLAP = 0.01
 """Of the mean boundary edge: how deep a node may lie in another body at the start, as it does between arcs of chords.
 It is pushed out in the first increment."""
-SAME_SIZE = 0.9
-"""Mean edges that differ by less than this ratio count as equally fine: then the softer body is the slave."""
 
 
 def list_bodies(case: schema.Case) -> dict[str, tuple[str, Workpiece]]:
@@ -113,27 +111,17 @@ def build_contacts(
     contacts, problems = [], []
     for name, contact in case.contacts.items():
         first, second = (number[body] for body in contact.between)
-        slave = number[contact.slave] if contact.slave else _choose_slave(mesh, bodies, materials, first, second)
-        contacts.append(model.BodyContact(name, (first, second), slave, contact.contact, m=contact.m, mu=contact.mu))
+        young = [materials[mesh.blocks[bodies[i].blocks.start].material].young for i in (first, second)]
+        slave = number[contact.slave] if contact.slave else model.choose_slave(mesh, bodies, young, first, second)
+        contacts.append(
+            model.BodyContact(
+                name, (first, second), slave, contact.contact, m=contact.m, mu=contact.mu,
+                keeps_slave=contact.slave is not None,
+            )
+        )  # fmt: skip
         if first != second:
             problems += _check_apart(case, name, mesh, bodies[first], bodies[second])
     return tuple(contacts), problems
-
-
-def _choose_slave(
-    mesh: model.Mesh, bodies: tuple[model.Body, ...], materials: tuple[model.Material, ...], first: int, second: int
-) -> int:
-    """Return the body with the finer boundary, or the softer one of two that are alike, or the first."""
-    sizes = [_mean_edge(mesh, bodies[i]) for i in (first, second)]
-    if min(sizes) < SAME_SIZE * max(sizes):
-        return (first, second)[int(np.argmin(sizes))]
-    young = [materials[mesh.blocks[bodies[i].blocks.start].material].young for i in (first, second)]
-    return second if young[1] < young[0] else first
-
-
-def _mean_edge(mesh: model.Mesh, body: model.Body) -> float:
-    edges = mesh.boundary_edges[body.owns(mesh.boundary_edges)]
-    return float(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1).mean())
 
 
 def _check_apart(
@@ -142,7 +130,7 @@ def _check_apart(
     """Return the problem of two bodies that overlap, or are too far from each other ever to meet."""
     key = f"contacts.{name}.between"
     edges = [mesh.boundary_edges[body.owns(mesh.boundary_edges)] for body in (first, second)]
-    tolerance = OVERLAP * min(_mean_edge(mesh, body) for body in (first, second))
+    tolerance = OVERLAP * min(model.mean_edge(mesh, body) for body in (first, second))
     nearest = np.inf
     for own, other in ((edges[0], edges[1]), (edges[1], edges[0])):
         nodes = np.unique(own[:, :2])

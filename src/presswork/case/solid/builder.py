@@ -24,7 +24,7 @@ from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
-from presswork.case.solid.remesh import check_sizes
+from presswork.case.solid.remesh import check_places, check_sizes
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.cavity import check_cavity
 from presswork.mesh.edges import edge_areas
@@ -63,7 +63,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     stages, stage_problems = _build_stages(case, planes, area_of)
     problems += stage_problems
     if case.remesh is not None:
-        problems += check_sizes(case.remesh, mesh)
+        problems += check_places(case, mesh, bodies) or check_sizes(case.remesh, mesh, bodies)
     problems = problems or check_motions(case, tools)
     if not problems and case.workpiece.velocity is None:
         problems = check_reach(tools, stages, mesh)
@@ -92,7 +92,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         heat=build_heat(case, bodies),
         limits=case.limits.build(),
-        remeshing=case.remesh.build(mesh) if case.remesh is not None else None,
+        remeshing=case.remesh.build_all(mesh, bodies) if case.remesh is not None else None,
         case_text=case.text,
     )
     closing = check_cavity(found)
@@ -206,12 +206,13 @@ def _check_axis(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
     ]
 
 
-def _build_edge_force(entry: schema.EdgeForce, area: float) -> model.EdgeForce:
+def _build_edge_force(entry: schema.EdgeForce, area: float, *, remeshed: bool) -> model.EdgeForce:
     """Return a force per area; area: of the set [mm2]."""
+    first = area if remeshed else None
     if entry.value is not None:
-        return model.EdgeForce(entry.set, entry.value)
+        return model.EdgeForce(entry.set, entry.value, first)
     assert entry.total is not None
-    return model.EdgeForce(entry.set, (entry.total[0] / area, entry.total[1] / area))
+    return model.EdgeForce(entry.set, (entry.total[0] / area, entry.total[1] / area), first)
 
 
 def _build_stages(
@@ -222,7 +223,8 @@ def _build_stages(
     problems: list[Problem] = []
     blows: dict[str, int] = {}
     for number, given in enumerate(case.stages):
-        stage = _build_stage(given, area_of, explicit=case.procedure == "explicit")
+        explicit, remeshed = case.procedure == "explicit", case.remesh is not None
+        stage = _build_stage(given, area_of, explicit=explicit, remeshed=remeshed)
         drive = build_drive(given.find_timing(number), case.presses, _find_halves(case, stage, planes))
         if isinstance(drive, Problem):
             problems.append(drive)
@@ -247,7 +249,9 @@ def _find_halves(case: schema.Case, stage: model.Stage, planes: tuple[model.Floa
     return Halves(float(2 ** sum(cut)), 2.0 if across else 1.0)
 
 
-def _build_stage(stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool) -> model.Stage:
+def _build_stage(
+    stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool, remeshed: bool
+) -> model.Stage:
     """Turn a case's stage into the Model's; area_of: gives the area of an edge set [mm2]."""
     ramp = RAMP * stage.duration if stage.ramp is None else stage.ramp
     return model.Stage(
@@ -261,5 +265,7 @@ def _build_stage(stage: schema.Stage, area_of: Callable[[str], float], *, explic
         ),
         forces=tuple(model.PointForce(entry.set, entry.value) for entry in stage.force),
         pressures=tuple(model.Pressure(entry.set, entry.value) for entry in stage.pressure),
-        edge_forces=tuple(_build_edge_force(entry, area_of(entry.set)) for entry in stage.edge_force),
+        edge_forces=tuple(
+            _build_edge_force(entry, area_of(entry.set), remeshed=remeshed) for entry in stage.edge_force
+        ),
     )

@@ -3,16 +3,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import Field
 
 from presswork import model
-from presswork.case.errors import Problem
+from presswork.case.errors import Problem, suggest
+from presswork.case.names import Name
 from presswork.case.part import Part
 from presswork.case.settings import Whole
 from presswork.case.units import Length, Number
+from presswork.mesh.joined import split_mesh
+from presswork.mesh.topology import list_cell_edges
 
 if TYPE_CHECKING:
     from presswork.case.solid.schema import Case
@@ -21,8 +26,8 @@ SMALLEST = 0.25
 """Of the largest size."""
 
 
-class Remesh(Part):
-    """When and how finely the workpiece is meshed anew in the run."""
+class BodyRemesh(Part):
+    """When and how finely a body is meshed anew in the run."""
 
     size: Length | None = Field(
         default=None, gt=0, description="largest edge of cells [mm]; without it: the mean edge of the first mesh"
@@ -41,22 +46,43 @@ class Remesh(Part):
         description="quality of the worst cell, expected after the next increment, below which the workpiece is meshed "
         "anew; a square has 1",
     )
-    every: Number = Field(
-        default=0.0, ge=0, le=1, description="part of a stage after which it is meshed anew in any case; 0: never"
-    )
 
     def build(self, mesh: model.Mesh) -> model.Remeshing:
-        """Return the Model's settings for a workpiece's first mesh."""
+        """Return the Model's settings for a body's first mesh."""
         size = self.find_size(mesh)
         smallest = SMALLEST * size if self.smallest_size is None else self.smallest_size
-        return model.Remeshing(size, smallest, self.max_cells, self.quality, self.every)
+        return model.Remeshing(size, smallest, self.max_cells, self.quality)
 
     def find_size(self, mesh: model.Mesh) -> float:
         """Return the largest edge of cells [mm]."""
         if self.size is not None:
             return self.size
-        corners = mesh.points[np.concatenate([block.connectivity for block in mesh.blocks])]
-        return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
+        edges = np.concatenate([list_cell_edges(block.connectivity)[:, :2] for block in mesh.blocks])
+        return float(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1).mean())
+
+
+class Remesh(BodyRemesh):
+    """When and how finely bodies are meshed anew in the run: keys of the workpiece, and of further bodies."""
+
+    every: Number = Field(
+        default=0.0, ge=0, le=1, description="part of a stage after which it is meshed anew in any case; 0: never"
+    )
+
+    bodies: dict[Name, BodyRemesh] = Field(
+        default={}, description="sizes and triggers of further bodies by name; without them: as without keys"
+    )
+
+    def of_bodies(self, mesh: model.Mesh, bodies: Sequence[model.Body]) -> dict[str, tuple[BodyRemesh, model.Mesh]]:
+        """Return every body's keys and first mesh by its name, the workpiece first."""
+        keys = [self, *(self.bodies.get(body.name, BodyRemesh()) for body in bodies[1:])]
+        names = [body.name for body in bodies]
+        return dict(zip(names, zip(keys, split_mesh(mesh, bodies), strict=True), strict=True))
+
+    def build_all(self, mesh: model.Mesh, bodies: Sequence[model.Body]) -> model.Remeshing:
+        """Return the Model's settings of all bodies."""
+        built = {name: keys.build(own) for name, (keys, own) in self.of_bodies(mesh, bodies).items()}
+        (_, workpiece), *others = built.items()
+        return replace(workpiece, every=self.every, bodies=dict(others))
 
 
 def check_remesh(case: Case) -> list[Problem]:
@@ -66,35 +92,59 @@ def check_remesh(case: Case) -> list[Problem]:
     remedy = "remove it, or leave out [remesh]"
     keys = {
         "procedure": case.procedure == "explicit",
-        "bodies": bool(case.bodies),
-        "contacts": bool(case.contacts),
         "solver.inertia": case.solver.inertia > 0.0,
         "solver.control": case.solver.control == "arc_length",
         "solver.displacements": case.solver.displacements == "small",
     }
-    for number, stage in enumerate(case.stages):
-        for key in ("displacement", "force", "edge_force", "pressure"):
-            keys[f"stages.{number}.{key}"] = bool(getattr(stage, key))
     problems = [Problem(key, "does not go together with [remesh]", remedy) for key, is_so in keys.items() if is_so]
-    if not case.workpiece.element.startswith("quad4"):
-        fault = f"{case.workpiece.element!r} cannot be meshed anew: new meshes are of four-node quadrilaterals"
-        problems.append(Problem("workpiece.element", fault, 'use "quad4_fbar", or leave out [remesh]'))
+    return problems + [
+        Problem(f"remesh.bodies.{name}", "no such body", suggest(name, case.bodies, "bodies"))
+        for name in case.remesh.bodies
+        if name not in case.bodies
+    ]
+
+
+def check_places(case: Case, mesh: model.Mesh, bodies: Sequence[model.Body]) -> list[Problem]:
+    """Return the problems of sets that new meshes cannot keep: with nodes inside, and of bodies of mixed cells."""
+    named = {f"boundary.{name}.set": entry.set for name, entry in case.boundary.items()}
+    for number, stage in enumerate(case.stages):
+        for key in ("displacement", "force"):
+            named |= {f"stages.{number}.{key}.{i}.set": entry.set for i, entry in enumerate(getattr(stage, key))}
+    surface, problems = np.unique(mesh.boundary_edges), []
+    for key, name in named.items():
+        inner = int((~np.isin(mesh.node_sets[name], surface)).sum())
+        if inner and len(mesh.node_sets[name]) < len(mesh.points):
+            fault = f"{inner} nodes of {name} lie inside: new meshes keep places on the boundary alone"
+            problems.append(Problem(key, fault, "name a set of the boundary, or leave out [remesh]"))
+    for body in bodies:
+        if len(body.blocks) > 1:
+            key = "workpiece.mesh" if body is bodies[0] else f"bodies.{body.name}.mesh"
+            fault = "cells of several kinds cannot be meshed anew together"
+            problems.append(Problem(key, fault, "give a mesh of triangles or of quadrilaterals alone"))
     return problems
 
 
-def check_sizes(remesh: Remesh, mesh: model.Mesh) -> list[Problem]:
-    """Return the problems of sizes that do not fit each other or the workpiece."""
+def check_sizes(remesh: Remesh, mesh: model.Mesh, bodies: Sequence[model.Body]) -> list[Problem]:
+    """Return the problems of sizes that do not fit each other or their bodies."""
+    return [
+        problem
+        for number, (name, (keys, own)) in enumerate(remesh.of_bodies(mesh, bodies).items())
+        for problem in _check_sizes(keys, own, f"remesh.bodies.{name}" if number else "remesh")
+    ]
+
+
+def _check_sizes(remesh: BodyRemesh, mesh: model.Mesh, key: str) -> list[Problem]:
     size, smallest, problems = remesh.find_size(mesh), remesh.smallest_size, []
     if smallest is not None and smallest > size:
         fault = f"smallest_size ({smallest:g} mm) exceeds the largest edge of cells ({size:g} mm)"
-        problems.append(Problem("remesh.smallest_size", fault, "make it smaller, or leave it out"))
+        problems.append(Problem(f"{key}.smallest_size", fault, "make it smaller, or leave it out"))
     extent = float(np.ptp(mesh.points, axis=0).min())
     if remesh.size is not None and size > extent:
-        fault = f"size ({size:g} mm) exceeds the least extent of the workpiece ({extent:g} mm)"
-        problems.append(Problem("remesh.size", fault, "make it smaller, or leave it out"))
+        fault = f"size ({size:g} mm) exceeds the least extent of the body ({extent:g} mm)"
+        problems.append(Problem(f"{key}.size", fault, "make it smaller, or leave it out"))
     edges = mesh.points[mesh.boundary_edges[:, :2]]
     round_it = float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).sum())
     if round_it > 10 * size * remesh.max_cells:
         fault = f"size ({size:g} mm) is too small for max_cells = {remesh.max_cells}: the boundary has {round_it:g} mm"
-        problems.append(Problem("remesh.size", fault, "make it larger, or leave it out"))
+        problems.append(Problem(f"{key}.size", fault, "make it larger, or leave it out"))
     return problems
