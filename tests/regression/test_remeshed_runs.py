@@ -190,11 +190,11 @@ def without_cells(model, cells):
 
 
 def test_a_section_with_a_hole_keeps_it_and_its_force():
-    """A void of 2.5 by 2.5 mm inside the billet, a new mesh every tenth of the stage to 20 %."""
+    """A void of 2.5 by 2.5 mm inside the billet, with new meshes, to 15 % as on one mesh."""
     void = [12 * 16 + 6 + k + 16 * i for k in range(4) for i in range(4)]
     runs = {}
     for name, remesh in (("once", {"quality": 1e-9, "size": 8.0}), ("often", {"every": 0.1, "size": 0.65})):
-        model = without_cells(build_model(upsetting(3.0, (16, 24), remesh=remesh)), void)
+        model = without_cells(build_model(upsetting(2.25, (16, 24), remesh=remesh)), void)
         recording = RemeshedForming(model, threads=1)
         rows = [recording.row(report) for report in recording.advance()]
         runs[name] = recording, np.array([[row["punch.stroke"], row["punch.force"]] for row in rows])

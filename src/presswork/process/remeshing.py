@@ -182,8 +182,9 @@ class RemeshedForming(ImplicitRecording):
         new = min(found, key=lambda mesh: mesh.jump)
         self._begin_on(new.procedure, new.origin)
         volume = new.procedure.volume() / new.procedure.initial_volume - 1.0
+        cells = sum(len(block.connectivity) for block in self.model.mesh.blocks)
         self._notes.append(
-            f"remesh {self.epoch} ({reason}): {sum(len(b.connectivity) for b in self.model.mesh.blocks)} cells, largest "
+            f"remesh {self.epoch} ({reason}): {cells} cells, largest "
             f"force of a tool changes by {new.jump:.2%}, volume {volume:+.2e} of the first, {new.iterations} iterations"
             + (f"; none of {len(found)} meshes keeps the force within {MOST_JUMP:.0%}" if new.jump > MOST_JUMP else "")
         )

@@ -137,7 +137,8 @@ def _share_lost(old: OldSection, chains: Sequence[IndexArray]) -> list[float]:
     """Return the part of the volume inside each loop that it gives back: the outer ones alone, for all of them."""
     inside = np.array([enclosed_volume(old.position[chain], ring=old.ring) for chain in chains])
     outer = inside > 0.0
-    return (old.lost * float(inside.sum() / inside[outer].sum()) * outer).tolist()
+    part = old.lost * float(inside.sum() / inside[outer].sum())
+    return [part * float(is_outer) for is_outer in outer]
 
 
 def _follow(chains: Sequence[IndexArray]) -> IndexArray:
