@@ -211,6 +211,29 @@ void bind_loop(nb::class_<Loop, Rest...>& c) {
           "points "
           "in the plane, layers).")
       .def(
+          "add_damage",
+          [](Loop& self, int block, const std::string& name, const Damage& law, double temperature, int rise) {
+            require(block >= 0 && std::size_t(block) < self.blocks.size(), "there is no block of this number");
+            self.blocks[block]->add_damage({name, law, temperature, rise});
+          },
+          nb::arg("block"), nb::arg("name"), nb::arg("law"), nb::kw_only(), nb::arg("temperature") = 20.0,
+          nb::arg("rise") = -1,
+          "Let damage by a criterion grow at the points of a block. temperature: where none is given [degrees C]; "
+          "rise: "
+          "row of the rise of temperature behind the first of the stress, -1 if there is none.")
+      .def(
+          "damage",
+          [](const Loop& self, int block, const std::string& name) {
+            require(block >= 0 && std::size_t(block) < self.blocks.size(), "there is no block of this number");
+            const auto& damage = self.blocks[block]->damage;
+            require(damage.find(name) < damage.count(), "the block has no damage of this name");
+            double* to;
+            auto array = new_array({std::size_t(self.blocks[block]->n()), std::size_t(damage.points())}, &to);
+            damage.read(damage.find(name), to);
+            return array;
+          },
+          nb::arg("block"), nb::arg("name"), "Damage by a criterion at the points of a block (n, points).")
+      .def(
           "prescribe",
           [](Loop& self, Bytes fixed, Doubles velocity) {
             const std::size_t size = std::size_t(self.nodes.n) * self.nodes.freedoms;
@@ -226,7 +249,8 @@ void bind_loop(nb::class_<Loop, Rest...>& c) {
         name, [of](Loop& self) { return of(self.nodes).get(); },
         [of, name](Loop& self, Doubles x) { of(self.nodes).set(x, name); }, nb::rv_policy::move, text);
   };
-  columns("position", [](auto& nodes) { return position_of(nodes); }, "Positions (n_nodes, dimension) [mm].");
+  columns(
+      "position", [](auto& nodes) { return position_of(nodes); }, "Positions (n_nodes, dimension) [mm].");
   columns(
       "velocity", [](auto& nodes) { return velocity_of(nodes); },
       "Velocities (n_nodes, freedoms), half a step back [mm/s, 1/s].");

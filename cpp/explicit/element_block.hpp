@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "explicit/nodes.hpp"
+#include "explicit/point_damage.hpp"
 #include "explicit/state_field.hpp"
 #include "tensor/pack.hpp"
 
@@ -71,6 +72,19 @@ class ElementBlock {
         temperature_.data()[(std::size_t(slot / lanes) * points + k) * lanes + slot % lanes] =
             static_cast<Real>(degrees[std::size_t(std::min(slot, n_ - 1)) * points + k]);
   }
+
+  // Where its points are in the state.
+  virtual PointLayout layout() const = 0;
+  void add_damage(const Criterion& criterion) { damage.add(criterion, layout(), n_, n_packs()); }
+  // Count damage from the present state on, and that of packs [first, last) after a cycle of dt.
+  void begin_damage() {
+    for (int pack = 0; pack < n_packs() && !damage.empty(); ++pack) damage.begin(pack, pack_state(pack));
+  }
+  void advance_damage(int first, int last, double dt) {
+    for (int pack = first; pack < last && !damage.empty(); ++pack)
+      damage.advance(pack, pack_state(pack), pack_temperature(pack), dt);
+  }
+  PointDamage<Real> damage;
 
   // Masses first: they are part of it. owner: a name for the block.
   virtual void list_state(const std::string& owner, std::vector<StateField>& fields) = 0;

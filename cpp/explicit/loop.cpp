@@ -129,6 +129,8 @@ bool Loop<Nodes>::advance_tiles(Team& team, Thread& own, double dt, double time)
   for (int t; (t = team.shares[0].take(own.number)) >= 0;)
     if (const int element = advance_tile(tiles_.tiles()[t], dt, time, own.scratch.data()); element >= 0)
       failed = std::min(failed, element);
+    else
+      blocks[tiles_.tiles()[t].block]->advance_damage(tiles_.tiles()[t].first, tiles_.tiles()[t].last, dt);
   if (failed != INT_MAX) {
 #pragma omp critical
     team.failed = std::min(team.failed, failed);
@@ -162,6 +164,7 @@ void Loop<Nodes>::let_interactions_act(Team& team, Thread& own, const Step& step
 template <class Nodes>
 typename Loop<Nodes>::Failure Loop<Nodes>::advance(const Cycles& of) {
   for (auto* each : interactions) each->begin(nodes, of.n);
+  for (const auto& block : blocks) block->begin_damage();
   const bool shared = n_elements() >= Nodes::serial_elements;
   Team team(*this, shared ? omp_get_max_threads() : 1);
   int failed_in = -1;
@@ -202,7 +205,11 @@ std::vector<StateField> Loop<Nodes>::body_state() {
   std::vector<StateField> fields;
   fields.push_back(row_field("loop", "work", &work.external, 4));
   nodes.list_state(fields);
-  for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b]->list_state("block_" + std::to_string(b), fields);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const std::string owner = "block_" + std::to_string(b);
+    blocks[b]->list_state(owner, fields);
+    for (std::size_t c = 0; c < blocks[b]->damage.count(); ++c) fields.push_back(blocks[b]->damage.field(owner, c));
+  }
   return fields;
 }
 

@@ -804,6 +804,14 @@ class SpaceLoop:
         Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
         """
 
+    def add_damage(self, block: int, name: str, law: Damage, *, temperature: float = 20.0, rise: int = -1) -> None:
+        """
+        Let damage by a criterion grow at the points of a block. temperature: where none is given [degrees C]; rise: row of the rise of temperature behind the first of the stress, -1 if there is none.
+        """
+
+    def damage(self, block: int, name: str) -> NDArray[numpy.float64]:
+        """Damage by a criterion at the points of a block (n, points)."""
+
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """
         Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
@@ -1026,6 +1034,14 @@ class SpaceLoopSingle:
         """
         Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
         """
+
+    def add_damage(self, block: int, name: str, law: Damage, *, temperature: float = 20.0, rise: int = -1) -> None:
+        """
+        Let damage by a criterion grow at the points of a block. temperature: where none is given [degrees C]; rise: row of the rise of temperature behind the first of the stress, -1 if there is none.
+        """
+
+    def damage(self, block: int, name: str) -> NDArray[numpy.float64]:
+        """Damage by a criterion at the points of a block (n, points)."""
 
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """
@@ -1280,6 +1296,14 @@ class PlaneLoop:
         """
         Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
         """
+
+    def add_damage(self, block: int, name: str, law: Damage, *, temperature: float = 20.0, rise: int = -1) -> None:
+        """
+        Let damage by a criterion grow at the points of a block. temperature: where none is given [degrees C]; rise: row of the rise of temperature behind the first of the stress, -1 if there is none.
+        """
+
+    def damage(self, block: int, name: str) -> NDArray[numpy.float64]:
+        """Damage by a criterion at the points of a block (n, points)."""
 
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """

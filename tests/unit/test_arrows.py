@@ -52,7 +52,7 @@ PYTHON_ROOMS = {
     "body": {"evolution", "fields", "law", "mesh", "model", "outcome", "state", "timing"},
     "interaction": {"body", "fields", "geometry", "mesh", "model", "outcome", "state"},
     "implicit": {"body", "evolution", "interaction", "model", "outcome", "state", "stop", "threads", "timing"},
-    "explicit": {"law", "mesh", "model", "stop"},
+    "explicit": {"evolution", "law", "mesh", "model", "stop"},
     "process": {
         "body",
         "evolution",

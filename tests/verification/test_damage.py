@@ -12,10 +12,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswork import _core
+from presswork import _core, run_model
+from presswork.body.solids import make_law
+from presswork.case import StampingCase, build_model
 from presswork.evolution.contract import PointChange
 from presswork.evolution.damage import DamageLaw
 from presswork.evolution.points import EvolvedArrays
+from presswork.explicit.blocks import Hexahedra
+from presswork.explicit.motion import SmoothStroke
+from presswork.explicit.solid_material import SolidMaterial
+from presswork.explicit.solids import ExplicitSolids
+from presswork.explicit.space import SpaceDynamics
 from presswork.model import Damage, Hardening, Material, PrescribedDisplacement, SolverSettings, Stage, Support
 from tests.problems import plane_solids, space_solids
 
@@ -149,3 +156,72 @@ def test_freudenthal_is_the_plastic_work_and_converges_with_the_square_of_increm
         errors.append(abs(found / (300.0 * p + 50.0 * p**2) - 1.0))
     assert errors[-1] < 1e-3
     assert errors[0] / errors[2] > 10.0
+
+
+@pytest.mark.parametrize("element", ["tri3", "quad4_1pt"])
+@pytest.mark.parametrize(("path", "axisymmetric"), [("tension", True), ("plane_strain_tension", False)])
+def test_damage_per_strain_in_explicit_solids_in_the_plane(element: str, path: str, axisymmetric: bool) -> None:
+    for (name, parameters), exact in rates(*PATHS[path]).items():
+        mesh = plane_solids.block_mesh(element, (1, 1), origin=(0.0, 0.0), size=(1.0, 1.0))
+        damage = Damage(name, dict(parameters))
+        material = SolidMaterial(young=200e3, poisson=0.49, density=7.85e-9, hardening=STEEL.hardening, damage=damage)
+        solids = ExplicitSolids(mesh, [material], axisymmetric=axisymmetric)
+        solids.fix("left", "u")
+        solids.fix("bottom", "v")
+        solids.fix("top", "v", 300.0)
+        solids.run_to(1e-3, motion=SmoothStroke(1e-3, 1e-3, rise=5e-4))
+        found = solids.damage[f"damage_{name}"][0].max() / solids.equivalent_plastic_strain.max()
+        assert found == pytest.approx(exact, rel=0.02)
+
+
+@pytest.mark.parametrize("element", ["hex8", "hex8_fbar"])
+def test_damage_in_explicit_hexahedra_is_that_of_plane_strain_tension(element: str) -> None:
+    mesh = space_solids.box(element, (1.0, 1.0, 1.0), (1, 1, 1))
+    law = make_law(STEEL, SolverSettings(), 6)
+    cells = mesh.blocks[0].connectivity
+    run = SpaceDynamics(mesh.points, [Hexahedra(connectivity=cells, law=law, density=7.85e-9, element=element)])
+    for name, parameters in rates(*PATHS["plane_strain_tension"]):
+        run._loop.add_damage(0, name, _core.Damage(_core.DamageCriterion[name], dict(parameters)))
+    for side, freedom in (("left", "u"), ("bottom", "v"), ("back", "w"), ("front", "w")):
+        run.fix(mesh.node_sets[side], freedom)
+    run.fix(mesh.node_sets["right"], "u", 300.0)
+    run.run_to(1e-3, motion=SmoothStroke(1e-3, 1e-3, rise=5e-4))
+    strain = run.solid_state(0).equivalent_plastic_strain.max()
+    assert strain > 0.2
+    for (name, _), exact in rates(*PATHS["plane_strain_tension"]).items():
+        assert run._loop.damage(0, name).max() / strain == pytest.approx(exact, rel=0.02)
+
+
+def strip(path: str, damage: dict[str, object], *, procedure: str = "explicit", precision: str = "double"):
+    """Return the end of a strip pulled by a tenth of its length."""
+    moves = [{"set": "right", "component": "x", "value": 1}]
+    if path == "plane_strain_tension":
+        moves += [{"set": side, "component": "y", "value": 0} for side in ("top", "bottom")]
+    case = {
+        "title": "strip",
+        "analysis": "stamping",
+        "blank": {"shape": "rectangle", "size": [20, 8], "thickness": 0.8, "element_size": 4, "material": "steel",
+                  "symmetry": ["x", "y"]},
+        "materials": {"steel": {"young": "206 GPa", "poisson": 0.49, "damage": damage,
+                                "hardening": {"law": "swift", "K": 565.32, "e0": 0.007117, "n": 0.2589}}},
+        "stages": [{"name": "pull", "velocity": "0.5 m/s", "displacement": moves}],
+        "output": {"rows": 20, "steps": 2},
+        procedure: {"precision": precision} if procedure == "explicit" else {},
+        "boundary": {"flat": {"set": "left", "fix": ["z"]}},
+    }  # fmt: skip
+    if procedure == "implicit":
+        case["procedure"] = "implicit"
+    return build_model(StampingCase.model_validate(case))
+
+
+@pytest.mark.parametrize("path", ["tension", "plane_strain_tension"])
+@pytest.mark.parametrize(
+    ("procedure", "precision"), [("explicit", "double"), ("explicit", "single"), ("implicit", "double")]
+)
+def test_damage_per_strain_in_a_sheet(path: str, procedure: str, precision: str, tmp_path) -> None:
+    for (name, parameters), exact in rates(*PATHS[path]).items():
+        model = strip(path, {"criterion": name, **dict(parameters)}, procedure=procedure, precision=precision)
+        result = run_model(model, tmp_path / name, threads=1).result
+        strain = result.field("equivalent_plastic_strain").max()
+        assert result.field(f"damage_{name}").max() / strain == pytest.approx(exact, rel=0.02)
+        assert result.history[f"damage_{name}_max"][-1] == pytest.approx(result.field(f"damage_{name}").max())

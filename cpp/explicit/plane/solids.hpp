@@ -33,6 +33,7 @@ class PlaneSolids : public ElementBlock<PlaneNodes> {
     for (int a = 0; a < nodes_each_; ++a) sum += nodal_mass_[std::size_t(cell) * nodes_each_ + a];
     return sum;
   }
+  PointLayout layout() const override { return {CycleRow::stress, 0, 1, 4, CycleRow::eqps - CycleRow::stress}; }
   // Rows are those of CycleRow, then what the law keeps besides.
   void list_state(const std::string& owner, std::vector<StateField>& fields) override;
 

@@ -62,8 +62,10 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
       this->set_value(element, r, x);
     }
     mass_[element] = share * from.mass_[parent];
+    this->damage.inherit(element, from.damage, parent);
   }
 
+  PointLayout layout() const override { return {rows_.layers, rows_.law, rows_.in_plane * rows_.across, 3, 3}; }
   void list_state(const std::string& owner, std::vector<StateField>& fields) override {
     fields.push_back(row_field(owner, "mass", mass_.data(), mass_.size()));
     fields.push_back(this->rows_field(owner, "shell", 0, rows_.layers));

@@ -36,6 +36,7 @@ class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
   }
   double added_mass(int cell) const override { return (mass_factor_[cell] - 1.0) * true_mass(cell); }
   void scale_mass(int cell, double factor) override { mass_factor_[cell] *= factor; }
+  PointLayout layout() const override { return {first_point(), point_rows_, n_points_, 6, 6}; }
   void list_state(const std::string& owner, std::vector<StateField>& fields) override;
 
  protected:

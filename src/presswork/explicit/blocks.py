@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
+from presswork.evolution.damage import DamageLaw
 from presswork.explicit.input_checks import check_density, check_hexahedra, check_shells
 from presswork.explicit.options import ShellOptions, layer_rule
 from presswork.law.umat import SheetLaw, SheetUmat
@@ -26,7 +27,9 @@ class Shells:
 
     connectivity (n, 4), nodes in turn round each shell, a triangle with its last node twice, or (n, 3) of triangles
     alone; thickness [mm], one or (n); law in plane stress: law.umat.open_sheet_law makes it of a material; density
-    [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each shell.
+    [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each shell;
+    damage: criteria whose damage grows in the layers; heating: for them, temperature at the start [degrees C] and
+    whether the law heats.
     """
 
     connectivity: npt.ArrayLike
@@ -34,6 +37,8 @@ class Shells:
     law: SheetLaw
     density: float
     axis: npt.ArrayLike = (1.0, 0.0, 0.0)
+    damage: tuple[DamageLaw, ...] = ()
+    heating: tuple[float, bool] = (20.0, False)
     options: ShellOptions = field(default_factory=ShellOptions)
 
     @property

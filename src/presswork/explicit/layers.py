@@ -25,6 +25,7 @@ class LayersOfRun:
     _fixed: npt.NDArray[np.uint8]
     _given_temperature: Array | None = None
     _young: float
+    _damage_names: tuple[str, ...] = ()
     _poisson: float
 
     def _by_shell(self, inside: Array) -> Array:
@@ -111,6 +112,18 @@ class LayersOfRun:
             of_block = part.mean(axis=1, keepdims=True) if own == 1 else part
             self._loop.set_temperature(block, np.ascontiguousarray(of_block))
         self._given_temperature = np.array(at_points)
+
+    @property
+    def damage(self) -> dict[str, Array]:
+        """Damage by the name of its quantity at the layers of the q points in the plane (n, q, n_points)."""
+        return {
+            name: self._by_shell(self._of_blocks(lambda block, name=name: self._damage_of(block, name)))[..., 0]  # type: ignore[misc]
+            for name in self._damage_names
+        }
+
+    def _damage_of(self, block: int, name: str) -> Array:
+        shape = self._loop.history(block).shape[:3]
+        return np.asarray(self._loop.damage(block, name)).reshape(*shape, 1)
 
     def set_layers(self, stress: npt.ArrayLike, history: npt.ArrayLike) -> None:
         """Begin with stress and history in the form of these properties; internal forces follow from them.

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Shells
 from presswork.explicit.dynamics import PHASES as PHASES
 from presswork.explicit.dynamics import SAFETY as SAFETY
@@ -42,6 +43,8 @@ class ExplicitShells(SpaceDynamics):
         density: float,
         *,
         axis: npt.ArrayLike = (1.0, 0.0, 0.0),
+        damage: tuple[DamageLaw, ...] = (),
+        heating: tuple[float, bool] = (20.0, False),
         options: ShellOptions | None = None,
         precision: Precision = "double",
         hanging: npt.ArrayLike = (),
@@ -52,6 +55,8 @@ class ExplicitShells(SpaceDynamics):
             law=law,
             density=density,
             axis=axis,
+            damage=damage,
+            heating=heating,
             options=options or ShellOptions(),
         )
         super().__init__(points, [shells], precision=precision, hanging=hanging)

@@ -11,7 +11,7 @@ from presswork import _core
 from presswork.explicit.input_checks import HEAVIEST, ExplicitError
 from presswork.law.elastic_plastic import find_heating, make_hardening, make_plane_law
 from presswork.law.umat import open_umat
-from presswork.model import FloatArray, Hardening, Heating, Kinematic, Material, Rate, Umat, YieldFunction
+from presswork.model import Damage, FloatArray, Hardening, Heating, Kinematic, Material, Rate, Umat, YieldFunction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +32,7 @@ class SolidMaterial:
     kinematic: Kinematic | None = None
     young_decrease: tuple[float, float] | None = None
     umat: Umat | None = None
+    damage: Damage | None = None
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
 
     @classmethod

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
+from presswork.evolution.damage import make_damage
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_solids
 from presswork.explicit.solid_material import SolidMaterial
@@ -27,6 +28,8 @@ from presswork.model import Mesh
 
 Array = npt.NDArray[np.float64]
 FREEDOMS = "uv"
+RISE = 5
+"""Row of a cell's rise of temperature behind the first of its stress (element/solid2d_cycle.hpp)."""
 
 
 class ExplicitSolids(Dynamics):
@@ -66,6 +69,13 @@ class ExplicitSolids(Dynamics):
             elastic = {"young": material.young, "poisson": material.poisson}
             rolling = material.rolling_direction[:2]
             loop.add_solids(block.element, cells, material.make_law(), material.density, rolling=rolling, **elastic)
+        self._laws = [
+            make_damage(materials[b.material].damage, materials[b.material].umat, is_solid=True) for b in mesh.blocks
+        ]
+        for number, laws in enumerate(self._laws):
+            start = materials[mesh.blocks[number].material].start
+            for law in laws:
+                loop.add_damage(number, law.name, law.kernel, temperature=start, rise=RISE)
         self._given_temperature = np.concatenate(
             [np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks]
         )
@@ -88,6 +98,25 @@ class ExplicitSolids(Dynamics):
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (n_cells)."""
         return self._loop.eqps
+
+    @property
+    def damage(self) -> dict[str, list[Array]]:
+        """Damage by the name of its quantity, of each block (n_cells, 1), without rows where it has no such law."""
+        names = dict.fromkeys(law.name for laws in self._laws for law in laws)
+        return {
+            name: [
+                self._loop.damage(block, name) if name in [law.name for law in laws] else np.zeros((0, 1))
+                for block, laws in enumerate(self._laws)
+            ]
+            for name in names
+        }
+
+    def critical_damage(self) -> dict[str, list[float | None]]:
+        """Return the critical value of each in each block; None where there is none."""
+        return {
+            name: [next((law.critical.get(name) for law in laws if law.name == name), None) for laws in self._laws]
+            for name in dict.fromkeys(law.name for laws in self._laws for law in laws)
+        }
 
     @property
     def temperature(self) -> Array:

@@ -28,6 +28,8 @@ from presswork.explicit.tools import ToolsOfRun
 from presswork.law.umat import TOLD, SheetUmat
 
 Array = npt.NDArray[np.float64]
+RISE = 4
+"""Row of a layer's rise of temperature behind the first of its stress, where the law heats."""
 Precision = Literal["double", "single"]
 LOOPS: dict[str, type[_core.SpaceLoop] | type[_core.SpaceLoopSingle]] = {
     "double": _core.SpaceLoop,
@@ -110,6 +112,11 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
         if isinstance(blocks[0], Shells):
             shells = blocks[0]
             self._young, self._poisson = shells.law.young, shells.law.poisson
+            self._damage_names = tuple(law.name for law in shells.damage)
+            for number in range(len(self._counts)):
+                for law in shells.damage:
+                    rise = RISE if shells.heating[1] else -1
+                    loop.add_damage(number, law.name, law.kernel, temperature=shells.heating[0], rise=rise)
             self.connectivity, self.axis, self.options = shells.cells, shells.axes, shells.options
             loop.ironing = shells.options.ironing
         follow = np.array(hanging, dtype=np.int32).reshape(-1, 7)

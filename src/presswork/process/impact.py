@@ -25,6 +25,7 @@ from presswork.geometry.pose import ToolPose, place_segments, start_centre, star
 from presswork.model import ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.process.epochs import NamedArrays
 from presswork.process.limits import Watched, measure_hydrostatic_stress
+from presswork.process.peaks import find_peaks, peak_columns, peak_row
 from presswork.process.penetration import Penetration
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
@@ -120,7 +121,8 @@ class ExplicitImpact(RowRecording):
         tools = [f"{tool.name}.{quantity}" for tool in self.model.tools for quantity in forces]
         first = ["time", "stage", "increment", "cycles", *tools]
         ram = RAM_COLUMNS if has_ram(self.model) else ()
-        return [*first, *ram, *self.reactions.columns, *EXTENTS, *LAST_COLUMNS]
+        peaks = peak_columns(self.solids.damage)
+        return [*first, *peaks, *ram, *self.reactions.columns, *EXTENTS, *LAST_COLUMNS]
 
     @property
     def time(self) -> float:
@@ -149,6 +151,7 @@ class ExplicitImpact(RowRecording):
         for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
             row |= self._measure(tool, wall, mean)
         row |= self._ram_row(report)
+        row |= peak_row(self.solids.damage)
         displacement = self.solids.position - self.model.mesh.points
         row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
@@ -177,7 +180,8 @@ class ExplicitImpact(RowRecording):
         stress, flow = self.solids.stress, self._flow_stress()
         centres = np.concatenate([self.solids.position[b.connectivity].mean(axis=1) for b in mesh.blocks])
         hydrostatic = measure_hydrostatic_stress(stress[:, :3].mean(axis=1), flow, centres)
-        return Watched((hydrostatic, *([deepest] if deepest else [])))
+        peaks = find_peaks(mesh, self.solids.position, self.solids.damage, self.solids.critical_damage())
+        return Watched((hydrostatic, *([deepest] if deepest else [])), damage=peaks)
 
     def _flow_stress(self) -> FloatArray:
         """Return the flow stress of the cells (n_cells,) [MPa], as SolidMaterial has it; effective stress of a UMAT."""
@@ -216,6 +220,7 @@ class ExplicitImpact(RowRecording):
                 volume=[np.ones((len(solids.stress), 1))],
                 temperature=solids.temperature if heats else None,
             ),
+            evolved=solids.damage,
         )
 
     def snapshot(self) -> Snapshot:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import stop
+from presswork.evolution.damage import make_damage
 from presswork.explicit.energy import YIELD_OFFSET, EnergyBalance, MassScaling, warn_of_energies
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.options import ShellOptions
@@ -24,7 +25,7 @@ from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.shell_fields import state_variable_field, temperature_field
 from presswork.fields.table import compute_fields
-from presswork.law.elastic_plastic import first_flow_stress
+from presswork.law.elastic_plastic import first_flow_stress, heats
 from presswork.law.umat import open_sheet_law
 from presswork.mesh.split import SplitMesh
 from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
@@ -32,6 +33,7 @@ from presswork.process.epochs import NamedArrays
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
+from presswork.process.peaks import find_peaks, peak_row
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
@@ -60,6 +62,7 @@ class ExplicitStamping(RowRecording):
         self.settings = model.explicit
         self._sheet = SplitMesh.begin(model.cells, len(model.mesh.points))
         self._judged = model.sheet[1].formability
+        self._damage_laws = make_damage(model.sheet[1].damage, model.sheet[1].umat, is_solid=False)
         self.shells = self._make_shells()
         self._mass = float(self.shells.mass[:, 0].sum())
         self.reactions = Reactions(model, 6, [t.name for t in model.tools])
@@ -88,6 +91,8 @@ class ExplicitStamping(RowRecording):
             open_sheet_law(material),
             material.density,
             axis=rolling,
+            damage=self._damage_laws,
+            heating=(material.heating.start if material.heating else 20.0, heats(material)),
             options=ShellOptions(
                 element=self.settings.element,
                 n_points=section.points,
@@ -197,6 +202,7 @@ class ExplicitStamping(RowRecording):
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
         first += [*(RAM_COLUMNS if has_ram(self.model) else ()), *self.reactions.columns]
+        first += [f"{law.name}_max" for law in self._damage_laws]
         first += ["shells"] if self.model.refinement else []
         return [*first, *LAST_COLUMNS]
 
@@ -225,6 +231,7 @@ class ExplicitStamping(RowRecording):
             **self.tools.row(),
             **self._ram_row(report),
             **self._measure_reactions(),
+            **peak_row(self._evolved()),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
             **self._end_row(report),
         }
@@ -244,6 +251,7 @@ class ExplicitStamping(RowRecording):
             reaction=self._reaction,
             tool_force=self.shells.contact_force,
             find_sheet=self._cell_fields,
+            evolved=self._evolved(),
             judged=self._judged,
         )
 
@@ -268,6 +276,11 @@ class ExplicitStamping(RowRecording):
         degrees = temperature_field(material, history, self.shells.given_temperature)
         return fields | degrees | state_variable_field(material, history)
 
+    def _evolved(self) -> dict[str, list[FloatArray]]:
+        """Return the damage at the layers by quantity and block of the mesh (n_cells, q k)."""
+        ends = np.cumsum([len(block.connectivity) for block in self.model.mesh.blocks])[:-1]
+        return {name: np.split(values.reshape(len(values), -1), ends) for name, values in self.shells.damage.items()}
+
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
         """Return the verdict on the sheet by its cell fields."""
         position = self.shells.position
@@ -281,7 +294,11 @@ class ExplicitStamping(RowRecording):
         thickness = self.model.sheet[0].thickness
         depths = [measure_sheet_penetration(t.name, t.penetration, thickness) for t in self.shells.tools.values()]
         strained = watch_sheet(self._judge(self._cell_fields()))
-        return Watched((*strained.measures, *depths), strained.margin)
+        critical: dict[str, list[float | None]] = {
+            law.name: [law.critical.get(law.name)] * len(self.model.mesh.blocks) for law in self._damage_laws
+        }
+        peaks = find_peaks(self.model.mesh, self.shells.position, self._evolved(), critical)
+        return Watched((*strained.measures, *depths), strained.margin, peaks)
 
     def sheet(self) -> SheetState:
         """Return the present state of the sheet."""

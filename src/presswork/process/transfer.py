@@ -13,7 +13,8 @@ lacks is held by forces that fade over the first stage, as the reactions of one 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from presswork import _core
 from presswork.body.law_failed import LawFailed
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import ShellFailed, ShellMechanics, lay_directors
+from presswork.evolution.points import EvolvedArrays, find_evolved
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells, Precision
 from presswork.implicit.energy import Work
@@ -55,6 +57,8 @@ class SheetBlock:
     """xx, yy, xy in the frame of the law (n_cells, q, k, 3) [MPa]."""
     history: FloatArray
     """What the law keeps (n_cells, q, k, n_history)."""
+    evolved: Mapping[str, FloatArray] = field(default_factory=dict)
+    """What evolution laws keep, by quantity (n_cells, q, k)."""
 
 
 @dataclass(frozen=True)
@@ -74,14 +78,15 @@ def sheet_of_explicit(shells: ExplicitShells) -> SheetState:
     """
     axis = law_axes(shells)[:, None]
     stress, thickness = shells.released()
-    thickness, layers = thickness[:, None], (stress, shells.history_at_points)
+    thickness, layers, damage = thickness[:, None], (stress, shells.history_at_points), shells.damage
     blocks = []
     three = is_triangle(shells.connectivity)
     for n_nodes, own in ((4, ~three), (3, three)):
         if own.any():
             stress, history = (values[own] if n_nodes == 4 else values[own][:, :1] for values in layers)
             cells = shells.connectivity[own][:, :n_nodes]
-            blocks.append(SheetBlock(cells, axis[own], thickness[own], stress, history))
+            evolved = {name: v[own] if n_nodes == 4 else v[own][:, :1] for name, v in damage.items()}
+            blocks.append(SheetBlock(cells, axis[own], thickness[own], stress, history, evolved))
     return SheetState(shells.position, tuple(blocks))
 
 
@@ -100,7 +105,9 @@ def sheet_of_implicit(procedure: ImplicitProcedure) -> SheetState:
         direction, history = state[ShellArrays].direction[i], state.cells.history[i]
         axis = _unit((direction[..., :1] * along - direction[..., 1:] * across).mean(axis=2))
         stress = state.cells.stress[i].reshape(*history.shape[:3], 3)
-        blocks.append(SheetBlock(block.connectivity, axis, state[ShellArrays].thickness[i], stress, history))
+        evolved = {name: of[i].reshape(history.shape[:3]) for name, of in find_evolved(state).items()}
+        thickness = state[ShellArrays].thickness[i]
+        blocks.append(SheetBlock(block.connectivity, axis, thickness, stress, history, evolved))
     return SheetState(points, tuple(blocks))
 
 
@@ -149,6 +156,8 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         state.cells.history[i][:] = _at_points(block.history, q)
         state.cells.stress[i].reshape(cells, q, k, 3)[:] = _at_points(block.stress, q)
         state.cells.eqps[i].reshape(cells, q, k)[:] = state.cells.history[i][..., 0]
+        for name, values in block.evolved.items():
+            state[EvolvedArrays].values[name][i][:] = _at_points(values, q).reshape(cells, q * k)
 
     trial = state.duplicate()
     force = mechanics.evaluate(state, trial, np.zeros_like(state.nodes.displacement), with_stiffness=False)

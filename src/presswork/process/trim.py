@@ -137,8 +137,14 @@ def _cut_block(state: SheetState, cells: CutCells, elements: Mapping[int, ShellE
         taken = [
             values[parent[:, None], nearest] for values in (block.axis, block.thickness, block.stress, block.history)
         ]
+        damage = {name: values[parent[:, None], nearest] for name, values in block.evolved.items()}
         if found is None:
-            found = SheetBlock(cells.connectivity, *(np.empty((len(own), *values.shape[1:])) for values in taken))
+            room = [np.empty((len(own), *values.shape[1:])) for values in taken]
+            evolved = {name: np.empty((len(own), *values.shape[1:])) for name, values in damage.items()}
+            axis, thickness, stress, history = room
+            found = SheetBlock(cells.connectivity, axis, thickness, stress, history, evolved)
+        for name, values in damage.items():
+            found.evolved[name][own] = values
         for target, values in zip((found.axis, found.thickness, found.stress, found.history), taken, strict=True):
             target[own] = values
     assert found is not None
