@@ -249,8 +249,7 @@ void bind_loop(nb::class_<Loop, Rest...>& c) {
         name, [of](Loop& self) { return of(self.nodes).get(); },
         [of, name](Loop& self, Doubles x) { of(self.nodes).set(x, name); }, nb::rv_policy::move, text);
   };
-  columns(
-      "position", [](auto& nodes) { return position_of(nodes); }, "Positions (n_nodes, dimension) [mm].");
+  columns("position", [](auto& nodes) { return position_of(nodes); }, "Positions (n_nodes, dimension) [mm].");
   columns(
       "velocity", [](auto& nodes) { return velocity_of(nodes); },
       "Velocities (n_nodes, freedoms), half a step back [mm/s, 1/s].");

@@ -32,6 +32,8 @@ class Quantity:
     """Bounds, to which values are clipped where a mesh is made anew."""
     label: str = ""
     """Words for pictures; empty: those of the name."""
+    shown: bool = True
+    """Whether it is a field of the results."""
 
 
 @dataclass(frozen=True)
@@ -72,10 +74,17 @@ class EvolutionLaw:
     critical: Mapping[str, float] = {}
     """Values of quantities that must not be exceeded, by name: beyond is a crack."""
 
+    softens: bool = False
+    """Whether the strain that hardens is `hardening_strain`, which the laws of the stress then go on from."""
+
     def at_rest(self) -> dict[str, float]:
         """Return the values at the start of a run by name."""
         return {quantity.name: quantity.start for quantity in self.quantities}
 
     def advance(self, values: Mapping[str, FloatArray], change: PointChange) -> dict[str, FloatArray]:
         """Return the values at the end of an increment (n,) by name; those of its start are not written to."""
+        raise NotImplementedError
+
+    def hardening_strain(self, values: Mapping[str, FloatArray]) -> FloatArray:
+        """Return the equivalent plastic strain by which a law that softens hardens (n,)."""
         raise NotImplementedError

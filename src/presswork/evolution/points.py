@@ -95,3 +95,5 @@ class Evolution:
             found = law.advance({q.name: before[q.name][block].ravel() for q in law.quantities}, change)
             for name, value in found.items():
                 after[name][block] = value.reshape(cells.eqps[block].shape)
+            if law.softens:
+                cells.eqps[block] = law.hardening_strain(found).reshape(cells.eqps[block].shape)

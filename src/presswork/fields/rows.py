@@ -173,7 +173,7 @@ ROWS = (
     Field("stress", "MPa", "cell", _stress, components=TENSOR),
     Field("hydrostatic_stress", "MPa", "cell", _hydrostatic_stress),
     Field("temperature", "degrees C", "cell", _temperature),
-    *(Field(q.name, q.unit, "cell", _evolved(q.name), label=q.label) for q in QUANTITIES),
+    *(Field(q.name, q.unit, "cell", _evolved(q.name), label=q.label) for q in QUANTITIES if q.shown),
     Field("SDV{}", "", "cell", _state_variables, "number"),
     Field("body", "1", "cell", _body),
     Field("equivalent_plastic_strain_{}", "1", "layer", _of_layers("equivalent_plastic_strain"), "layer"),

@@ -18,6 +18,7 @@ from presswork.model.elements import (
     SpaceElement,
     list_names,
 )
+from presswork.model.grain import DynamicRecrystallisation, Grain, GrainGrowth, PowerLaw, Recrystallisation
 from presswork.model.heat import (
     COLDEST,
     HOTTEST,
@@ -111,6 +112,7 @@ __all__ = [
     "Displacements",
     "Drawbead",
     "Drive",
+    "DynamicRecrystallisation",
     "EdgeForce",
     "ElementName",
     "ExplicitElement",
@@ -121,6 +123,8 @@ __all__ = [
     "FloatArray",
     "Friction",
     "FrictionTangent",
+    "Grain",
+    "GrainGrowth",
     "Hardening",
     "Heat",
     "HeatContact",
@@ -141,6 +145,7 @@ __all__ = [
     "OutputSettings",
     "PartBead",
     "PointForce",
+    "PowerLaw",
     "PrescribedDisplacement",
     "PrescribedTemperature",
     "Pressure",
@@ -148,6 +153,7 @@ __all__ = [
     "Push",
     "Radiation",
     "Rate",
+    "Recrystallisation",
     "Refinement",
     "Remeshing",
     "Section",

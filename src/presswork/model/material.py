@@ -12,6 +12,7 @@ import numpy as np
 from presswork import _core
 from presswork.formability import Formability
 from presswork.model.arrays import FloatArray
+from presswork.model.grain import Grain
 from presswork.model.heat import Thermal
 
 UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
@@ -161,5 +162,7 @@ class Material:
     """Conduction and storage of heat; None: it conducts no heat."""
     damage: Damage | None = None
     """Criterion of fracture; None: in solids that of Cockcroft and Latham, without a critical value."""
+    grain: Grain | None = None
+    """Grain size in hot forming; None: it is not computed."""
     formability: Formability = field(default_factory=Formability)
     """Forming limit that the strains of a sheet are compared with."""

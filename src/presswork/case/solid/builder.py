@@ -139,6 +139,7 @@ def build_material(name: str, material: schema.Material) -> model.Material:
         density=material.density or 0.0,
         thermal=thermal,
         rolling_direction=material.find_rolling_direction(),
+        grain=material.grain.to_model() if material.grain else None,
     )
 
 

@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from presswork.case.errors import Problem
+from presswork.case.material.grain import Grain
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.law_needs import check_needs
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.part import Part
 from presswork.case.settings import Solver
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import list_bodies
@@ -20,6 +24,12 @@ def check_laws(case: schema.Case) -> list[Problem]:
     problems = []
     for name, material in case.materials.items():
         if not isinstance(material, UmatMaterial):
+            if material.grain is not None:
+                knows = case.heat is not None or material.heating is not None
+                key, stages, procedure = f"materials.{name}", case.stages, case.procedure
+                problems += check_grain(
+                    key, material.grain, knows_temperature=knows, stages=stages, procedure=procedure
+                )
             problems += material.check_in_solids(f"materials.{name}")
             if isinstance(material.rolling_direction, tuple):
                 fault, remedy = "expected an angle from x in the plane [degrees]", "e.g. 45"
@@ -32,6 +42,26 @@ def check_laws(case: schema.Case) -> list[Problem]:
         if not isinstance(material, UmatMaterial):
             problems += check_integrator(name, material, case.solver)
     return problems + _check_umats(case)
+
+
+def check_grain(
+    key: str, grain: Grain, *, knows_temperature: bool, stages: Sequence[Part], procedure: str
+) -> list[Problem]:
+    """Return the problems of a grain size that lacks temperature or time; key: of the material."""
+    problems, own = [], f"{key}.grain.temperature"
+    if procedure == "explicit":
+        fault, remedy = "grain size is for the implicit procedure alone, so far", "leave it out, or compute implicitly"
+        return [Problem(f"{key}.grain", fault, remedy)]
+    if grain.temperature is None and not knows_temperature:
+        remedy = "add it [degrees C], or [heat], or `heating` of the material"
+        problems.append(Problem(own, "missing key: recrystallisation needs a temperature", remedy))
+    if grain.temperature is not None and knows_temperature:
+        problems.append(Problem(own, "the run knows the temperature", "remove it", grain.temperature))
+    for index, stage in enumerate(stages):
+        if "duration" not in stage.model_fields_set:
+            fault = "missing key: recrystallisation takes time"
+            problems.append(Problem(f"stages.{index}.duration", fault, "add it [s]"))
+    return problems
 
 
 def check_integrator(name: str, material: schema.Material, solver: Solver) -> list[Problem]:

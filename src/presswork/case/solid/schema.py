@@ -24,6 +24,7 @@ from presswork.case.case_file import CaseFile
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
+from presswork.case.material.grain import Grain
 from presswork.case.material.heating import require_density
 from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.umat import UmatMaterial, kind_of_material
@@ -59,6 +60,7 @@ class Material(PlasticLaws):
 
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
     thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
+    grain: Grain | None = Field(default=None, description="grain size in hot forming")
     rolling_direction: Angle | tuple[Number, Number, Number] = Field(
         default=0.0,
         description="x of the yield function at the start: its angle from x in the plane of x and y [degrees], "

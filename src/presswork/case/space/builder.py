@@ -12,7 +12,7 @@ from presswork.case.material.law_needs import check_needs
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_materials
-from presswork.case.solid.law_checks import check_integrator
+from presswork.case.solid.law_checks import check_grain, check_integrator
 from presswork.case.solid.references import check_set_names
 from presswork.case.solid.workpiece import MeshFile
 from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage
@@ -103,6 +103,11 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
                 fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"
                 problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
         else:
+            if material.grain is not None:
+                key, knows = f"materials.{name}", material.heating is not None
+                problems += check_grain(
+                    key, material.grain, knows_temperature=knows, stages=case.stages, procedure="implicit"
+                )
             problems += material.check_in_solids(f"materials.{name}")
             if name == case.workpiece.material:
                 problems += check_integrator(name, material, case.solver)
