@@ -5,6 +5,7 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
+from presswork.study.calibrate_damage import calibrate_damage
 
 CASE = """
 title = "a billet is upset"
@@ -107,3 +108,30 @@ def test_damage_passes_to_new_meshes(tmp_path) -> None:
         found.append(result.history["damage_cockcroft_latham_max"][-1])
     assert result.summary["remeshes"] >= 4
     assert found[1] == pytest.approx(found[0], rel=0.03)
+
+
+def test_the_critical_value_of_a_test_is_found_again(tmp_path) -> None:
+    """A run with the value found tells its first crack at the stroke that it was found from."""
+    case = read(tmp_path, "{critical = 10}", "").source
+    found = calibrate_damage(case, 5.0, settings=["output.steps=20"])
+    assert 0.05 < found.value < 1.0
+    assert calibrate_damage(found.folder, 5.0).value == found.value
+    at_place = calibrate_damage(found.folder, 5.0, at=found.place)
+    assert at_place.value == pytest.approx(found.value, rel=0.1), "the mean of a cell, not its largest point"
+    model = build_model(read(tmp_path, f"{{critical = {found.value}}}"))
+    told = run_model(model, tmp_path / "again", threads=1).result.summary["damage"]["damage_cockcroft_latham"]
+    assert told["first_exceeded"]["strokes_mm"]["punch"] == pytest.approx(5.0, abs=0.05 * 7.5 + 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"stroke": 50.0}, "has gone 7.5 mm"),
+        ({"stroke": 5.0, "tool": "punsh"}, "no such tool"),
+        ({"stroke": 5.0, "criterion": "oyane"}, "no such damage"),
+    ],
+)
+def test_a_test_that_cannot_tell_is_refused(tmp_path_factory, tmp_path, options, words) -> None:
+    run_model(build_model(read(tmp_path, "{critical = 10}")), tmp_path / "out", threads=1)
+    with pytest.raises(CaseError, match=words):
+        calibrate_damage(tmp_path / "out", **options)

@@ -11,8 +11,9 @@ import typer
 from presswork.case.errors import CaseError, Problem
 from presswork.cli.members import Jobs, Overwrite, Quiet, Resume, Settings, progress_shown
 from presswork.cli.terminal import INTERRUPTED, console, exit_on
-from presswork.results import OutputError
+from presswork.results import OutputError, ResultError
 from presswork.study.calibrate import SYMBOLS, BorePlace, Calibration, FrictionLaw, calibrate_ring
+from presswork.study.calibrate_damage import calibrate_damage
 
 app = typer.Typer(help="Find a parameter from measured tests.", no_args_is_help=True, add_completion=False)
 
@@ -66,6 +67,32 @@ def ring(
         console().print("interrupted: continue with --resume", style="red")
         raise typer.Exit(INTERRUPTED)
     _report_fit(calibration)
+
+
+@app.command()
+def damage(
+    test: Annotated[Path, typer.Argument(help="The test: a case file, or the folder of its run.", show_default=False)],
+    stroke: Annotated[float, typer.Option(help="Stroke of the tool at the first crack [mm].", show_default=False)],
+    tool: Annotated[str, typer.Option(help="Name of that tool, if several move.")] = "",
+    criterion: Annotated[str, typer.Option(help="Criterion of fracture.")] = "cockcroft_latham",
+    at: Annotated[
+        str,
+        typer.Option(metavar="X,Y[,Z]", help="Place of the crack in the formed part [mm]; else the largest counts."),
+    ] = "",
+    set_: Settings = None,
+    output: Annotated[Path | None, typer.Option(help="Folder of the run; default: the case's name, _damage.")] = None,
+) -> None:
+    """Tell the critical damage of a material from a test's stroke of first crack."""
+    with exit_on(CaseError, OutputError, ResultError):
+        try:
+            place = [float(part) for part in at.split(",") if part.strip()]
+        except ValueError:
+            raise CaseError([Problem("--at", f"`{at}` is no place", "write --at 12.5,0.2")]) from None
+        found = calibrate_damage(
+            test, stroke, tool=tool, criterion=criterion, at=place, folder=output, settings=set_ or []
+        )
+    where = ", ".join(f"{x:.4g}" for x in found.place)
+    typer.echo(f"critical = {found.value:.4f} ({found.criterion}, {found.tool} at {found.stroke:g} mm, ({where}) mm)")
 
 
 def _read_values(text: str) -> list[float]:

@@ -58,9 +58,9 @@ def check_grain(
     if grain.temperature is not None and knows_temperature:
         problems.append(Problem(own, "the run knows the temperature", "remove it", grain.temperature))
     for index, stage in enumerate(stages):
-        if "duration" not in stage.model_fields_set:
+        if not {"duration", "velocity", "press"} & stage.model_fields_set:
             fault = "missing key: recrystallisation takes time"
-            problems.append(Problem(f"stages.{index}.duration", fault, "add it [s]"))
+            problems.append(Problem(f"stages.{index}.duration", fault, "add it [s], or a velocity or press"))
     return problems
 
 
