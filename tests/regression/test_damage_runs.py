@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Damage from the case file to the picture: history, summary, log, resume, new meshes, faulty input."""
 
+import numpy as np
 import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
 from presswork.study.calibrate_damage import calibrate_damage
+from presswork.view.all_plots import plot_all
+from presswork.view.mesh_plot import plot_mesh
 
 CASE = """
 title = "a billet is upset"
@@ -135,3 +138,16 @@ def test_a_test_that_cannot_tell_is_refused(tmp_path_factory, tmp_path, options,
     run_model(build_model(read(tmp_path, "{critical = 10}")), tmp_path / "out", threads=1)
     with pytest.raises(CaseError, match=words):
         calibrate_damage(tmp_path / "out", **options)
+
+
+def test_the_first_crack_is_marked_on_the_picture(tmp_path) -> None:
+    result = run_model(build_model(read(tmp_path, "{critical = 0.1}")), tmp_path / "out", threads=1).result
+    pictures = {path.name for path in plot_all(result, tmp_path / "plots")}
+    assert "mesh_damage_cockcroft_latham_002.png" in pictures
+    ax = plot_mesh(result, "damage_cockcroft_latham")
+    assert "first crack (x) at punch" in ax.get_title()
+    crack = result.summary["damage"]["damage_cockcroft_latham"]["first_exceeded"]
+    marks = [c.get_offsets()[0] for c in ax.collections if len(c.get_offsets()) == 1 and c.get_zorder() == 7]
+    centre = result.points()[result.mesh.blocks[0].connectivity[crack["cell"]]].mean(axis=0)
+    np.testing.assert_allclose(np.asarray(marks[0]), centre)
+    assert "first crack" not in plot_mesh(result, "damage_cockcroft_latham", 0).get_title()

@@ -32,8 +32,8 @@ from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinem
 from presswork.process.epochs import NamedArrays
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
-from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.peaks import find_peaks, peak_row
+from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.refinement import choose_shells, find_planes, place_nodes

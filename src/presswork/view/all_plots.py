@@ -15,6 +15,7 @@ from presswork.post.section import write_section
 from presswork.post.springback import find_formed_step
 from presswork.results import Result, ResultError
 from presswork.view.blank_plot import plot_blank
+from presswork.view.crack_mark import find_judged_damage
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
     find_energies,
@@ -47,6 +48,7 @@ STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", 
 ONESTEP_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
 SPRINGBACK_FIELDS = ("springback", "deviation")
 """Displacement of springback; distance from the shape in the tools."""
+MICROSTRUCTURE = ("grain_size", "recrystallised_fraction")
 TEMPERATURE = "temperature"
 """Field of a solid that plastic work heats."""
 NODAL_TEMPERATURE = "nodal_temperature"
@@ -73,8 +75,9 @@ def plot_all(
     and speed of the ram over stroke and time.
     `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a stamping
     STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at the one
-    with the widest range; `out_dir` is the folder "plots" in the output folder. sections:
-    x, y of where a section begins [mm], and its angle from x [degree]; each is drawn, and its thickness written as CSV.
+    with the widest range, and damage that has a critical value, and MICROSTRUCTURE; `out_dir` is the folder "plots" in
+    the output folder. sections: x, y of where a section begins [mm], and its angle from x [degree]; each is drawn, and
+    its thickness written as CSV.
     Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
     """
     require_matplotlib()
@@ -153,15 +156,16 @@ def _plot_all(
 
 def default_fields(result: Result) -> Sequence[str]:
     """Return the fields that plot_all draws of such a result."""
+    more = [*find_judged_damage(result), *(name for name in MICROSTRUCTURE if name in result.field_names)]
     if result.is_stamping:
-        return (*STAMPING_FIELDS, *(name for name in SPRINGBACK_FIELDS if name in result.field_names))
+        return (*STAMPING_FIELDS, *(name for name in SPRINGBACK_FIELDS if name in result.field_names), *more)
     if result.is_onestep:
         return ONESTEP_FIELDS
     if result.is_shell:
-        return SHELL_FIELDS
+        return (*SHELL_FIELDS, *more)
     fields = FIELDS if FIELDS[0] in result.field_names else ()
     temperature = NODAL_TEMPERATURE if NODAL_TEMPERATURE in result.field_names else TEMPERATURE
-    return (*fields, *(name for name in (temperature,) if name in result.field_names))
+    return (*fields, *(name for name in (temperature,) if name in result.field_names), *more)
 
 
 def _is_nonzero(result: Result, field: str, steps: Sequence[int]) -> bool:

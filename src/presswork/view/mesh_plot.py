@@ -11,6 +11,7 @@ from presswork.model import FloatArray, IndexArray
 from presswork.post import average_to_nodes
 from presswork.results import Result
 from presswork.view.cells import outline_cells, triangulate
+from presswork.view.crack_mark import mark_first_crack
 from presswork.view.extremes import describe_extremes, mark_extremes
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
@@ -52,7 +53,7 @@ def plot_mesh(
     else:
         colours = _draw_cells(ax, outlines, values, mirror, show_edges, bare=False)
         places = np.array([outline.mean(axis=0) for outline in outlines])
-    _label_extremes(ax, result, values, places, step)
+    _label_extremes(ax, result, field, values, places, step)
     _add_colour_bar(ax, colours, label_field(result, field))
     return ax
 
@@ -82,7 +83,7 @@ def plot_contours(
         drawn = ax.tricontourf(net, shown, levels=levels, cmap=COLOURS, zorder=1)
         ax.tricontour(net, shown, levels=levels, colors="k", linewidths=0.25, zorder=1.5)
         _draw_boundary(ax, result.mesh_at(step).boundary_edges, points, sign, mirror)
-    _label_extremes(ax, result, values, points, step)
+    _label_extremes(ax, result, field, values, points, step)
     _add_colour_bar(ax, drawn, label_field(result, field))
     return ax
 
@@ -184,10 +185,11 @@ def _draw_cells(
     return cells
 
 
-def _label_extremes(ax: Axes, result: Result, values: FloatArray, places: FloatArray, step: int) -> None:
-    """Mark the extremes of the values (n,) at their places (n, 2) [mm], and say them under the title."""
+def _label_extremes(ax: Axes, result: Result, field: str, values: FloatArray, places: FloatArray, step: int) -> None:
+    """Mark the extremes of the values (n,) at their places (n, 2) [mm] and the first crack, say both in the title."""
     mark_extremes(ax, values, places)
-    title = f"{describe_step(result, step)}\n{describe_extremes(values, places)}"
+    crack = mark_first_crack(ax, result, field, step)
+    title = f"{describe_step(result, step)}\n{describe_extremes(values, places)}\n{crack}"
     ax.set_title(title.rstrip(), fontsize="medium")
 
 

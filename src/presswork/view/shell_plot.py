@@ -14,6 +14,7 @@ from presswork.post import find_skin
 from presswork.post.section import cut_tool
 from presswork.results import Result, ResultMesh
 from presswork.view.cells import outline_cells
+from presswork.view.crack_mark import describe_first_crack, find_first_crack
 from presswork.view.extremes import describe_extremes
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, ZONE_COLOURS, describe_step, label_field, new_figure, require_matplotlib
@@ -85,7 +86,10 @@ def plot_shell(
     extremes = ""
     if values is not None and field != ZONE_FIELD:
         extremes = describe_extremes(values, np.array([outline.mean(axis=0) for outline in outlines]))
-    ax.set_title("\n".join(filter(None, (title, describe_step(result, step) + magnified, extremes))), fontsize="medium")
+    crack = find_first_crack(result, field) if field else None
+    said = describe_first_crack(crack).replace(" (x)", "") if crack else ""
+    lines = (title, describe_step(result, step) + magnified, extremes, said)
+    ax.set_title("\n".join(filter(None, lines)), fontsize="medium")
     return figure
 
 
