@@ -24,6 +24,12 @@ class IterationLog:
         for row in (self.residual, self.correction, self.contact_changes):
             row.pop()
 
+    def extend(self, other: IterationLog) -> None:
+        """Add the iterations of another attempt at the same increment."""
+        self.residual += other.residual
+        self.correction += other.correction
+        self.contact_changes += other.contact_changes
+
     @property
     def smooth_iterations(self) -> int:
         """Iterations less those that changes of contact cost, about two each, which no smaller increment saves."""

@@ -44,6 +44,7 @@ PYTHON_ROOMS = {
         "memory",
         "mesh",
         "model",
+        "remesh",
         "text_file",
     },
     "examples": {"case"},

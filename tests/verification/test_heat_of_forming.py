@@ -283,3 +283,41 @@ def test_heat_passes_a_gap(what, gap, coefficient) -> None:
     """Half the gap: half the conductance, and air takes from the other half of the surface alone; lumped cooling."""
     rate = (coefficient * 4 + 1.0 * (4 + 1)) / (4 * 7800e-12 * 650e6)
     assert cool_beside(what, gap) - 20 == pytest.approx(480 * np.exp(-rate), rel=6e-3)
+
+
+@pytest.mark.parametrize(
+    ("time", "hot", "cold"), [(0.1, 1004.59, 395.41), (1.0, 851.37, 548.63), (10.0, 754.02, 645.98)]
+)
+def test_a_meshed_die_is_a_half_space(time, hot, cold) -> None:
+    """Steel at 1200 degrees C on a die at 200 with a mesh of its own, 10 kW/m2K: two half-spaces; all heat balances.
+
+    The die stands still in the first stage and rises in the second, with the workpiece: its mesh goes along.
+    """
+    steel = {"conductivity": 30, "specific_heat": "650 J/(kg*K)", "density": "7800 kg/m^3"}
+    size, depth = 0.06 * np.sqrt(time), 8 * np.sqrt(time)
+    die = {"temperature": 200, "conductance": "10 kW/(m^2*K)", "mesh": {"size": size, "depth": depth}, **steel}
+    width = 30 * size
+    done = compute(
+        max_increment=0.005,
+        law=HALF_SPACE,
+        analysis="plane_strain",
+        workpiece={"material": "steel", "mesh": {"zones_x": [[width, 20, 1]], "zones_y": [[60, 60, 300]]}},
+        boundary={"side": {"set": "left", "fix": ["x"]}},
+        tools={"die": {"profile": [[0, 0], [width * 1.001, 0]], "contact": "frictionless", "heat": die}},
+        heat={"initial_temperature": 1200, "tolerance": 0.5},
+        stages=[
+            {"name": name, "duration": 0.5 * time, "tools": {"die": {"move": [0, rise]}},
+             "displacement": [{"set": "top", "component": "y", "value": rise - press}]}
+            for name, rise, press in (("press", 0, 1e-3), ("rise", 1, 0))
+        ],
+    )  # fmt: skip
+    arrays = done.state[HeatArrays]
+    assert arrays.temperature[done.model.mesh.node_sets["bottom"]] == pytest.approx(hot, abs=3.0)
+    assert done.heat is not None
+    (face,) = done.heat.dies.dies
+    profile = np.unique(face.profile) - face.nodes.start
+    assert arrays.dies[profile] == pytest.approx(cold, abs=3.0)
+    gained, lost = done.heat.stored_in_dies(done.state), done.heat.stored(done.state)
+    assert gained == pytest.approx(-lost, rel=1e-8)
+    assert arrays.die_heat[1] == pytest.approx(-arrays.heat[2], rel=1e-9)
+    assert abs(gained - arrays.die_heat.sum()) < 1e-8 * gained

@@ -50,6 +50,8 @@ class HeatProblem:
     """Their temperatures (n_points,) [degrees C]."""
     source: FloatArray | None = None
     """Heat made at the nodes (n_points,) [N mm/s]."""
+    counted: int | None = None
+    """The heat of the first so many nodes and of the others is counted apart; None: of all together."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,9 @@ class HeatStep:
 
     temperature: FloatArray
     """(n_points,) [degrees C]."""
-    power: Mapping[str, float]
-    """Heat that flowed in by kind of film, by prescribed temperatures and by sources [N mm/s]."""
+    power: Mapping[str, FloatArray]
+    """Heat that flowed in by kind of film, by prescribed temperatures and by sources, into the nodes that are counted
+    and into the others (2,) [N mm/s]."""
     log: IterationLog
 
 
@@ -159,11 +162,16 @@ class HeatEquation:
             self._timing.add("solve", started)
 
 
-def _count(problem: HeatProblem, found: _Balance) -> dict[str, float]:
-    """Return the heat that flows in, by kind [N mm/s]."""
-    power = {PRESCRIBED: float(found.residual[problem.mask != 0].sum())}
+def _count(problem: HeatProblem, found: _Balance) -> dict[str, FloatArray]:
+    """Return the heat that flows in, by kind (2,) [N mm/s]."""
+    n = len(problem.mask) if problem.counted is None else problem.counted
+
+    def apart(flow: FloatArray) -> FloatArray:
+        return np.array([flow[:n].sum(), flow[n:].sum()])
+
+    power = {PRESCRIBED: apart(np.where(problem.mask != 0, found.residual, 0.0))}
     for film, each in zip(problem.films, found.given, strict=True):
-        power[film.kind] = power.get(film.kind, 0.0) + float(each.power.sum())
+        power[film.kind] = power.get(film.kind, np.zeros(2)) + apart(each.power)
     if problem.source is not None:
-        power["source"] = float(problem.source.sum())
+        power["source"] = apart(problem.source)
     return power

@@ -1,35 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Heat of a body as it is formed: after each converged increment the heat equation, on the body as it lies then.
+"""Heat of bodies as they are formed: after each increment in equilibrium the heat equation, on the bodies as they lie.
 
-Staggered: an increment is computed at the temperatures at its start, then they take the heat of its plastic work and
-of its friction, what flows into the tools and what the surroundings take (docs/theory/heat.md). Where surfaces touch a
-tool or are free is found anew in every increment.
+Staggered: an increment begins with the temperatures that the last rate foretells. Then the heat equation takes them to
+its end, with the heat of plastic work and friction, and what tools, other bodies and surroundings take. Where a law was
+given temperatures that are off by more than the tolerance, equilibrium is found again with the new ones. Within an
+increment time steps of heat follow their own error, as in heat alone (docs/theory/heat.md).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
-from presswork.body.heat import Conduction, PointShapes, sum_at_nodes
+from presswork.body.heat import Conduction, PointShapes
 from presswork.body.solids import Mechanics
-from presswork.implicit.heat_equation import HeatEquation, HeatProblem, HeatStep
+from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem, HeatStep
+from presswork.implicit.heat_made import HeatSources
 from presswork.interaction.chilled_tool import CELLS, Column, ColumnFilm
-from presswork.interaction.heat_films import ToolFilm
-from presswork.interaction.heat_surface import HeatSurface, SurfaceNow, Touch
+from presswork.interaction.heat_films import Film, ToolFilm
+from presswork.interaction.heat_surface import HeatSurface, Touch
+from presswork.interaction.meshed_dies import MeshedDies, pass_on
 from presswork.interaction.of_model import Interactions
-from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import BoolArray, FloatArray, Heat, Model
-from presswork.outcome import Failed, GaveUpError, Step
+from presswork.outcome import Failed, IterationLog, Step
 from presswork.state import NODE, RUN, Arrays, OnNewMesh, State
 from presswork.timing import Timing
 
 KINDS = ("plastic", "friction", "tools", "convection", "radiation")
 """What heats and cools bodies that are formed; what flows between them adds up to nothing."""
-MOST_HALVINGS = 6
+DIE_KINDS = ("friction", "contact", "convection", "radiation", PRESCRIBED)
+"""What heats and cools tools with a mesh."""
+FIRST_PART = 0.1
+"""Of the increment with which a stage begins: its first time step of heat, whose error is not known."""
+SAFETY, SHRINK, GROWTH, REFUSED = 0.9, 0.2, 2.0, 2.0
+"""As in process.heat."""
+SMALLEST_PART = 1e-4
+"""Of an increment: a time step of heat that is taken as it is."""
+MOST_PASSES = 5
+"""Times that equilibrium and heat are found in an increment."""
 _CONTENT_ROUNDS = 5
 
 
@@ -40,71 +51,126 @@ class HeatArrays(Arrays):
     owner = "heat"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
         "temperature": NODE,
+        "rate": NODE,
         "heat": RUN,
         "columns": OnNewMesh("surface", axis=1),
+        "dies": RUN,
+        "die_rate": RUN,
+        "die_heat": RUN,
+        "last_step": RUN,
+        "next_step": RUN,
     }
     temperature: FloatArray
     """(n_points,) [degrees C]."""
+    rate: FloatArray
+    """Over the last time step of heat (n_points,) [K/s]."""
     heat: FloatArray
     """Since the start, by KINDS (5,) [N mm]."""
     columns: FloatArray
     """Of the steel of every tool behind every node, from the surface on (n_tools, n_points, CELLS) [degrees C]; no
     tools where none warms up."""
+    dies: FloatArray
+    """Temperatures of the nodes of tools with meshes, tool after tool (n_die_points,) [degrees C]."""
+    die_rate: FloatArray
+    """Over the last time step of heat (n_die_points,) [K/s]."""
+    die_heat: FloatArray
+    """Heat come into all of them since the start, by DIE_KINDS (5,) [N mm]."""
+    last_step: float = 0.0
+    """Last time step of heat [s]; 0 where a stage begins."""
+    next_step: float = 0.0
+    """That which the error asks for [s]; 0: not known."""
+
+
+@dataclass(frozen=True)
+class _Instant:
+    """Temperatures within an increment, of bodies and dies together."""
+
+    temperature: FloatArray
+    rate: FloatArray
+    columns: FloatArray
+    last_step: float
+    next_step: float
 
 
 class HeatOfForming:
-    """Conducts heat in a body between rigid tools of given temperatures."""
+    """Conducts heat in bodies, and in tools with meshes."""
 
     def __init__(
         self, model: Model, cells: Mechanics, interactions: Interactions, timing: Timing, threads: int
     ) -> None:
         assert model.heat is not None
-        self._model, self._heat, self._cells, self._interactions = model, model.heat, cells, interactions
-        self._equation = HeatEquation(model, np.zeros((0, 2), dtype=np.int32), timing, threads)
+        self._model, self._heat = model, model.heat
+        self._dies = MeshedDies(model, model.heat)
+        self._equation = HeatEquation(self._dies.join(), np.zeros((0, 2), dtype=np.int32), timing, threads)
+        self._surface = HeatSurface(model, model.heat, interactions, self._dies)
+        self._sources = HeatSources(model, model.heat, cells, interactions, self._surface)
         self._shapes = PointShapes(model.mesh)
-        self._surface = HeatSurface(model, model.heat, interactions)
-        n = len(model.mesh.points)
-        self._none: FloatArray = np.zeros(n)
+        self._n_points = len(model.mesh.points)
         usual = min(stage.duration for stage in model.stages) * model.solver.max_increment
         self._columns = {
             name: Column(*tool.steel, usual) for name, tool in model.heat.tools.items() if tool.steel is not None
         }
-        self._shares = self._share_friction()
-        self._body_of = np.zeros(n, dtype=np.intp)
-        for number, body in enumerate(model.bodies):
-            self._body_of[body.points.start : body.points.stop] = number
-        self._free_of_prescription = np.zeros(n, dtype=np.uint8)
 
     @property
     def conduction(self) -> Conduction:
         """What conducts and stores the heat."""
         return self._equation.conduction
 
+    @property
+    def tolerance(self) -> float:
+        """By how much temperatures given to laws may be off [K]."""
+        return self._heat.tolerance
+
+    @property
+    def dies(self) -> MeshedDies:
+        """Tools with meshes."""
+        return self._dies
+
     def at_rest(self) -> HeatArrays:
         """Return the temperatures at the start."""
-        start = start_temperatures(self._model, self._heat)
+        start, dies = start_temperatures(self._model, self._heat), self._dies.at_rest()
         tools = self._model.plane_tools if self._columns else ()
         columns = np.zeros((len(tools), len(start), CELLS))
         for t, tool in enumerate(tools):
             if tool.name in self._columns:
                 columns[t] = self._heat.tools[tool.name].temperature
-        return HeatArrays(start, np.zeros(len(KINDS)), columns)
+        rates = np.zeros(len(start)), np.zeros(len(dies))
+        return HeatArrays(start, rates[0], np.zeros(len(KINDS)), columns, dies, rates[1], np.zeros(len(DIE_KINDS)))
 
     def hottest(self, state: State) -> dict[str, float]:
-        """Return the highest temperature at the surface of every tool that warms up [degrees C]."""
+        """Return the highest temperature of every tool that warms up, at its surface or of its mesh [degrees C]."""
         names = [tool.name for tool in self._model.plane_tools]
-        columns = state[HeatArrays].columns
-        return {name: float(columns[names.index(name), :, 0].max()) for name in self._columns}
+        arrays = state[HeatArrays]
+        found = {name: float(arrays.columns[names.index(name), :, 0].max()) for name in self._columns}
+        for die in self._dies.dies:
+            found[die.name] = float(arrays.dies[self._own(die.nodes)].max())
+        return {name: found[name] for name in names if name in found}
+
+    def _own(self, nodes: slice) -> slice:
+        """Return the place of a die's nodes among those of dies."""
+        return slice(nodes.start - self._n_points, nodes.stop - self._n_points)
+
+    def die_temperatures(self, state: State) -> dict[str, FloatArray]:
+        """Return the temperatures of each tool with a mesh at its nodes (n,) [degrees C]."""
+        return {die.name: state[HeatArrays].dies[self._own(die.nodes)] for die in self._dies.dies}
+
+    def stored(self, state: State) -> float:
+        """Return the heat that the bodies have stored since the start [N mm]."""
+        return float(self._gain(state)[: self._n_points].sum())
+
+    def stored_in_dies(self, state: State) -> float:
+        """Return the heat that the tools with meshes have stored since the start [N mm]."""
+        return float(self._gain(state)[self._n_points :].sum())
+
+    def _gain(self, state: State) -> FloatArray:
+        now, _ = self._equation.conduction.content(_together(state))
+        start = np.concatenate([start_temperatures(self._model, self._heat), self._dies.at_rest()])
+        before, _ = self._equation.conduction.content(start)
+        return now - before
 
     def at_points(self, state: State, block: int) -> FloatArray:
         """Return the temperature at a block's points (n_cells, p) [degrees C]."""
         return self._shapes.to_points(block, state[HeatArrays].temperature)
-
-    def stored(self, state: State) -> float:
-        """Return the heat stored since the start [N mm]."""
-        now, _ = self._equation.conduction.content(state[HeatArrays].temperature)
-        before, _ = self._equation.conduction.content(start_temperatures(self._model, self._heat))
-        return float((now - before).sum())
 
     def keep_stored(self, state: State, stored: float, new: BoolArray) -> None:
         """Bring temperatures carried to this mesh to a heat stored since the start [N mm]; new: nodes (n_points,).
@@ -121,8 +187,8 @@ class HeatOfForming:
         span *= new
         change = 0.0
         for _ in range(_CONTENT_ROUNDS if span.max() > 0.0 else 0):
-            _, slope = conduction.content(arrays.temperature)
-            change += (stored - self.stored(state)) / float((slope * span).sum())
+            _, slope = conduction.content(_together(state))
+            change += (stored - self.stored(state)) / float(slope[: len(span)] @ span)
             arrays.temperature = carried + change * span
 
     def spread(self, state: State) -> None:
@@ -131,53 +197,115 @@ class HeatOfForming:
             if given.size:
                 state.cells.temperature[i] = self._shapes.to_points(i, state[HeatArrays].temperature)
 
-    def advance(self, state_n: State, trial: State, step: Step, dt: float) -> None:
-        """Bring the temperatures of a converged trial state to the end of its increment of dt [s].
+    def begin_increment(self, state_n: State, trial: State, dt: float) -> None:
+        """Give laws the temperatures that the last rate foretells for the end of an increment of dt [s]."""
+        arrays = state_n[HeatArrays]
+        for i, given in enumerate(trial.cells.temperature):
+            if given.size:
+                trial.cells.temperature[i] = self._shapes.to_points(i, arrays.temperature + dt * arrays.rate)
 
-        Raises GaveUpError if the heat equation has no solution.
+    def begin_stage(self, state: State) -> None:
+        """Forget the rate: what heats and cools jumps where a stage begins."""
+        arrays = state[HeatArrays]
+        arrays.rate, arrays.die_rate = np.zeros_like(arrays.rate), np.zeros_like(arrays.die_rate)
+        arrays.last_step = arrays.next_step = 0.0
+
+    def advance(self, state_n: State, trial: State, step: Step, dt: float) -> float | Failed:
+        """Bring the temperatures of a trial state in equilibrium to the end of its increment of dt [s].
+
+        Return by how much those given to laws were off at most [K], or why heat finds no balance.
         """
         surface = self._surface.find(trial, step)
-        plastic, friction, into_tools = self._make_heat(state_n, trial, dt)
-        friction += self._rub_bodies(state_n, trial, surface)
-        between = [meeting.film for meeting in surface.meetings]
+        made = self._sources.find(state_n, trial, surface, dt)
+        between = [meeting.film for meeting in surface.meetings] + [film for film, _ in surface.links.values()]
         self._equation.couple(np.concatenate([np.zeros((0, 2), dtype=np.int32), *(film.pairs for film in between)]))
-        columns = state_n[HeatArrays].columns
-        points = self._model.mesh.points + trial.nodes.displacement
-        arrays = trial[HeatArrays]
-        temperature, heat = state_n[HeatArrays].temperature, np.zeros(len(KINDS))
-        time, part = 0.0, dt
-        while time < dt * (1 - 1e-12):
-            chilled = self._chill(surface.touches, columns, into_tools / dt, part)
-            plain = [
-                ToolFilm(t.heat.temperature, t.nodes, t.area, t.conductance)
-                for t in surface.touches
-                if t.tool not in chilled
-            ]
-            problem = HeatProblem(
-                points=points,
-                temperature_n=temperature,
-                dt=part,
-                films=[*plain, *chilled.values(), *between, *surface.around],
-                time=time + part,
-                mask=self._free_of_prescription,
-                prescribed=self._none,
-                source=(plastic + friction) / dt,
-            )
-            found = self._equation.solve(problem, temperature)
-            if isinstance(found, Failed):
-                part *= 0.5
-                if part < dt * 0.5**MOST_HALVINGS:
-                    name = self._model.stages[step.stage].name
-                    raise GaveUpError(f"stage {name!r}: {found.reason} in an increment of {dt:.2e} s")
-                continue
-            temperature, time = found.temperature, time + part
-            columns = self._warm_up(columns, chilled, temperature, part)
-            heat += part * self._count(found)
-            part = min(part, dt - time)
-        heat[:2] = plastic.sum(), friction.sum()
-        arrays.temperature, arrays.heat = temperature, state_n[HeatArrays].heat + heat
-        arrays.columns = columns
+        rubbed = np.zeros(self._dies.n_points)
+        for t, (film, area) in surface.links.items():
+            own = np.zeros(self._dies.n_points)
+            own[: self._n_points] = np.where(made.tool == t, made.into_tools, 0.0)
+            rubbed += pass_on(film.pairs, area, own)
+        source = rubbed.copy()
+        source[: self._n_points] += made.plastic + made.friction
+        problem = HeatProblem(
+            points=self._dies.place(trial),
+            temperature_n=_together(state_n),
+            dt=dt,
+            films=[*between, *surface.around],
+            time=dt,
+            mask=self._dies.mask,
+            prescribed=self._dies.held,
+            source=source / dt,
+            counted=self._n_points,
+        )
+        heat = np.zeros((2, len(KINDS)))
+        found = self._take_steps(state_n, problem, surface.touches, made.into_tools / dt, heat)
+        if isinstance(found, Failed):
+            return found
+        heat[0, :2] = made.plastic.sum(), made.friction.sum()
+        heat[1, 0] = rubbed.sum()
+        self._keep(state_n, trial, found, heat)
+        before = [given.copy() for given in trial.cells.temperature]
         self.spread(trial)
+        pairs = zip(before, trial.cells.temperature, strict=True)
+        return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0)
+
+    def _take_steps(
+        self, state_n: State, problem: HeatProblem, touches: list[Touch], rubbed: FloatArray, heat: FloatArray
+    ) -> _Instant | Failed:
+        """Go through an increment in time steps that follow their error; adds up the heat (2, n_kinds) [N mm]."""
+        arrays, dt, films = state_n[HeatArrays], problem.dt, problem.films
+        rate = np.concatenate([arrays.rate, arrays.die_rate])
+        now = _Instant(problem.temperature_n, rate, arrays.columns, arrays.last_step, arrays.next_step)
+        done, part = 0.0, min(dt, now.next_step or FIRST_PART * dt)
+        while True:
+            part = dt - done if done + part > dt * (1 - 1e-9) else min(part, 0.5 * (dt - done) + 0.5 * part)
+            chilled = self._chill(touches, now.columns, rubbed, part)
+            at_tools: list[Film] = [
+                ToolFilm(t.heat.temperature, t.nodes, t.area, t.conductance)
+                for t in touches
+                if t.tool not in chilled and t.heat.die is None
+            ]
+            asked = replace(
+                problem, temperature_n=now.temperature, dt=part, films=[*at_tools, *chilled.values(), *films]
+            )
+            found = self._equation.solve(asked, now.temperature + part * now.rate)
+            if isinstance(found, Failed):
+                part *= found.factor
+                if part < SMALLEST_PART * dt:
+                    return Failed(IterationLog(), f"{found.reason} in a time step of {part:.1e} s", 0.5)
+                continue
+            error = self._estimate_error(now, found, part)
+            factor = float(np.clip(SAFETY * np.sqrt(self._heat.tolerance / error), SHRINK, GROWTH)) if error else GROWTH
+            if error > REFUSED * self._heat.tolerance and part > SMALLEST_PART * dt:
+                part *= factor
+                continue
+            done += part
+            heat += part * _count(found)
+            columns = self._warm_up(now.columns, chilled, found.temperature, part)
+            rate = (found.temperature - now.temperature) / part
+            cut_short = part < now.next_step and factor >= 1.0
+            wanted = max(part * factor, now.next_step) if cut_short else part * factor
+            now = _Instant(found.temperature, rate, columns, part, wanted)
+            if done > dt * (1 - 1e-9):
+                return now
+            part = wanted
+
+    @staticmethod
+    def _estimate_error(now: _Instant, found: HeatStep, part: float) -> float:
+        """Return the largest error of a time step [K], as in process.heat; 0 where a stage begins."""
+        if now.last_step == 0.0:
+            return 0.0
+        foretold = now.temperature + part * now.rate
+        return float(np.abs(found.temperature - foretold).max()) * part / (2 * part + now.last_step)
+
+    def _keep(self, state_n: State, trial: State, found: _Instant, heat: FloatArray) -> None:
+        before, n = state_n[HeatArrays], self._n_points
+        arrays = trial[HeatArrays]
+        arrays.temperature, arrays.rate = found.temperature[:n], found.rate[:n]
+        arrays.dies, arrays.die_rate = found.temperature[n:], found.rate[n:]
+        arrays.heat, arrays.die_heat = before.heat + heat[0], before.die_heat + heat[1]
+        arrays.columns = found.columns
+        arrays.last_step, arrays.next_step = found.last_step, found.next_step
 
     def _chill(self, touches: list[Touch], columns: FloatArray, rubbed: FloatArray, dt: float) -> dict[int, ColumnFilm]:
         """Return the films of the tools that warm up, over a time step of dt [s]; rubbed: (n_points,) [N mm/s]."""
@@ -201,64 +329,20 @@ class HeatOfForming:
                 after[t, chilled[t].nodes] = chilled[t].finish(temperature)
         return after
 
-    @staticmethod
-    def _count(found: HeatStep) -> FloatArray:
-        power: Mapping[str, float] = found.power
-        return np.array([power.get(kind, 0.0) for kind in KINDS])
 
-    def _make_heat(self, state_n: State, trial: State, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the heat of plastic work, that of friction, and the part of friction that heats the tools.
+def _together(state: State) -> FloatArray:
+    """Return the temperatures of bodies and dies."""
+    arrays = state[HeatArrays]
+    return np.concatenate([arrays.temperature, arrays.dies])
 
-        Each is made in the increment at the nodes (n_points,) [N mm].
-        """
-        n = len(self._none)
-        plastic = np.zeros(n)
-        for i, work in enumerate(self._cells.plastic_work_at_points(state_n, trial, dt)):
-            plastic += self._shapes.to_nodes(i, work)
-        friction, into_tools = np.zeros(n), np.zeros(n)
-        contact = self._interactions.tools.contact
-        lost = self._interactions.tools.friction.lost_at
-        if self._model.plane_tools and lost.any():
-            tool = np.argmax((trial[ContactArrays].status > 0), axis=0) // 2
-            share = self._shares[tool, self._body_of[contact.nodes]]
-            friction = sum_at_nodes(contact.nodes, share * lost, n)
-            into_tools = sum_at_nodes(contact.nodes, (1.0 - share) * lost, n)
-        return self._heat.plastic_fraction * plastic, friction, into_tools
 
-    def _rub_bodies(self, state_n: State, trial: State, surface: SurfaceNow) -> FloatArray:
-        """Return the heat of friction between bodies at the nodes (n_points,) [N mm].
-
-        All that friction takes in the increment, shared by shear times slip at the pairs of nodes, and between the two
-        of each by their effusivities.
-        """
-        n = len(self._none)
-        heat = np.zeros(n)
-        lost = self._interactions.bodies.work(state_n, trial)["friction_work"] if self._model.contacts else 0.0
-        if lost <= 0.0:
-            return heat
-        parts = []
-        for meeting in surface.meetings:
-            first, second = meeting.film.pairs.T
-            slip = np.linalg.norm(trial.nodes.increment[first] - trial.nodes.increment[second], axis=1)
-            parts.append(meeting.area * self._surface.find_shear(trial, meeting.contact)[first] * slip)
-        total = sum(float(part.sum()) for part in parts)
-        for meeting, part in zip(surface.meetings, parts, strict=True):
-            first, second = meeting.film.pairs.T
-            own, other = (np.array(self._heat.effusivity)[self._body_of[nodes]] for nodes in (first, second))
-            amount = lost * part / total if total > 0.0 else np.zeros(len(part))
-            heat += sum_at_nodes(first, amount * own / (own + other), n)
-            heat += sum_at_nodes(second, amount * other / (own + other), n)
-        return heat
-
-    def _share_friction(self) -> FloatArray:
-        """Return the part of the heat of friction that goes from a tool into a body (n_tools, n_bodies)."""
-        shares = np.full((len(self._model.plane_tools), max(len(self._model.bodies), 1)), 0.5)
-        for t, tool in enumerate(self._model.plane_tools):
-            heat = self._heat.tools.get(tool.name)
-            if heat is not None and heat.effusivity is not None:
-                own = np.array(self._heat.effusivity)
-                shares[t] = own / (own + heat.effusivity)
-        return shares
+def _count(found: HeatStep) -> FloatArray:
+    """Return the power that came into bodies by KINDS and into dies by DIE_KINDS (2, 5) [N mm/s]."""
+    none = np.zeros(2)
+    power = {**found.power, "contact": found.power.get("dies", none)}
+    into_bodies = [power.get(kind, none)[0] for kind in KINDS]
+    into_bodies[2] += power["contact"][0]
+    return np.array([into_bodies, [power.get(kind, none)[1] for kind in DIE_KINDS]])
 
 
 def start_temperatures(model: Model, heat: Heat) -> FloatArray:

@@ -16,7 +16,7 @@ from presswork import _core
 from presswork.body.solids import Mechanics, make_mechanics
 from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
-from presswork.implicit.heat_of_forming import HeatOfForming
+from presswork.implicit.heat_of_forming import MOST_PASSES, HeatOfForming
 from presswork.implicit.held import check_held, check_pushed
 from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
@@ -194,6 +194,8 @@ class ImplicitProcedure:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, gently=True)
             if isinstance(outcome, Failed) and self._may_turn:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
+            if self.heat is not None and not isinstance(outcome, Failed):
+                outcome = self._conduct(self.heat, trial, self._step(stage, fraction_n, fraction), outcome)
             if not isinstance(outcome, Failed):
                 made = self._step(stage, fraction_n, fraction)
                 self._settle(trial, made)
@@ -226,6 +228,8 @@ class ImplicitProcedure:
         self._start = self.state.duplicate()
         let_go = [i.begin_stage(self._start, stage) for i in self.interactions.all]
         self._lets_go = any(let_go)
+        if self.heat is not None:
+            self.heat.begin_stage(self._start)
         try:
             check_pushed(self.model, self.interactions, self._start, stage)
         except NotHeldError as error:
@@ -255,11 +259,28 @@ class ImplicitProcedure:
         last = state_n[Progress].last_size
         ratio = (fraction - fraction_n) / last if last > 0 and not from_rest else 0.0
         step = self._step(stage, fraction_n, fraction)
+        if self.heat is not None:
+            self.heat.begin_increment(state_n, trial, step.dt)
         for interaction in self.interactions.all:
             interaction.place(state_n, trial, step, ratio)
         guess = state_n.nodes.increment * (-BACK if self._lets_go else ratio)
         outcome = self.equilibrium.solve(state_n, trial, step, guess, gently=gently)
         return trial, outcome
+
+    def _conduct(self, heat: HeatOfForming, trial: State, step: Step, found: Converged) -> Converged | Failed:
+        """Take the heat of an increment in equilibrium to its end; repeat both where temperatures given were off."""
+        state_n, log = self._start, found.log
+        for _ in range(MOST_PASSES):
+            off = heat.advance(state_n, trial, step, step.dt)
+            if isinstance(off, Failed):
+                return Failed(log, off.reason, off.factor)
+            if off <= heat.tolerance:
+                return Converged(log)
+            again = self.equilibrium.solve(state_n, trial, step, trial.nodes.increment)
+            log.extend(again.log)
+            if isinstance(again, Failed):
+                return Failed(log, again.reason, again.factor)
+        return Failed(log, f"temperatures still change by {off:.3g} K from pass to pass", 0.5)
 
     def _step(self, stage: int, fraction_n: float, fraction: float) -> Step:
         """Return where the next increment leads."""
@@ -296,8 +317,6 @@ class ImplicitProcedure:
         trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, step.dt)
         if self.ram.is_needed:
             self.ram.commit(state_n, trial, step)
-        if self.heat is not None:
-            self.heat.advance(state_n, trial, step, step.dt)
         self.evolution.advance(state_n, trial, step.dt, self._temperatures(state_n, trial))
         p = trial[Progress]
         p.time += step.dt

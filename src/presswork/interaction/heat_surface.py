@@ -16,6 +16,7 @@ from presswork.body.heat import sum_at_nodes
 from presswork.fields.contact_stress import ContactForces
 from presswork.interaction.body_interface import InterfaceArrays
 from presswork.interaction.heat_films import Film, PairFilm, interpolate, make_surroundings, measure_sides
+from presswork.interaction.meshed_dies import MeshedDies
 from presswork.interaction.of_model import Interactions
 from presswork.mesh.edges import GAUSS_3
 from presswork.mesh.facing import find_facing, split_edges, sum_pairs
@@ -25,6 +26,10 @@ from presswork.state import State
 
 TOO_DEEP = 0.1
 """Of an edge: a body that overlaps another by more counts as apart from it."""
+CHORDS = 0.25
+"""Of an edge: how far the mesh of a tool may lie from the edges that touch its profile, both being chords of it."""
+FAR = 1e3
+"""Gaps, in widths across which heat passes, beyond which all are one."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,9 @@ class SurfaceNow:
     touches: list[Touch]
     meetings: list[Meeting]
     """Of bodies with each other."""
+    links: dict[int, tuple[PairFilm, FloatArray]]
+    """By tool with a mesh: what passes between its nodes and those of bodies, and the areas that they share
+    (n_pairs,) [mm2]."""
     around: list[Film]
     """The surroundings."""
 
@@ -65,8 +73,8 @@ class SurfaceNow:
 class HeatSurface:
     """Finds what the surface of a model's bodies touches."""
 
-    def __init__(self, model: Model, heat: Heat, interactions: Interactions) -> None:
-        self._model, self._heat, self._interactions = model, heat, interactions
+    def __init__(self, model: Model, heat: Heat, interactions: Interactions, dies: MeshedDies) -> None:
+        self._model, self._heat, self._interactions, self._dies = model, heat, interactions, dies
         self._edges = find_open_edges(model)
         self._pieces = split_edges(self._edges)
         self._contacts = {contact.name: contact for contact in model.contacts}
@@ -74,49 +82,55 @@ class HeatSurface:
 
     def find(self, trial: State, step: Step) -> SurfaceNow:
         """Return what touches the surface of a state in equilibrium."""
-        points = self._model.mesh.points + trial.nodes.displacement
+        points = self._dies.place(trial)
         areas = measure_sides(self._model, self._edges, points)
         seen = areas.copy()
         touches = []
+        links: dict[int, tuple[PairFilm, FloatArray]] = {}
         if self._model.plane_tools:
             forces = self._interactions.tools.contact.forces(trial, self._interactions.supports.fixed(step.stage))
             for t, tool in enumerate(self._model.plane_tools):
-                touching: BoolArray = np.asarray(
-                    np.isin(self._edges[:, :2], forces.nodes[forces.tool == t]).all(axis=1)
-                )
+                held = forces.nodes[forces.tool == t]
+                touching: BoolArray = np.asarray(np.isin(self._edges[:, :2], held).all(axis=1))
                 seen[touching] = 0.0
                 heat = self._heat.tools.get(tool.name)
-                if heat is not None:
-                    touch = self._touch(t, heat, points, areas, seen, touching, forces)
-                    touches += [touch] if len(touch.nodes) else []
+                if heat is None:
+                    continue
+                pressure = self._find_pressure(t, areas[touching], self._edges[touching], forces)
+                near = self._near(t, heat.gap, areas, touching)
+                seen -= near
+                touch = self._touch(t, heat, areas, near, touching, pressure)
+                touches += [touch] if len(touch.nodes) else []
+                if heat.die is not None:
+                    links[t] = self._link(t, heat, points, touching, pressure)
         area = sum_at_nodes(self._edges, seen, len(points))
+        for die in self._dies.dies:
+            area += sum_at_nodes(die.profile, measure_sides(self._model, die.profile, points), len(points))
+            film, shared = links[die.tool]
+            area -= sum_at_nodes(film.pairs[:, 1], shared, len(points))
         meetings = [self._meet(trial, entry, points) for entry in self._heat.contacts]
         for meeting in meetings:
             for side in meeting.film.pairs.T:
                 area = area - sum_at_nodes(side, meeting.area, len(points))
         area = np.maximum(area, 0.0)
         around = self._heat.surroundings
-        return SurfaceNow(touches, meetings, make_surroundings(around, area) if around else [])
+        return SurfaceNow(touches, meetings, links, make_surroundings(around, area) if around else [])
+
+    def _find_pressure(self, t: int, areas: FloatArray, edges: IntArray, forces: ContactForces) -> FloatArray:
+        """Return the pressure of a tool at the nodes of the edges that it touches (n_points,) [MPa]."""
+        own, n = forces.tool == t, len(self._model.mesh.points)
+        area = sum_at_nodes(edges, areas, n)
+        push = sum_at_nodes(forces.nodes[own], np.maximum(forces.push[own], 0.0), n)
+        return np.asarray(np.divide(push, area, out=np.zeros(n), where=area > 0.0))
 
     def _touch(
-        self,
-        t: int,
-        heat: ToolHeat,
-        points: FloatArray,
-        areas: FloatArray,
-        seen: FloatArray,
-        touching: BoolArray,
-        forces: ContactForces,
+        self, t: int, heat: ToolHeat, areas: FloatArray, near: FloatArray, touching: BoolArray, pressure: FloatArray
     ) -> Touch:
-        """Return where a tool touches or is near; takes what it covers off what is seen of each edge."""
-        own, n = forces.tool == t, len(points)
+        """Return where a tool touches or is near: areas, and those of what is near, at the edges' nodes."""
+        n = len(pressure)
         area = sum_at_nodes(self._edges[touching], areas[touching], n)
-        push = sum_at_nodes(forces.nodes[own], np.maximum(forces.push[own], 0.0), n)
-        pressure = np.divide(push, area, out=np.zeros(n), where=area > 0.0)
         conductance, _ = interpolate(heat.conductance, pressure)
         if heat.gap > 0.0:
-            near = self._near(t, heat.gap, areas, touching)
-            seen -= near
             beside = sum_at_nodes(self._edges, near, n)
             loose = float(interpolate(heat.conductance, np.zeros(1))[0][0])
             whole = area + beside
@@ -125,12 +139,39 @@ class HeatSurface:
         nodes = np.flatnonzero(area).astype(np.int32)
         return Touch(t, heat, nodes, area[nodes], conductance[nodes])
 
-    def _near(self, t: int, width: float, areas: FloatArray, touching: BoolArray) -> FloatArray:
-        """Return the area at the nodes of each edge (n_edges, n_nodes) by the part of heat that passes a gap."""
+    def _link(
+        self, t: int, heat: ToolHeat, points: FloatArray, touching: BoolArray, pressure: FloatArray
+    ) -> tuple[PairFilm, FloatArray]:
+        """Return what passes between bodies and a tool with a mesh, and the areas that pairs of nodes share."""
+        die = next(die for die in self._dies.dies if die.tool == t)
+        holds = np.tile(touching, len(self._pieces) // len(self._edges))
+        gap = self._gaps(t, heat.gap)[self._pieces]
+        counts = holds | (gap.min(axis=1) < heat.gap)
+        own, gap, holds = self._pieces[counts], gap[counts], holds[counts]
+        length = np.linalg.norm(points[own[:, 1]] - points[own[:, 0]], axis=1)
+        reach = np.where(holds, 0.0, heat.gap) + CHORDS * length
+        found = find_facing(points, own, die.profile, reach, self._thickness)
+        held = holds[found.own]
+        between = np.maximum((found.own_shape * gap[found.own]).sum(axis=1), 0.0)
+        passes = np.where(held, 1.0, np.clip(1.0 - between / max(heat.gap, 1e-300), 0.0, 1.0))
+        pushed = np.where(held, (found.own_shape * pressure[own[found.own]]).sum(axis=1), 0.0)
+        area = passes * found.area
+        conductance, _ = interpolate(heat.conductance, pushed)
+        film = PairFilm("dies", *sum_pairs(found, own, die.profile, conductance * area))
+        return film, sum_pairs(found, own, die.profile, area)[1]
+
+    def _gaps(self, t: int, width: float) -> FloatArray:
+        """Return the distance of the nodes from a tool, cut off far away (n_points,) [mm]."""
         contact = self._interactions.tools.contact
         gap = np.full(len(self._model.mesh.points), np.inf)
         gap[contact.nodes] = contact.gap[2 * t]
-        ends = np.minimum(gap[self._edges[:, :2]], 1e3 * width)
+        return np.asarray(np.minimum(gap, FAR * width + 1.0))
+
+    def _near(self, t: int, width: float, areas: FloatArray, touching: BoolArray) -> FloatArray:
+        """Return the area at the nodes of each edge (n_edges, n_nodes) by the part of heat that passes a gap."""
+        if width == 0.0:
+            return np.zeros_like(areas)
+        ends = self._gaps(t, width)[self._edges[:, :2]]
         part = np.zeros(len(areas))
         for s, weight in GAUSS_3:
             between = 0.5 * (1 - s) * ends[:, 0] + 0.5 * (1 + s) * ends[:, 1]

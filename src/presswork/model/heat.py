@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from presswork.model.arrays import FloatArray
+from presswork.model.arrays import FloatArray, IntArray
+from presswork.model.mesh import Mesh
 
 STEFAN_BOLTZMANN = 5.670374419e-11
 """[N/(mm s K^4)] (CODATA 2018)."""
@@ -100,8 +101,23 @@ class Surroundings:
 
 
 @dataclass(frozen=True)
+class DieMesh:
+    """The mesh of a tool, in which heat is conducted; it moves with the tool."""
+
+    mesh: Mesh
+    """As it lies at the start, of cells with nodes at corners."""
+    thermal: Thermal
+    profile: IntArray
+    """Boundary edges on the tool's profile (n, 2): other sides are insulated."""
+    back: IntArray
+    """Nodes held at back_temperature (n,)."""
+    back_temperature: float = 0.0
+    """[degrees C]"""
+
+
+@dataclass(frozen=True)
 class ToolHeat:
-    """A tool of constant temperature, or one whose steel takes up heat behind the nodes that touch it."""
+    """A tool of constant temperature, one whose steel takes up heat behind the nodes that touch it, or a meshed one."""
 
     temperature: float
     """Temperature at the start [degrees C]."""
@@ -113,6 +129,8 @@ class ToolHeat:
     """sqrt(conductivity density specific heat) [N/(mm K s^0.5)]; None: that of the workpiece."""
     steel: tuple[float, float] | None = None
     """Of a tool that takes up heat: conductivity [N/(s K)], heat capacity per volume [N/(mm2 K)]."""
+    die: DieMesh | None = None
+    """Of a tool that conducts heat on a mesh of its own."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -207,7 +207,9 @@ class HeatProcedure:
         dt = duration * (fraction - fraction_n)
         state["rate"] = (found.temperature - state["temperature"]) / dt
         state["temperature"] = found.temperature
-        state["heat"] = state["heat"] + dt * np.array([found.power.get(kind, 0.0) for kind in KINDS])
+        state["heat"] = state["heat"] + dt * np.array(
+            [found.power[kind][0] if kind in found.power else 0.0 for kind in KINDS]
+        )
         p = state["progress"]
         p[TIME] += dt
         p[STEPS] += 1

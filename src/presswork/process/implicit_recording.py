@@ -19,8 +19,8 @@ from presswork.formability import Formability
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.epochs import AskForMesh
+from presswork.implicit.heat_of_forming import DIE_KINDS, HeatArrays
 from presswork.implicit.heat_of_forming import KINDS as HEAT_KINDS
-from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
@@ -69,6 +69,7 @@ class ImplicitRecording(IncrementRecording):
         heat = heat_columns(HEAT_KINDS) if self.procedure.heat else []
         if self.procedure.heat:
             heat += [f"{name}.temperature_max" for name in self.procedure.heat.hottest(self.procedure.state)]
+            heat += ["dies_heat_stored"] if self.procedure.heat.dies.dies else []
         peaks = peak_columns(find_evolved(self.procedure.state))
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         return [*history_columns(tools, self.turning, contacts), *ram, *heat, *peaks, *self.reactions.columns]
@@ -109,6 +110,7 @@ class ImplicitRecording(IncrementRecording):
             own = state[HeatArrays]
             row |= measure_heat(heat.conduction, own.temperature, heat.stored(state), HEAT_KINDS, own.heat)
             row |= {f"{name}.temperature_max": value for name, value in heat.hottest(state).items()}
+            row |= {"dies_heat_stored": heat.stored_in_dies(state)} if heat.dies.dies else {}
         row |= peak_row(find_evolved(state))
         moved = self.moved(state.nodes.displacement)
         return row | self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
@@ -268,7 +270,12 @@ class ImplicitRecording(IncrementRecording):
     def _summarise_heat(self) -> dict[str, Any]:
         """Return the balance of heat, if there is any."""
         heat, state = self.procedure.heat, self.procedure.state
-        return {"heat": summarise_heat(heat.stored(state), HEAT_KINDS, state[HeatArrays].heat)} if heat else {}
+        if heat is None:
+            return {}
+        found: dict[str, Any] = summarise_heat(heat.stored(state), HEAT_KINDS, state[HeatArrays].heat)
+        if heat.dies.dies:
+            found["dies"] = summarise_heat(heat.stored_in_dies(state), DIE_KINDS, state[HeatArrays].die_heat)
+        return {"heat": found}
 
     def _shortest_edge(self) -> float:
         mesh, points = self.model.mesh, self.model.mesh.points

@@ -3,19 +3,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.heat.quantities import HeatTransferByPressure, Temperature, to_array
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.part import Part
-from presswork.case.units import Conductivity, Density, HeatCapacity, HeatTransfer, Length, Number, fault
+from presswork.case.solid.workpiece import MeshFile
+from presswork.case.units import Conductivity, Density, HeatCapacity, HeatTransfer, Length, Number, Point, fault
 from presswork.law.elastic_plastic import is_hot
 
 if TYPE_CHECKING:
@@ -46,6 +47,34 @@ class ContactHeat(Part):
     )
 
 
+def _choose_kind(mesh: object) -> object:
+    """Take a mesh without `kind` for a block, unless it names a file."""
+    if isinstance(mesh, dict) and "kind" not in mesh:
+        return {"kind": "file" if "path" in mesh else "block", **mesh}
+    return mesh
+
+
+class DieBlock(Part):
+    """A block of metal behind the profile, meshed by the program; a closed profile is the block itself."""
+
+    kind: Literal["block"] = Field(default="block", description="a block meshed by the program")
+    size: Length = Field(gt=0, description="size of cells at the profile; they grow away from it [mm]")
+    depth: Length | None = Field(
+        default=None,
+        gt=0,
+        description="metal behind the deepest point of the profile, up to a flat back along x or y [mm]",
+    )
+    corners: tuple[Point, ...] = Field(
+        default=(), description="instead of depth: the other corners of the block, from one end of the profile round"
+    )
+
+    @model_validator(mode="after")
+    def _check_one_shape(self) -> Self:
+        if self.depth is not None and self.corners:
+            raise fault("corners stand beside depth", "give one of them", key="corners")
+        return self
+
+
 class ToolHeat(ContactHeat):
     """The temperature of a tool, and how well heat passes into it."""
 
@@ -60,6 +89,16 @@ class ToolHeat(ContactHeat):
         description="true: the steel behind each node that touches it takes up heat; false: its temperature stays",
     )
 
+    mesh: Annotated[DieBlock | MeshFile, Field(discriminator="kind"), BeforeValidator(_choose_kind)] | None = Field(
+        default=None,
+        description="the tool's own mesh, in which heat is conducted: size and depth of a block, or path of a file",
+    )
+    back_temperature: Temperature | None = Field(
+        default=None,
+        description="temperature at which the back of the mesh is held, in a file the node set back [degrees C]; "
+        "without it the back is insulated",
+    )
+
     @model_validator(mode="after")
     def _check_steel(self) -> Self:
         given = [key for key in ("conductivity", "specific_heat", "density") if getattr(self, key) is not None]
@@ -69,6 +108,13 @@ class ToolHeat(ContactHeat):
         if self.warms_up and not given:
             remedy = "give conductivity, specific_heat and density of its steel"
             raise fault("a tool that warms up needs a steel", remedy, key="warms_up")
+        if self.mesh is not None and not given:
+            remedy = "give conductivity, specific_heat and density of its steel"
+            raise fault("a tool that conducts heat needs a steel", remedy, key="mesh")
+        if self.mesh is not None and self.warms_up:
+            raise fault("a tool with a mesh warms up anyway", "leave one of them out", key="warms_up")
+        if self.back_temperature is not None and self.mesh is None:
+            raise fault("has no meaning without mesh", "add mesh, or remove it", key="back_temperature")
         return self
 
     def to_model(self) -> model.ToolHeat:
@@ -78,6 +124,7 @@ class ToolHeat(ContactHeat):
         capacity = self.specific_heat * self.density
         effusivity = float(np.sqrt(self.conductivity * capacity))
         steel = (self.conductivity, capacity) if self.warms_up else None
+        # a mesh is made where the tool's profile is known (case.tools.die_mesh)
         return model.ToolHeat(self.temperature, to_array(self.conductance), self.gap, effusivity, steel)
 
 
@@ -86,13 +133,21 @@ class FormingHeat(Part):
 
     initial_temperature: Temperature = Field(description="temperature of the workpiece at the start [degrees C]")
     plastic_fraction: Number = Field(default=0.9, ge=0, le=1, description="part of the plastic work that becomes heat")
+    tolerance: Number = Field(
+        default=2.0,
+        gt=0,
+        description="largest error that a time step of heat may add at any node, and by which temperatures given to a "
+        "law may be off [K]",
+    )
     surroundings: Surroundings | None = Field(
         default=None, description="what free surfaces lose heat to; without it they are insulated"
     )
 
 
-def build_heat(case: schema.Case, bodies: tuple[model.Body, ...]) -> model.Heat | None:
-    """Return the Model's heat of a case of forming; bodies: the Model's."""
+def build_heat(
+    case: schema.Case, bodies: tuple[model.Body, ...], dies: Mapping[str, model.DieMesh]
+) -> model.Heat | None:
+    """Return the Model's heat of a case of forming; bodies: the Model's; dies: meshes of tools by name."""
     if case.heat is None:
         return None
     heat, around, parts = case.heat, case.heat.surroundings, [case.workpiece, *case.bodies.values()]
@@ -102,8 +157,13 @@ def build_heat(case: schema.Case, bodies: tuple[model.Body, ...]) -> model.Heat 
         initial=tuple(initial),
         alone=False,
         surroundings=model.Surroundings(around.ambient, around.emissivity, around.coefficient) if around else None,
-        tools={name: tool.heat.to_model() for name, tool in case.tools.items() if tool.heat is not None},
+        tools={
+            name: replace(tool.heat.to_model(), die=dies.get(name))
+            for name, tool in case.tools.items()
+            if tool.heat is not None
+        },
         plastic_fraction=heat.plastic_fraction,
+        tolerance=heat.tolerance,
         effusivity=tuple(
             _find_effusivity(case.materials[part.material], start) for part, start in zip(parts, initial, strict=True)
         ),

@@ -27,6 +27,7 @@ from presswork.case.solid.references import check_references, check_sets
 from presswork.case.solid.remesh import check_places, check_sizes
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.cavity import check_cavity
+from presswork.case.tools.die_mesh import build_dies
 from presswork.mesh.edges import edge_areas
 
 logger = logging.getLogger(__name__)
@@ -71,7 +72,8 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix), name) for name, entry in case.boundary.items()
     )
     problems = problems or check_room(tools, stages, supports, mesh)
-    _stop_at(problems, case)
+    dies, die_problems = build_dies(case, tools, _folder(case))
+    _stop_at(problems + die_problems, case)
     found = model.Model(
         title=case.title,
         analysis=case.analysis,
@@ -90,7 +92,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         bodies=bodies,
         contacts=contacts,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
-        heat=build_heat(case, bodies),
+        heat=build_heat(case, bodies, dies),
         limits=case.limits.build(),
         remeshing=case.remesh.build_all(mesh, bodies) if case.remesh is not None else None,
         case_text=case.text,
