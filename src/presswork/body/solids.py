@@ -349,7 +349,8 @@ class Mechanics:
                 work = mean_flow * (trial.cells.eqps[i] - state_n.cells.eqps[i])
             else:
                 before, after = (_law_history(state, i) for state in (state_n, trial))
-                stress = stress_in_axes(trial, i)
+                hardens = self._material(i).kinematic is not None  # what alone asks for the stress
+                stress = stress_in_axes(trial, i) if hardens else trial.cells.stress[i].reshape(len(after), -1)
                 given = (state_n.cells.temperature[i], trial.cells.temperature[i])
                 work = plastic_work_density(self._material(i), law, before, after, stress, dt, given)
                 work = work.reshape(trial.cells.eqps[i].shape)

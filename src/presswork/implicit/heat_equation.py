@@ -16,6 +16,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork.body.heat import Conduction
+from presswork.implicit.krylov import solve_iteratively
 from presswork.implicit.linear_solver import LinearSolver, SolverError, make_solver
 from presswork.interaction.heat_films import Film, HeatFlow
 from presswork.model import FloatArray, IntArray, MaskArray, Model
@@ -25,6 +26,8 @@ from presswork.timing import Timing
 MOST_ITERATIONS = 25
 RESIDUAL = 1e-11
 """Largest out-of-balance over the sum of all heat flows."""
+INEXACT = 1e-7
+"""Residual of a correction found by iterations, over what is out of balance."""
 CORRECTION = 1e-10
 """Largest correction [K] over the largest temperature: nothing smaller is worth an iteration."""
 PRESCRIBED = "prescribed"
@@ -80,11 +83,16 @@ class _Balance:
 class HeatEquation:
     """Solves the heat equation of a model, step by step; it keeps factors and pattern, no state."""
 
-    def __init__(self, model: Model, couplings: IntArray, timing: Timing, threads: int) -> None:
-        """Couplings: pairs of nodes (n, 2) that exchange heat and share no cell."""
+    def __init__(
+        self, model: Model, couplings: IntArray, timing: Timing, threads: int, *, iterative: bool = False
+    ) -> None:
+        """Couplings: pairs of nodes (n, 2) that exchange heat and share no cell.
+
+        iterative: solve by conjugate gradients where they find a solution quickly, as in short time steps.
+        """
         self.conduction = Conduction(model, couplings)
-        self._couplings, self._timing, self._threads = couplings, timing, threads
-        self._make_solver()
+        self._couplings, self._timing, self._threads, self._iterative = couplings, timing, threads, iterative
+        self._solver: LinearSolver | None = None
 
     def couple(self, couplings: IntArray) -> None:
         """Let other pairs of nodes (n, 2) exchange heat from now on."""
@@ -92,15 +100,19 @@ class HeatEquation:
             return
         self._couplings = couplings
         self.conduction.couple(couplings)
-        self._make_solver()
+        self._solver = None
 
-    def _make_solver(self) -> None:
-        assembler = self.conduction.assembler
-        started = perf_counter()
-        self.solver: LinearSolver = make_solver(
-            assembler.indptr, assembler.indices, symmetric=self.conduction.symmetric, threads=self._threads
-        )
-        self._timing.add("solve", started)
+    @property
+    def solver(self) -> LinearSolver:
+        """The solver by factors, analysed for the present couplings."""
+        if self._solver is None:
+            assembler = self.conduction.assembler
+            started = perf_counter()
+            self._solver = make_solver(
+                assembler.indptr, assembler.indices, symmetric=self.conduction.symmetric, threads=self._threads
+            )
+            self._timing.add("solve", started)
+        return self._solver
 
     def solve(self, problem: HeatProblem, guess: FloatArray) -> HeatStep | Failed:
         """Find the temperatures at the end of a step from a guess at them (n_points,), or say why not."""
@@ -153,9 +165,18 @@ class HeatEquation:
         self.conduction.assembler.constrain(problem.mask, np.zeros(len(rhs)), scale, data, rhs)
         self._timing.add("assembly", started)
         started = perf_counter()
+        if self._iterative:
+            assembler, symmetric = self.conduction.assembler, self.conduction.symmetric
+            change = solve_iteratively(
+                assembler.indptr, assembler.indices, data, rhs, symmetric=symmetric, tolerance=INEXACT
+            )
+            self._timing.add("solve", started)
+            if change is not None:
+                return change
+        solver, started = self.solver, perf_counter()
         try:
-            self.solver.factorise(data)
-            return self.solver.solve(rhs)
+            solver.factorise(data)
+            return solver.solve(rhs)
         except SolverError:
             return None
         finally:

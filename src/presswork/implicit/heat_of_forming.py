@@ -101,7 +101,8 @@ class HeatOfForming:
         assert model.heat is not None
         self._model, self._heat = model, model.heat
         self._dies = MeshedDies(model, model.heat)
-        self._equation = HeatEquation(self._dies.join(), np.zeros((0, 2), dtype=np.int32), timing, threads)
+        none = np.zeros((0, 2), dtype=np.int32)
+        self._equation = HeatEquation(self._dies.join(), none, timing, threads, iterative=True)
         self._surface = HeatSurface(model, model.heat, interactions, self._dies)
         self._sources = HeatSources(model, model.heat, cells, interactions, self._surface)
         self._shapes = PointShapes(model.mesh)
