@@ -18,6 +18,7 @@ from presswork.recorder import run_model
 from presswork.results import Result, read_history
 
 HEIGHT = 15.0
+ROUNDED = {"profile": [[0, HEIGHT], {"to": [6, HEIGHT], "radius": 0.4}, [6, 30]], "contact": "frictionless"}
 
 
 def upsetting(stroke=4.5, cells=(8, 12), remesh=None, contact=None, **changes):
@@ -111,6 +112,9 @@ def test_resumed_between_meshes_gives_the_same_bits(remeshed, tmp_path):
         ({"every": 0.3, "size": 0.8}, {"max_cells": 60}),
         ({"size": 0.8}, {"quality": 0.55}),
         ({}, {"every": 0.3}),
+        ({"every": 0.3, "size": 0.8}, {"windows": [{"box": [0, 0, 2, 2], "size": 0.3}]}),
+        ({"every": 0.3, "size": 0.8}, {"tools": {"punch": 0.35}}),
+        ({"every": 0.3, "size": 1.2}, {"error": 0.05}),
     ],
 )
 def test_every_key_changes_the_meshes(base, change):
@@ -134,12 +138,42 @@ def test_every_key_changes_the_meshes(base, change):
         ({"remesh": {"smallest_size": 5.0}}, "remesh.smallest_size"),
         ({"remesh": {"size": 50.0}}, "remesh.size"),
         ({"remesh": {"size": 1e-9}}, "remesh.size"),
+        ({"remesh": {"size": 2.0}, "tools": {"punch": ROUNDED}}, "remesh.size: cells of 0.5 mm cannot follow"),
+        ({"remesh": {"smallest_size": 0.5}, "tools": {"punch": ROUNDED}}, "give smallest_size = 0.2 or less"),
+        ({"remesh": {"windows": [{"box": [0, 0, 2, 2], "size": 0.03}]}}, "remesh.windows.0.size"),
+        ({"remesh": {"windows": [{"box": [3, 0, 2, 2], "size": 0.3}]}}, "remesh.windows.0.box"),
+        ({"remesh": {"tools": {"punch": 0.03}}}, "remesh.tools.punch"),
+        ({"remesh": {"tools": {"die": 0.3}}}, "remesh.tools.die: no such tool"),
     ],
 )  # fmt: skip
 def test_what_does_not_go_together_is_told_by_its_key(changes, key):
     with pytest.raises(CaseError) as error:
         build_model(upsetting(**({"remesh": {}} | changes)))
     assert key in str(error.value)
+
+
+def test_windows_and_tools_have_the_cells_asked_for():
+    keys = {"size": 1.2, "windows": [{"box": [0, 0, 3, 3], "size": 0.4}], "tools": {"punch": 0.5}}
+    recording = RemeshedForming(build_model(upsetting(remesh=keys)), threads=1)
+    next(recording.advance())
+    assert recording._remesh("asked for")
+    mesh = recording.procedure.model.mesh
+    corners = mesh.points[mesh.blocks[0].connectivity]
+    edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean(axis=1)
+    x, y = corners.mean(axis=1).T
+    assert edge[(x < 3) & (y < 3)].mean() == pytest.approx(0.4, rel=0.2)
+    top = y > y.max() - 0.6
+    assert edge[top].mean() == pytest.approx(0.5, rel=0.2)
+    far = (x > 6) & (y > 5) & (y < 9)
+    assert edge[far].mean() > 0.9
+
+
+def test_a_budget_too_small_for_thin_metal_is_refused_with_one_that_would_do():
+    plate = {"material": "steel", "mesh": {"size": [160, 1.0], "cells": [160, 2]}}
+    tool = {"punch": {"profile": [[0, 1.0], [200, 1.0]], "contact": "frictionless"}}
+    case = upsetting(0.2, workpiece=plate, tools=tool, remesh={"max_cells": 60})
+    with pytest.raises(StartError, match=r"max_cells = 60 leaves .* cells across .*: max_cells = [\d,]+ for three"):
+        RemeshedForming(build_model(case), threads=1)
 
 
 def test_a_run_that_gives_up_tells_why_there_is_no_other_mesh(tmp_path, monkeypatch):

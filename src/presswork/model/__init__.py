@@ -53,7 +53,7 @@ from presswork.model.mesh_change import change_mesh, choose_slave, mean_edge
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
 from presswork.model.press import Blow, Crank, Drive, SpeedTable
-from presswork.model.remeshing import Remeshing
+from presswork.model.remeshing import Remeshing, SizeWindow
 from presswork.model.settings import (
     Displacements,
     ExplicitSheet,
@@ -161,6 +161,7 @@ __all__ = [
     "Section",
     "ShellElement",
     "ShellPressure",
+    "SizeWindow",
     "SolidElement",
     "SolverSettings",
     "SpaceElement",

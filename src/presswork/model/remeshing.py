@@ -8,6 +8,16 @@ from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
+class SizeWindow:
+    """A rectangle, fixed in space, in which cells are small."""
+
+    box: tuple[float, float, float, float]
+    """Least x, least y, largest x, largest y [mm]."""
+    size: float
+    """Largest edge length of cells in it [mm]."""
+
+
+@dataclass(frozen=True)
 class Remeshing:
     """Sizes and triggers."""
 
@@ -21,6 +31,11 @@ class Remeshing:
     """Quality of the worst cell, expected after the next increment, below which a new mesh is made; 1 is a square."""
     every: float = 0.0
     """Fraction of a stage after which it is meshed anew in any case; 0: never."""
+    windows: tuple[SizeWindow, ...] = ()
+    tool_sizes: tuple[float, ...] = ()
+    """Largest edge length of cells on each tool in the plane [mm]; infinite where none is given."""
+    error: float = 0.0
+    """Part of the stress power that cells may miss, by which their size is chosen; 0: it is not."""
     bodies: Mapping[str, Remeshing] = field(default_factory=dict)
     """Of further bodies, by their names; `every` is that of the workpiece for all."""
 

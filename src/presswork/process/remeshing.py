@@ -22,13 +22,15 @@ from presswork.interaction.body_interface import InterfaceArrays
 from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import join_parts, split_mesh
+from presswork.mesh.topology import count_corners
 from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.recording import Row
 from presswork.remesh.carrier import Carrier, Part
-from presswork.remesh.section import NewSection, OldSection, measure_sizes, remesh_section
+from presswork.remesh.section import NewSection, OldSection, check_budget, measure_sizes, remesh_section
+from presswork.remesh.size_field import measure_power
 from presswork.remesh.triggers import find_cut_edge, find_flat_cell, find_long_edge
 from presswork.state import State
 
@@ -46,17 +48,17 @@ class RemeshedForming(ImplicitRecording):
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
         assert model.remeshing is not None
+        self.settings: Remeshing = model.remeshing
         undeclared = find_undeclared(self.procedure.state)
         if undeclared:
             raise StartError(f"nothing says how {', '.join(undeclared)} would pass to a new mesh: leave out [remesh]")
         volume = self.procedure.state.cells.volume
         self._first_volumes = [sum(float(volume[i].sum()) for i in body.blocks) for body in self._bodies()]
         try:
-            for section in self._sections():
-                section.chains()
+            for number, section in enumerate(self._sections()):
+                check_budget(section, self._settings_of(number))
         except MeshError as error:
             raise StartError(f"{error}: leave out [remesh]") from error
-        self.settings: Remeshing = model.remeshing
 
     @property
     def columns(self) -> list[str]:
@@ -140,13 +142,28 @@ class RemeshedForming(ImplicitRecording):
             own = slice(body.points.start, body.points.stop)
             ring, lost = model.analysis == "axisymmetric", self._lost_volume(body, number)
             sections.append(
-                OldSection(mesh, position[own], on_tool[:, own], fixed[own], profiles, ring, body.points, lost)
-            )
+                OldSection(
+                    mesh, position[own], on_tool[:, own], fixed[own], profiles, ring, body.points, lost,
+                    self._find_power(body) if self.settings.error else None,
+                )
+            )  # fmt: skip
         return sections
 
     def _bodies(self) -> Sequence[Body]:
         mesh = self.model.mesh
         return self.model.bodies or (Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks))),)
+
+    def _find_power(self, body: Body) -> FloatArray | None:
+        """Return the stress power over volume in the last increment, in each cell of a body (n_cells,) [MPa]."""
+        state, mesh = self.procedure.state, self.model.mesh
+        if not state.nodes.increment.any():
+            return None
+        cells = mesh.blocks[body.blocks.start].connectivity
+        corners = cells[:, : count_corners(cells.shape[1])]
+        stress = state.cells.stress[body.blocks.start].mean(axis=1)
+        position = mesh.points + state.nodes.displacement
+        ring = self.model.analysis == "axisymmetric"
+        return measure_power(position[corners], state.nodes.increment[corners], stress, ring=ring)
 
     def _lost_volume(self, body: Body, number: int) -> float:
         """Return the part of a body's volume that cells have lost beyond what their pressure explains."""

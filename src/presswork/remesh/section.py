@@ -15,8 +15,19 @@ from presswork.model import BoolArray, ElementName, FloatArray, IndexArray, IntA
 from presswork.remesh.boundary import NewLine, OldLine, enclosed_volume, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
 from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
-from presswork.remesh.size_field import GradedSize, gap_sources, join_sources, tool_curvature
+from presswork.remesh.size_field import (
+    GradedSize,
+    along_tool,
+    error_sources,
+    gap_sources,
+    join_sources,
+    metal_thickness,
+    tool_curvature,
+)
 
+LEAST_ACROSS = 1.5
+"""Cells across the metal below which a budget is too small."""
+UNLIMITED = 10**9
 _ATTEMPTS, _FINER = 3, 0.8
 """Where the boundary cannot be kept, or filled, cells are made smaller by a factor, and tried again."""
 
@@ -48,6 +59,8 @@ class OldSection:
     """Its nodes among those of all bodies."""
     lost: float = 0.0
     """Part of the volume that was lost so far."""
+    power: FloatArray | None = None
+    """Stress power over volume in each cell (n_cells,), in any unit; None: nothing has moved."""
 
     def corners(self) -> IndexArray:
         """Return the corners of the cells (n_cells, 3 | 4)."""
@@ -65,6 +78,11 @@ class OldSection:
         if any(loop[-1, 1] != loop[0, 0] for loop in loops) or len(np.unique(edges[:, 0])) < len(edges):
             raise MeshError("the boundary of a body is not made of closed lines", "bodies whose parts do not touch")
         return [loop[:, 0].astype(np.intp) for loop in loops]
+
+    def held_sides(self) -> BoolArray:
+        """Mark the sides both of whose ends a support holds in one component (k,)."""
+        held = [(self.fixed[c] & np.roll(self.fixed[c], -1, axis=0)).any(axis=1) for c in self.chains()]
+        return np.concatenate(held)
 
     def sides(self) -> FloatArray:
         """Return the sides of the boundary, loop after loop (k, 2, 2) [mm]."""
@@ -94,10 +112,18 @@ class NewSection:
 def measure_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
     """Return the size of cells that tools, thickness and budget ask for now."""
     sides = old.sides()
-    held = [(old.fixed[c] & np.roll(old.fixed[c], -1, axis=0)).any(axis=1) for c in old.chains()]
-    sources = [gap_sources(sides, np.concatenate(held))]
+    sources = [gap_sources(sides, old.held_sides())]
     sources += [tool_curvature(sides, p, settings.size, settings.smallest_size) for p in old.profiles]
+    sources += [
+        along_tool(sides, profile, settings.size, own)
+        for profile, own in zip(old.profiles, settings.tool_sizes, strict=False)
+        if own < settings.size
+    ]
+    if settings.error and old.power is not None:
+        sources.append(error_sources(old.position[old.corners()], old.corners(), old.power, settings.error))
     size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, settings.smallest_size)
+    for window in settings.windows:
+        size.limit(window.box, window.size)
     x, y = np.moveaxis(old.position[old.corners()], -1, 0)
     area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
     expected = float((area / size(np.column_stack([x.mean(axis=1), y.mean(axis=1)])) ** 2).sum())
@@ -106,9 +132,28 @@ def measure_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
     return size
 
 
+def check_budget(old: OldSection, settings: Remeshing) -> None:
+    """Raise MeshError where the budget leaves less than LEAST_ACROSS cells across the metal, and a larger one not."""
+    sides = old.sides()
+    thickness, middle = metal_thickness(sides, old.held_sides()), sides.mean(axis=1)
+    across, wanted = (
+        thickness / measure_sizes(old, own)(middle) for own in (settings, replace(settings, max_cells=UNLIMITED))
+    )
+    worst = int(np.argmin(across))
+    if across[worst] < min(LEAST_ACROSS, 0.99 * wanted[worst]):
+        x, y = middle[worst]
+        needed = int(np.ceil(settings.max_cells * (min(wanted[worst], 3.0) / across[worst]) ** 2))
+        raise MeshError(
+            f"max_cells = {settings.max_cells:,} leaves {across[worst]:.2g} cells across {thickness[worst]:.3g} mm of "
+            f"metal near ({x:.4g}, {y:.4g})",
+            f"max_cells = {needed:,} for three",
+        )
+
+
 def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> NewSection:
     """Return a new mesh of the same element and material, of a part of the size. Raises MeshError if there is none."""
     chains = old.chains()
+    check_budget(old, settings)
     size = measure_sizes(old, settings)
     size.scale(part)
     old_lines = [

@@ -12,7 +12,7 @@ from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
 from presswork.geometry.profile_way import ProfileWay
-from presswork.model import BoolArray, FloatArray
+from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.fill import measure_thickness
 
 GRADATION = np.log(1.3)
@@ -50,6 +50,13 @@ class GradedSize:
         """Return the edge length of cells at points (n, 2) [mm]."""
         at = ((points - self._low) / self._step).T
         return np.asarray(map_coordinates(self._values, at, order=1, mode="nearest"))
+
+    def limit(self, box: tuple[float, float, float, float], size: float) -> None:
+        """Make cells in a rectangle (least x, y, largest x, y) no larger than a size [mm], graded round it."""
+        x, y = (self._low[k] + self._step * np.arange(self._values.shape[k]) for k in (0, 1))
+        outside = [np.maximum(np.maximum(box[k] - at, at - box[k + 2]), 0.0) for k, at in ((0, x), (1, y))]
+        distance = np.hypot(outside[0][:, None], outside[1][None])
+        self._values = np.minimum(self._values, size + GRADATION * distance)
 
     def scale(self, factor: float) -> None:
         """Make all cells larger by a factor."""
@@ -95,6 +102,52 @@ def tool_curvature(sides: FloatArray, profile: FloatArray, largest: float, corne
     near = distance < REACH * largest
     # what is farther off may wait: it asks for less
     return SizeSources(place[near], size[near] + GRADATION * np.maximum(distance[near] - largest, 0.0))
+
+
+def along_tool(sides: FloatArray, profile: FloatArray, largest: float, size: float) -> SizeSources:
+    """Return a size all along a placed profile, where it is near the sides of a boundary (k, 2, 2)."""
+    way = ProfileWay(profile)
+    place = way.at(np.linspace(0.0, way.length, max(2, int(np.ceil(2.0 * way.length / size)) + 1))[:-1])
+    distance, _ = cKDTree(_refine(sides, largest)).query(place)
+    near = distance < REACH * largest
+    return SizeSources(place[near], size + GRADATION * np.maximum(distance[near] - largest, 0.0))
+
+
+def measure_power(corners: FloatArray, moves: FloatArray, stress: FloatArray, *, ring: bool) -> FloatArray:
+    """Return the work of the mean stress (n_cells, 4) [MPa] over volume as corners move (n_cells,) [MPa].
+
+    corners, moves: of the cells (n_cells, 3 | 4, 2) [mm]; the mean gradient of the moves is their integral along the
+    edges over the area. ring: the third stress works round x = 0.
+    """
+    after, to = np.roll(corners, -1, axis=1), np.roll(moves, -1, axis=1)
+    edge = after - corners
+    normal = np.stack([edge[..., 1], -edge[..., 0]], axis=-1)
+    area = 0.5 * (corners[..., 0] * after[..., 1] - after[..., 0] * corners[..., 1]).sum(axis=1)
+    gradient = np.einsum("cki,ckj->cij", 0.5 * (moves + to), normal) / area[:, None, None]
+    power = stress[:, 0] * gradient[:, 0, 0] + stress[:, 1] * gradient[:, 1, 1]
+    power += stress[:, 3] * (gradient[:, 0, 1] + gradient[:, 1, 0])
+    if ring:
+        power += stress[:, 2] * moves[..., 0].mean(axis=1) / corners[..., 0].mean(axis=1)
+    return np.asarray(power)
+
+
+def error_sources(corners: FloatArray, cells: IndexArray, power: FloatArray, error: float) -> SizeSources:
+    """Return the sizes with which cells miss a part `error` of the stress power, as much of it in each.
+
+    corners: of the cells (n_cells, 3 | 4, 2) [mm], cells: their nodes, power: over volume, of each (n_cells,). What a
+    cell misses is the difference of its power from that at its nodes, the mean of the cells round them (Zienkiewicz &
+    Zhu 1987, with values constant in cells); over a cell it falls with the square of the size.
+    """
+    x, y = np.moveaxis(corners, -1, 0)
+    area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
+    weight = np.repeat(area[:, None], cells.shape[1], axis=1)
+    n = int(cells.max()) + 1
+    whole = np.maximum(np.bincount(cells.ravel(), weight.ravel(), n), 1e-300)
+    at_nodes = np.bincount(cells.ravel(), (weight * power[:, None]).ravel(), n) / whole
+    missed = np.sqrt(area * ((at_nodes[cells] - power[:, None]) ** 2).mean(axis=1))
+    allowed = error * np.sqrt(float((area * power**2).sum()) / len(cells))
+    size = np.sqrt(area) * np.sqrt(allowed / np.maximum(missed, 1e-12 * max(allowed, 1e-300)))
+    return SizeSources(corners.mean(axis=1), size)
 
 
 def _refine(sides: FloatArray, spacing: float) -> FloatArray:

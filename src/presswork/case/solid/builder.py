@@ -24,7 +24,7 @@ from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
-from presswork.case.solid.remesh import check_places, check_sizes
+from presswork.case.solid.remesh import check_places, check_sizes, check_tools
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.cavity import check_cavity
 from presswork.case.tools.die_mesh import build_dies
@@ -65,6 +65,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     problems += stage_problems
     if case.remesh is not None:
         problems += check_places(case, mesh, bodies) or check_sizes(case.remesh, mesh, bodies)
+        problems += check_tools(case.remesh, mesh, tools)
     problems = problems or check_motions(case, tools)
     if not problems and case.workpiece.velocity is None:
         problems = check_reach(tools, stages, mesh)
@@ -94,7 +95,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         heat=build_heat(case, bodies, dies),
         limits=case.limits.build(),
-        remeshing=case.remesh.build_all(mesh, bodies) if case.remesh is not None else None,
+        remeshing=case.remesh.build_all(mesh, bodies, tools) if case.remesh is not None else None,
         case_text=case.text,
     )
     closing = check_cavity(found)

@@ -5,17 +5,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
 from presswork.case.names import Name
 from presswork.case.part import Part
 from presswork.case.settings import Whole
-from presswork.case.units import Length, Number
+from presswork.case.units import Length, Number, fault
+from presswork.geometry.pose import start_profile
+from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.joined import split_mesh
 from presswork.mesh.topology import list_cell_edges
 
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
 SMALLEST = 0.25
 """Of the largest size."""
+OF_RADIUS = 0.5
+"""Of the least radius of a tool: the smallest size that is proposed for it."""
 
 
 class BodyRemesh(Part):
@@ -61,6 +65,19 @@ class BodyRemesh(Part):
         return float(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1).mean())
 
 
+class Window(Part):
+    """A rectangle, fixed in space, in which cells are small."""
+
+    box: tuple[Length, Length, Length, Length] = Field(description="least x, least y, largest x, largest y [mm]")
+    size: Length = Field(gt=0, description="largest edge of cells in it [mm]")
+
+    @model_validator(mode="after")
+    def _check_box(self) -> Self:
+        if self.box[0] >= self.box[2] or self.box[1] >= self.box[3]:
+            raise fault("is empty", "give least x, least y, largest x, largest y", key="box")
+        return self
+
+
 class Remesh(BodyRemesh):
     """When and how finely bodies are meshed anew in the run: keys of the workpiece, and of further bodies."""
 
@@ -68,6 +85,17 @@ class Remesh(BodyRemesh):
         default=0.0, ge=0, le=1, description="part of a stage after which it is meshed anew in any case; 0: never"
     )
 
+    windows: tuple[Window, ...] = Field(default=(), description="rectangles in which cells are small")
+    tools: dict[Name, Annotated[Length, Field(gt=0)]] = Field(
+        default={}, description="largest edge of cells on tools by name [mm], from a few cells ahead of contact on"
+    )
+    error: Number = Field(
+        default=0.0,
+        ge=0,
+        lt=1,
+        description="part of the stress power that cells may miss, by which their size is chosen; 0: it is not, 0.1 is "
+        "usual",
+    )
     bodies: dict[Name, BodyRemesh] = Field(
         default={}, description="sizes and triggers of further bodies by name; without them: as without keys"
     )
@@ -78,10 +106,14 @@ class Remesh(BodyRemesh):
         names = [body.name for body in bodies]
         return dict(zip(names, zip(keys, split_mesh(mesh, bodies), strict=True), strict=True))
 
-    def build_all(self, mesh: model.Mesh, bodies: Sequence[model.Body]) -> model.Remeshing:
+    def build_all(self, mesh: model.Mesh, bodies: Sequence[model.Body], tools: Sequence[model.Tool]) -> model.Remeshing:
         """Return the Model's settings of all bodies."""
-        built = {name: keys.build(own) for name, (keys, own) in self.of_bodies(mesh, bodies).items()}
-        (_, workpiece), *others = built.items()
+        windows = tuple(model.SizeWindow(window.box, window.size) for window in self.windows)
+        tool_sizes = tuple(self.tools.get(tool.name, np.inf) for tool in tools)
+        (_, workpiece), *others = (
+            (name, replace(keys.build(own), windows=windows, tool_sizes=tool_sizes, error=self.error))
+            for name, (keys, own) in self.of_bodies(mesh, bodies).items()
+        )
         return replace(workpiece, every=self.every, bodies=dict(others))
 
 
@@ -97,10 +129,15 @@ def check_remesh(case: Case) -> list[Problem]:
         "solver.displacements": case.solver.displacements == "small",
     }
     problems = [Problem(key, "does not go together with [remesh]", remedy) for key, is_so in keys.items() if is_so]
-    return problems + [
+    problems += [
         Problem(f"remesh.bodies.{name}", "no such body", suggest(name, case.bodies, "bodies"))
         for name in case.remesh.bodies
         if name not in case.bodies
+    ]
+    return problems + [
+        Problem(f"remesh.tools.{name}", "no such tool", suggest(name, case.tools, "tools"))
+        for name in case.remesh.tools
+        if name not in case.tools
     ]
 
 
@@ -121,6 +158,24 @@ def check_places(case: Case, mesh: model.Mesh, bodies: Sequence[model.Body]) -> 
             key = "workpiece.mesh" if body is bodies[0] else f"bodies.{body.name}.mesh"
             fault = "cells of several kinds cannot be meshed anew together"
             problems.append(Problem(key, fault, "give a mesh of triangles or of quadrilaterals alone"))
+    return problems
+
+
+def check_tools(remesh: Remesh, mesh: model.Mesh, tools: Sequence[model.Tool]) -> list[Problem]:
+    """Return the problems of sizes with which the tools cannot be followed, and of windows below the smallest size."""
+    problems, smallest = [], remesh.build(mesh).smallest_size
+    key = "remesh.smallest_size" if remesh.smallest_size is not None else "remesh.size"
+    for tool in tools if remesh.smallest_size is not None or remesh.size is not None else ():
+        radius = float(ProfileWay(start_profile(tool)).radius.min())
+        if smallest > radius:
+            fault_text = f"cells of {smallest:.3g} mm cannot follow the radius of {radius:.3g} mm of {tool.name}"
+            problems.append(Problem(key, fault_text, f"give smallest_size = {OF_RADIUS * radius:.2g} or less"))
+    sizes = {f"remesh.windows.{i}.size": window.size for i, window in enumerate(remesh.windows)}
+    sizes |= {f"remesh.tools.{name}": size for name, size in remesh.tools.items()}
+    for key, size in sizes.items():
+        if size < smallest:
+            remedy = f"give a larger size, or smallest_size = {size:g}"
+            problems.append(Problem(key, f"is below the smallest size of cells, {smallest:.3g} mm", remedy, size))
     return problems
 
 
