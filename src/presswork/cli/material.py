@@ -17,6 +17,7 @@ from presswork.case.material.forming_limit.build import build_curve, mean_r_valu
 from presswork.case.material.library import find_sheet
 from presswork.case.material.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
+from presswork.cli.material_hot import fit_compression, is_hot_compression
 from presswork.cli.terminal import exit_on
 from presswork.law.umat import CompileError, compile_law
 from presswork.material.fit_plot import draw_curves, draw_fit
@@ -28,6 +29,7 @@ from presswork.material.identify import (
     fit_hardening,
     fit_r_value,
 )
+from presswork.material.identify_hot import HOT_LAWS
 from presswork.material.identify_yld2000 import BIAXIAL, R_WEIGHT, YieldData, fit_yld2000, read_yield_data
 from presswork.material.sheet_plot import draw_sheet
 from presswork.material.tensile import TensileTest, read_tensile
@@ -98,10 +100,15 @@ def flc(
 
 @app.command()
 def fit(
-    tensile: Annotated[Path, typer.Argument(help="CSV of tensile tests; the guide says which columns.")],
+    tensile: Annotated[
+        Path, typer.Argument(help="CSV of tensile or of hot compression tests; the guide says which columns.")
+    ],
     young: Annotated[str, typer.Option(help='Young\'s modulus, e.g. "206 GPa".', show_default=False)],
     poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
-    law: Annotated[str, typer.Option(help=f"Hardening law: {', '.join(LAWS)}; all compares them.")] = "all",
+    law: Annotated[
+        str,
+        typer.Option(help=f"Hardening law: {', '.join(LAWS)}; of hot tests {', '.join(HOT_LAWS)}; all compares them."),
+    ] = "all",
     yield_function: Annotated[
         Literal["hill1948", "yld2000"], typer.Option(help="Fitted to the tests at angles; yld2000 to all of them.")
     ] = "hill1948",
@@ -109,10 +116,18 @@ def fit(
     biaxial_stress: Annotated[float, typer.Option(help="Balanced biaxial yield stress over that at 0.")] = math.nan,
     biaxial_r: Annotated[float, typer.Option(help="Strain across over along in that test.")] = math.nan,
     r_weight: Weight = R_WEIGHT,
+    density: Annotated[str, typer.Option(help='Hot tests: "7850 kg/m^3"; with it heating in the test counts.')] = "",
+    specific_heat: Annotated[str, typer.Option(help='Hot tests: "650 J/(kg*K)".')] = "",
     output: Annotated[Path | None, typer.Option(help="Material file; default: the CSV's name, .toml.")] = None,
 ) -> None:
-    """Fit a hardening law and a yield function to tensile tests; write a material file and a picture."""
+    """Fit a hardening law and a yield function to tests; write a material file and a picture.
+
+    Hot compression tests are corrected for friction and for heating; beside the law a table of their curves is written.
+    """
     with exit_on(CaseError, ImportError, OSError):
+        if is_hot_compression(tensile):
+            fit_compression(tensile, law, _read_stress("--young", young), poisson, density, specific_heat, output)
+            return
         tests = read_tensile(tensile)
         modulus = _read_stress("--young", young)
         along = _pick_rolling_direction(tests, tensile)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`material fit` of hot compression tests."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+import typer
+
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.material.sheet import check_sheet_material
+from presswork.case.table_file import read_table_lines
+from presswork.case.units import DENSITY, HEAT_CAPACITY, Dimension, to_number
+from presswork.material.compression import CompressionTest, correct, find_adiabatic_part, read_compression
+from presswork.material.hot_plot import draw_hot_fit
+from presswork.material.identify_hot import HOT_LAWS, HotFit, fit_hot, tabulate
+
+
+def is_hot_compression(path: Path) -> bool:
+    """Say whether a CSV file holds hot compression tests: it has columns of rate and temperature. Raises CaseError."""
+    head = [name.strip() for name in read_table_lines(path, least=1)[0][1]]
+    return "rate" in head and "temperature" in head
+
+
+def fit_compression(
+    path: Path, law: str, young: float, poisson: float, density: str, specific_heat: str, output: Path | None
+) -> None:
+    """Correct the tests, fit the laws, and write material file, table and picture. Raises CaseError."""
+    if law not in (*HOT_LAWS, "all"):
+        raise CaseError([Problem("--law", "unknown law of hot tests", suggest(law, (*HOT_LAWS, "all")), law)])
+    if bool(density) != bool(specific_heat):
+        key = "--specific-heat" if density else "--density"
+        raise CaseError([Problem(key, "heating needs density and specific heat", "give both, or none")])
+    capacity = None
+    if density:
+        capacity = _read("--density", density, DENSITY) * _read("--specific-heat", specific_heat, HEAT_CAPACITY)
+    measured = read_compression(path)
+    tests = correct(measured, capacity)
+    _tell(measured, tests, capacity)
+    fits = sorted((fit_hot(tests, name) for name in (HOT_LAWS if law == "all" else (law,))), key=lambda f: f.relative)
+    for fit in fits:
+        parameters = ", ".join(f"{key} = {value:.5g}" for key, value in fit.parameters.items() if value)
+        typer.echo(f"{fit.law}: {fit.scatter:.2f} MPa ({100 * fit.relative:.2f} %): {parameters}")
+    target = output or path.with_suffix(".toml")
+    _write(target, path, fits[0], {"young": young, "poisson": poisson}, capacity)
+    table = target.with_name(f"{target.stem}_table.csv")
+    with table.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["strain", "rate", "temperature", "stress"])
+        writer.writerows([f"{value:.6g}" for value in row] for row in tabulate(tests, fits[0]))
+    picture = draw_hot_fit(tests, fits, path.stem, target.with_suffix(".png"))
+    typer.echo(f"{target}\n{table}\n{picture}")
+
+
+def _tell(measured: Sequence[CompressionTest], tests: Sequence[CompressionTest], capacity: float | None) -> None:
+    """Say what the corrections have done."""
+    typer.echo(f"{len(tests)} tests")
+    rubbed = [test for test in measured if test.m > 0.0]
+    if rubbed:
+        low, high = min(test.m for test in rubbed), max(test.m for test in rubbed)
+        parts = [1.0 - after.stress[-1] / before.stress[-1] for before, after in zip(measured, tests, strict=True)]
+        typer.echo(f"friction: m = {low:.3g} to {high:.3g}; it took up to {100 * max(parts):.1f} % of the stress")
+    else:
+        typer.echo("friction: not corrected; give columns height, diameter, and m or the barrel")
+    if capacity is None:
+        typer.echo("heating in the test: not corrected; give --density and --specific-heat")
+    else:
+        most = max(tests, key=lambda test: float(test.temperature[-1]) - test.start)
+        typer.echo(
+            f"heating in the test: up to {most.temperature[-1] - most.start:.1f} K, at {most.start:g} degrees C and "
+            f"{most.rate:g} 1/s ({100 * find_adiabatic_part(most.rate):.0f} % of the heat stay)"
+        )
+
+
+def _read(key: str, text: str, dimension: Dimension) -> float:
+    try:
+        value = to_number(text, dimension)
+    except Exception as error:
+        remedy = f'for instance "{dimension.example}"'
+        raise CaseError([Problem(key, f"expected {dimension.name}, not `{text}`", remedy)]) from error
+    if not value > 0.0:
+        raise CaseError([Problem(key, "expected a value > 0", "", text)])
+    return value
+
+
+def _write(path: Path, source: Path, fit: HotFit, elastic: dict[str, Any], capacity: float | None) -> None:
+    """Write the material file of a law."""
+    table = {**elastic, "hardening": fit.to_table()}
+    check_sheet_material(table, str(source))
+    heated = "corrected for friction and heating" if capacity is not None else "corrected for friction"
+    data = {
+        "name": source.stem,
+        "summary": f"fitted to {source.name}",
+        "material": table,
+        "sources": {"all": f"{source.name}, {heated}; scatter {fit.scatter:.2f} MPa ({100 * fit.relative:.2f} %)"},
+        "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
+    }
+    path.write_text(tomli_w.dumps(data), encoding="utf-8")
