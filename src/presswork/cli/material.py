@@ -14,6 +14,7 @@ import typer
 
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.forming_limit.build import build_curve, mean_r_value
+from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.library import find_sheet
 from presswork.case.material.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
@@ -21,6 +22,7 @@ from presswork.cli.material_hot import fit_compression, is_hot_compression
 from presswork.cli.terminal import exit_on
 from presswork.law.umat import CompileError, compile_law
 from presswork.material.fit_plot import draw_curves, draw_fit
+from presswork.material.hot_plot import draw_hot_law
 from presswork.material.identify import (
     LAWS,
     HardeningFit,
@@ -70,10 +72,11 @@ def plot(
     name: Name,
     output: Annotated[Path | None, typer.Option(help="The picture; default: the material's name here.")] = None,
 ) -> None:
-    """Draw a material: yield locus, yield stress and r-value by direction, flow stress."""
+    """Draw a material: yield locus, yield stress and r-value by direction, flow stress; of hot laws by temperature."""
     with exit_on(CaseError, ImportError, OSError):
         sheet = find_sheet(name)
-        typer.echo(draw_sheet(sheet, output or Path(f"{sheet.key}.png")))
+        draw = draw_hot_law if isinstance(sheet.material.hardening, HotLaw) else draw_sheet
+        typer.echo(draw(sheet, output or Path(f"{sheet.key}.png")))
 
 
 @app.command()

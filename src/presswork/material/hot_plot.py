@@ -8,11 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
+from presswork.case.material.library import NamedSheet
 from presswork.material.compression import CompressionTest
 from presswork.material.identify_hot import HotFit
 from presswork.view.style import DPI, clean_axes, new_figure
 
 MOST_IN_A_ROW = 3
+LARGEST_STRAIN = 1.0
+"""To which a law is drawn whose window has no such end."""
 
 
 def draw_hot_fit(tests: Sequence[CompressionTest], fits: Sequence[HotFit], title: str, path: Path) -> Path:
@@ -46,24 +49,25 @@ def draw_hot_fit(tests: Sequence[CompressionTest], fits: Sequence[HotFit], title
     return path
 
 
-def draw_hot_law(title: str, fit: HotFit, path: Path) -> Path:
-    """Draw a law over its window: by strain at three temperatures and three rates. Raises ImportError likewise."""
-    low, high = fit.temperature_window
-    slow, fast = fit.rate_window
+def draw_hot_law(named: NamedSheet, path: Path) -> Path:
+    """Draw a hot law over its window, at three temperatures and three rates. Raises ImportError without matplotlib."""
+    hardening, law = named.material.to_model(named.key).hardening, named.material.build_law()
+    assert hardening.window is not None, "not a hot law"
+    (low, high), rates, temperatures = hardening.window
     figure = new_figure(11.0, 4.0)
     axes = figure.subplots(1, 3, sharey=True)
-    strain = np.linspace(fit.strain_window[0], min(fit.strain_window[1], 2.0), 200)
-    for ax, degrees in zip(axes, np.linspace(low, high, 3), strict=True):
-        for rate in np.geomspace(slow, fast, 3):
-            stress = fit.stress(strain, float(rate), np.full_like(strain, degrees))
+    strain = np.linspace(low, min(high, LARGEST_STRAIN), 200)
+    for ax, degrees in zip(axes, np.linspace(temperatures[0], temperatures[1], 3), strict=True):
+        for rate in np.geomspace(rates[0], rates[1], 3):
+            stress = law.flow_stress(strain, np.full_like(strain, rate), np.full_like(strain, degrees))[0]
             ax.plot(strain, stress, label=f"{rate:.3g} 1/s")
         ax.set_title(f"{degrees:.0f} degrees C", fontsize="medium")
         ax.set_ylim(bottom=0.0)
         ax.set_xlim(left=0.0)
-        ax.set_xlabel("strain")
+        ax.set_xlabel("plastic strain")
         clean_axes(ax)
     axes[0].set_ylabel("flow stress [MPa]")
     axes[0].legend(frameon=False, fontsize=8)
-    figure.suptitle(f"{title}, {fit.law}, within its window")
+    figure.suptitle(f"{named.name}: {hardening.law} within its window")
     figure.savefig(path, format="png", dpi=DPI)
     return path

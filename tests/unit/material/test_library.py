@@ -9,11 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from presswork.case import build_model
 from presswork.case.errors import CaseError
 from presswork.case.material.forming_limit.build import build_curve
+from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.library import FOLDER
 from presswork.case.material.sheet import check_sheet_material
+from presswork.case.solid.schema import Case
 from presswork.material import find_sheet, list_sheets, read_sheet
+from presswork.material.hot_plot import draw_hot_law
 
 GUIDE = Path(__file__).parents[3] / "docs" / "guide.md"
 GOOD = (FOLDER / "numisheet93_mild_steel.toml").read_text("utf-8")
@@ -28,7 +32,69 @@ def test_library_has_the_everyday_grades_each_with_sources() -> None:
     assert set(EVERYDAY) <= {sheet.key for sheet in sheets}
     for sheet in sheets:
         assert sheet.sources or sheet.assumed
-        assert sheet.material.build_law().flow_stress(np.array([0.1]))[0][0] > 50
+        least = 5 if isinstance(sheet.material.hardening, HotLaw) else 50
+        assert sheet.material._usual_flow_stress(np.array([0.1]))[0] > least
+
+
+HOT = ("42crmo4", "aa2024_t351_hot", "aa6082_hot", "aa7075_hot", "brass_cartridge", "c45", "copper_ofhc", "inconel_718",
+       "medium_carbon_steel_hot", "steel_1006_hot", "steel_4340_hot", "ti6al4v")  # fmt: skip
+
+
+@pytest.mark.parametrize("key", HOT)
+def test_hot_grades_have_a_window_and_every_number_a_source(key: str, tmp_path: Path) -> None:
+    named = find_sheet(key)
+    assert isinstance(named.material.hardening, HotLaw)
+    assert set(named.material.model_dump(exclude_none=True)) - {"yield_function", "magnitudes"} <= {
+        *named.sources,
+        *named.assumed,
+    }
+    assert "hardening" in named.sources
+    assert "(19" in named.sources["hardening"] or "(20" in named.sources["hardening"]
+    thermal = named.material.thermal
+    assert thermal is None or named.material.density is not None
+    assert draw_hot_law(named, tmp_path / "a.png").stat().st_size > 10_000
+
+
+def test_published_flow_stresses_of_hot_grades() -> None:
+    """By hand from the formulas in the papers named in the files."""
+
+    def stress(key: str, strain: float, rate: float, degrees: float) -> float:
+        law = find_sheet(key).material.build_law()
+        return float(law.flow_stress(*(np.array([v]) for v in (strain, rate, degrees)))[0][0])
+
+    copper = (90 + 292 * 0.3**0.31) * (1 + 0.025 * np.log(100)) * (1 - (280 / 1063) ** 1.09)
+    assert stress("copper_ofhc", 0.3, 100.0, 300.0) == pytest.approx(copper, rel=1e-9)
+    z = np.exp(153e3 / (8.314462618 * 723.15) - 19.29)
+    assert stress("aa6082_hot", 0.3, 1.0, 450.0) == pytest.approx(np.arcsinh(z ** (1 / 2.976)) / 0.045, rel=1e-6)
+    hensel = 5954 * np.exp(-3.3576e-3 * 1050) * 0.4**0.2641 * np.exp(2.2688e-4 / 0.4) * 1.4 ** (-4.2163e-4 * 1050)
+    assert stress("medium_carbon_steel_hot", 0.4, 1.0, 1050.0) == pytest.approx(
+        hensel * np.exp(-0.0561 * 0.4), rel=1e-9
+    )
+
+
+def test_a_solid_takes_a_material_of_the_library_with_its_heat() -> None:
+    data = {
+        "title": "a billet",
+        "analysis": "axisymmetric",
+        "workpiece": {"material": "aa6082_hot", "mesh": {"size": [20, 30], "cells": [2, 3]}},
+        "heat": {"initial_temperature": 450},
+        "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
+        "tools": {"die": {"profile": [[0, 30], [60, 30]], "contact": "frictionless"}},
+        "stages": [{"name": "forge", "velocity": 10, "tools": {"die": {"stroke": 5, "direction": [0, -1]}}}],
+    }
+    (material,) = build_model(Case.model_validate(data)).materials
+    assert material.name == "aa6082_hot"
+    assert material.density == pytest.approx(2.7e-9)
+    assert material.thermal is not None
+    assert material.hardening.law == "sinh_arrhenius"
+    hotter = {**data, "materials": {"aa6082_hot": {"library": "aa6082_hot", "young": "40 GPa"}}}
+    assert build_model(Case.model_validate(hotter)).materials[0].young == 40e3
+    cold = {k: v for k, v in data.items() if k != "heat"}
+    cold["materials"] = {"aa6082_hot": {"library": "aa6082_hot", "heating": {"start": 450}}}
+    assert build_model(Case.model_validate(cold)).materials[0].heating is not None
+    wrong = {**data, "materials": {"aa6082_hot": {"library": "aa6083_hot"}}}
+    with pytest.raises(CaseError, match="did you mean `aa6082_hot`"):
+        Case.model_validate(wrong)
 
 
 def test_every_forming_limit_of_the_library_can_be_found() -> None:

@@ -218,12 +218,17 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
             yield Problem(f"stages.{index}.press.pause", "missing key: heat takes time", "add it, in seconds")
 
 
+def _gives_thermal(material: object) -> bool:
+    """Say whether the case itself, and not the library, gives thermal properties."""
+    return getattr(material, "thermal", None) is not None and getattr(material, "library", None) is None
+
+
 def _check_no_heat(case: schema.Case) -> Iterator[Problem]:
     """Yield what has a meaning with heat alone."""
     remedy = "add [heat] with initial_temperature, or remove it"
     keys = [f"tools.{name}.heat" for name, tool in case.tools.items() if tool.heat is not None]
     keys += [f"contacts.{name}.heat" for name, contact in case.contacts.items() if contact.heat is not None]
-    keys += [f"materials.{name}.thermal" for name, m in case.materials.items() if getattr(m, "thermal", None)]
+    keys += [f"materials.{name}.thermal" for name, m in case.materials.items() if _gives_thermal(m)]
     keys += ["workpiece.initial_temperature"] if case.workpiece.initial_temperature is not None else []
     keys += [f"bodies.{n}.initial_temperature" for n, b in case.bodies.items() if b.initial_temperature is not None]
     for key in keys:

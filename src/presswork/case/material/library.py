@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.material.sheet import SheetLaws, check_sheet_material
+from presswork.case.material.sheet import NamedLaws, check_sheet_material
 from presswork.case.reader import read_toml
 
 FOLDER = Path(__file__).parents[2] / "material" / "data"
@@ -31,7 +31,7 @@ class NamedSheet:
     summary: str
     thickness: float | None
     """Thickness of the sheet that was tested [mm]."""
-    material: SheetLaws
+    material: NamedLaws
     sources: Mapping[str, str]
     """Where the numbers come from, by key."""
     assumed: Mapping[str, str]
@@ -57,6 +57,18 @@ def find_sheet(name: str, folder: Path | None = None) -> NamedSheet:
         problem = Problem("", f"`{name}` is no material of the library", remedy)
         raise CaseError([problem], "materials")
     return read_sheet(FOLDER / f"{name}.toml")
+
+
+def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:
+    """Return a case's data in which a material that only the library knows is among the materials.
+
+    part: the table that names the material.
+    """
+    piece, materials = data.get(part), data.get("materials", {})
+    name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
+    if not isinstance(materials, Mapping) or not isinstance(name, str) or name in materials or name not in list_keys():
+        return dict(data)
+    return {**data, "materials": {**materials, name: {"library": name}}}
 
 
 def read_sheet(path: Path) -> NamedSheet:

@@ -9,9 +9,11 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from presswork.case.errors import CaseError
+from presswork.case.heat.thermal import Thermal
 from presswork.case.material.laws import FormingLimit
 from presswork.case.material.plastic import PlasticLaws
 from presswork.case.reader import list_problems
+from presswork.case.units import Density
 
 
 class SheetLaws(PlasticLaws):
@@ -20,14 +22,26 @@ class SheetLaws(PlasticLaws):
     forming_limit: FormingLimit | None = Field(default=None, description="forming limit curve")
 
 
+class NamedLaws(SheetLaws):
+    """What a material file has: the laws of a metal, and its thermal properties."""
+
+    density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
+    thermal: Thermal | None = Field(default=None, description="what it conducts and stores")
+
+    def list_laws(self, *names: str) -> dict[str, Any]:
+        """Return the keys that a case has: those of the laws that are given, and of `names`."""
+        keys = {*PlasticLaws.model_fields, *names}
+        return self.model_dump(include=keys, exclude_none=True)
+
+
 @functools.cache
 def _schema() -> dict[str, Any]:
-    return SheetLaws.model_json_schema()
+    return NamedLaws.model_json_schema()
 
 
-def check_sheet_material(data: object, source: str | None = None) -> SheetLaws:
-    """Turn a table into a SheetLaws. Raises CaseError with every problem, named by key."""
+def check_sheet_material(data: object, source: str | None = None) -> NamedLaws:
+    """Turn the table of a material file into its laws. Raises CaseError with every problem, named by key."""
     try:
-        return SheetLaws.model_validate(data)
+        return NamedLaws.model_validate(data)
     except ValidationError as error:
         raise CaseError(list_problems(error, data, _schema()), source) from None

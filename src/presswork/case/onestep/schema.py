@@ -16,10 +16,11 @@ from presswork.case.case_file import CaseFile
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.hot_hardening import HotLaw
+from presswork.case.material.library import add_library_materials
 from presswork.case.material.yield_function import Hill1948, VonMisesYield
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
-from presswork.case.shell.material import ShellMaterial, add_library_materials
+from presswork.case.shell.material import ShellMaterial
 from presswork.case.stamping.bead import Bead
 from presswork.case.units import LENGTH, Angle, Force, Length, Number, fault, unit_factor
 from presswork.mesh import MeshError

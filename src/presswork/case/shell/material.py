@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -15,7 +14,7 @@ from pydantic_core import CoreSchema
 
 from presswork.case.errors import CaseError
 from presswork.case.material.heating import HEAVIEST, LIGHTEST, require_density
-from presswork.case.material.library import find_sheet, list_keys
+from presswork.case.material.library import find_sheet
 from presswork.case.material.sheet import SheetLaws
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.units import Density, fault
@@ -50,7 +49,7 @@ class ShellMaterial(SheetLaws):
         except CaseError as error:
             said = "; ".join(f"{problem}" for problem in error.problems)
             raise fault(said, "`presswork materials` lists the library", key="library") from None
-        taken = sheet.material.model_dump()
+        taken = sheet.material.model_dump(exclude={"density", "thermal"} - set(cls.model_fields))
         limit = taken["forming_limit"]
         if data.get("kinematic") is not None and "forming_limit" not in data and limit and limit["law"] in COMPUTED:
             taken["forming_limit"] = None
@@ -99,15 +98,3 @@ SheetTable = Annotated[
     Discriminator(kind_of_material),
     Field(json_schema_extra={"discriminator": {"mapping": _TABLES}}),
 ]
-
-
-def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:
-    """Return a case's data in which a material that only the library knows is among the materials.
-
-    part: the table that names the material.
-    """
-    piece, materials = data.get(part), data.get("materials", {})
-    name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
-    if not isinstance(materials, Mapping) or not isinstance(name, str) or name in materials or name not in list_keys():
-        return dict(data)
-    return {**data, "materials": {**materials, name: {"library": name}}}

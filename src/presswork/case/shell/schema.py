@@ -14,10 +14,11 @@ from pydantic import (
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.limits import Limits
+from presswork.case.material.library import add_library_materials
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.settings import Output, Solver
-from presswork.case.shell.material import SheetTable, add_library_materials
+from presswork.case.shell.material import SheetTable
 from presswork.case.solid.workpiece import MeshFile, Rectangle, assume_rectangle
 from presswork.case.units import (
     Angle,

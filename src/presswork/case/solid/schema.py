@@ -8,24 +8,31 @@ A tool is in tool.py; solver and output settings are in settings.py, hardening l
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
     Discriminator,
     Field,
+    GetJsonSchemaHandler,
     Tag,
+    ValidationInfo,
     model_validator,
 )
 from pydantic.config import JsonDict
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.errors import CaseError
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
 from presswork.case.material.grain import Grain
 from presswork.case.material.heating import require_density
+from presswork.case.material.library import add_library_materials, find_sheet
 from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
@@ -58,6 +65,11 @@ from presswork.case.units import (
 class Material(PlasticLaws):
     """An elastic-plastic solid; x of its yield function turns with the material."""
 
+    library: str | None = Field(
+        default=None,
+        description='name of a material of the library, or "my_steel.toml", a material file beside the case; keys '
+        "given beside it replace its own",
+    )
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
     thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
     grain: Grain | None = Field(default=None, description="grain size in hot forming")
@@ -67,6 +79,27 @@ class Material(PlasticLaws):
         "or, of a solid in space, a direction [x, y, z]; y of the yield function is then across it in the plane of x "
         "and y, or x if the direction is z",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_from_library(cls, data: Any, info: ValidationInfo) -> Any:
+        if not (isinstance(data, dict) and isinstance(data.get("library"), str)):
+            return data
+        source = info.context.get("source") if isinstance(info.context, dict) else None
+        try:
+            named = find_sheet(data["library"], Path(source).parent if source else None)
+        except CaseError as error:
+            said = "; ".join(f"{problem}" for problem in error.problems)
+            raise fault(said, "`presswork materials` lists the library", key="library") from None
+        return {**named.material.list_laws("density", "thermal"), **data}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Require the laws only where no library gives them."""
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        required = schema.pop("required", [])
+        schema["if"], schema["else"] = {"required": ["library"]}, {"required": required}
+        return schema
 
     def find_rolling_direction(self) -> tuple[float, float, float]:
         """Return it at length 1."""
@@ -261,7 +294,9 @@ class Case(CaseFile):
     )
     depth: Length = Field(default=1.0, gt=0, description="plane strain: extent normal to the plane [mm]")
     workpiece: Workpiece = Field(description="the body that is formed")
-    materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
+    materials: dict[Name, MaterialTable] = Field(
+        default={}, description="materials by name; the workpiece may also name one of the library"
+    )
     tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
     bodies: dict[Name, Workpiece] = Field(default={}, description="further deformable bodies by name")
     contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
@@ -278,3 +313,8 @@ class Case(CaseFile):
     )
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _add_library_materials(cls, data: Any) -> Any:
+        return add_library_materials(data) if isinstance(data, dict) else data

@@ -12,12 +12,13 @@ from pydantic.config import JsonDict
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.limits import Limits
+from presswork.case.material.library import add_library_materials
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.press.builder import Timing
 from presswork.case.press.schema import Press, StagePress
-from presswork.case.shell.material import HeavyShellMaterial, add_library_materials
+from presswork.case.shell.material import HeavyShellMaterial
 from presswork.case.shell.schema import ShellBoundary, ShellDisplacement
 from presswork.case.stamping.bead import Bead
 from presswork.case.stamping.blank import Blank
