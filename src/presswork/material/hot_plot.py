@@ -52,6 +52,7 @@ def draw_hot_fit(tests: Sequence[CompressionTest], fits: Sequence[HotFit], title
 def draw_hot_law(named: NamedSheet, path: Path) -> Path:
     """Draw a hot law over its window, at three temperatures and three rates. Raises ImportError without matplotlib."""
     hardening, law = named.material.to_model(named.key).hardening, named.material.build_law()
+    assert hardening is not None, "a UMAT"
     assert hardening.window is not None, "not a hot law"
     (low, high), rates, temperatures = hardening.window
     figure = new_figure(11.0, 4.0)
