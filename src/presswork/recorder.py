@@ -17,10 +17,10 @@ from typing import Literal
 import numpy as np
 
 from presswork import __version__, stop
-from presswork.model import Model
+from presswork.model import Mesh, Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
-from presswork.process.recording import Recording, Report
+from presswork.process.recording import Recording, Report, Snapshot
 from presswork.process.watch import Watch
 from presswork.results import (
     History,
@@ -127,6 +127,23 @@ def _save_points(model: Model) -> object:
         return None
     steps = 0 if model.output.every else model.output.steps
     return steps, tuple(float(part) for part in model.output.at)
+
+
+def append_snapshot(path: Path, mesh: Mesh, now: Snapshot) -> None:
+    """Append a state to a results file. Raises OutputError."""
+    append_step(
+        path,
+        mesh,
+        now.time,
+        now.point_data,
+        now.cell_data,
+        tools=now.tools,
+        tool_centre=now.tool_centre,
+        tool_displacement=now.tool_displacement,
+        tool_angle=now.tool_angle,
+        surfaces=now.surfaces,
+        info=now.info,
+    )
 
 
 class _Log(logging.FileHandler):
@@ -252,19 +269,7 @@ class _Run:
             raise OutputError(f"{self.folder / RESULTS} was deleted or changed {BY_OTHERS}")
         now, mesh = self.recording.snapshot(), self.recording.mesh
         self.watch.note_step(self.saved_steps, mesh, now)
-        append_step(
-            self.folder / RESULTS,
-            mesh,
-            now.time,
-            now.point_data,
-            now.cell_data,
-            tools=now.tools,
-            tool_centre=now.tool_centre,
-            tool_displacement=now.tool_displacement,
-            tool_angle=now.tool_angle,
-            surfaces=now.surfaces,
-            info=now.info,
-        )
+        append_snapshot(self.folder / RESULTS, mesh, now)
 
     def save_checkpoint(self) -> None:
         """Dump the present state; the history on disk is brought up to it first."""

@@ -53,7 +53,7 @@ def site(folder: Path) -> Iterator[Server]:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield server
         server.shutdown()
-    site.jobs.close()
+    site.close()
 
 
 def ask(server: Server, address: str, method: str = "GET") -> Any:

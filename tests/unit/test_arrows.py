@@ -83,7 +83,7 @@ PYTHON_ROOMS = {
     "material": {"case", "formability", "law", "model", "view"},
     "onestep": {"case", "explicit", "fields", "implicit", "mesh", "model", "results"},
     "api": {"case", "mesh", "onestep", "recorder", "results"},
-    "server": {"case", "examples", "material", "model", "outcome", "process", "report", "results", "view"},
+    "server": {"case", "examples", "model", "outcome", "process", "recorder", "report", "results"},
     "cli": {
         "fields",
         "case",

@@ -90,6 +90,7 @@ def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]
     tables = [(body["mesh"], "path") for body in bodies] + [(data.get(name, {}), "path") for name in ("blank", "part")]
     tables += [(tool, key) for tool in data.get("tools", {}).values() for key in ("profile_file", "path")]
     tables += [(m, "library") for m in data.get("materials", {}).values() if m.get("library", "").endswith(".toml")]
+    tables += [(line, "path") for line in data.get("trim", {}).values()]
     tables += [(m, "umat") for m in data.get("materials", {}).values()]
     return [(table, key) for table, key in tables if key in table]
 

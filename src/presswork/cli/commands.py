@@ -17,6 +17,8 @@ COMMANDS = {
     "plot": "Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.",
     "report": "Write one page for the browser: the part in 3D with its fields over time, curves, forming limit, case.",
     "view": "Show the runs of a folder in the browser, and follow those that compute.",
+    "new": "Set up a case in the browser: choose a process, fill in a form, see tools and blank, run it.",
+    "edit": "Edit a case in the browser: a form with units and ranges, checked and drawn at every change.",
     "examples": "List the example cases, or copy one here.",
     "schema": "Print the JSON schema of case files, for editors that complete them.",
     "sweep": "Run a family of cases in parallel, and leave one table and one picture.",

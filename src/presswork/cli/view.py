@@ -44,4 +44,4 @@ def serve(folder: Path, page: str, port: int, browser: bool) -> None:
             webbrowser.open(f"{server.address}{page}")
         with suppress(KeyboardInterrupt):
             server.serve_forever()
-    site.jobs.close()
+    site.close()

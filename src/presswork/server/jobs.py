@@ -17,6 +17,12 @@ from presswork.results.folder import CASE, CHECKPOINT, RESULTS
 from presswork.results.progress import RunProgress, read_progress
 from presswork.server.opened_folder import RefusedError
 
+_PROGRAM = """import sys, pathlib, presswork.server.confined as confined
+confined.confine(pathlib.Path(sys.argv.pop(1)))
+from presswork.cli import main
+main()"""
+"""The command line, confined to the folder that is the first argument."""
+
 
 @dataclass
 class _Job:
@@ -33,20 +39,27 @@ class _Job:
 class Jobs:
     """The runs at work in the opened folder."""
 
-    def __init__(self) -> None:
+    def __init__(self, root: Path) -> None:
+        self._root = root
         self._begun: dict[Path, _Job] = {}
         self._held: dict[Path, int] = {}
         self._lock = threading.Lock()
 
     def begin(self, case: Path, folder: Path, *options: str) -> None:
-        """Run a case into a folder. Raises RefusedError if a run is at work there."""
+        """Run a case into a folder, confined to the opened one. Raises RefusedError if a run is at work there."""
         with self._lock:
             job = self._begun.get(folder)
             if read_progress(folder) or (job and job.process.poll() is None):
                 raise RefusedError("this run is at work already", 409)
             errors = tempfile.TemporaryFile()  # noqa: SIM115
             arguments = ["run", str(case), "--output", str(folder), "--quiet", *options]
-            command = [sys.executable, "-c", "from presswork.cli import main; main()", *arguments]
+            command = [
+                sys.executable,
+                "-c",
+                _PROGRAM,
+                str(self._root),
+                *arguments,
+            ]
             process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True
             )

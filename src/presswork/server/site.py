@@ -9,11 +9,14 @@ from importlib.resources import files
 from pathlib import Path
 
 from presswork import __version__
+from presswork.case.material.library import list_sheets
 from presswork.report import ServedRun, assemble_page, make_policy
 from presswork.report.pack import Blocks
-from presswork.results.folder import CASE
+from presswork.results.folder import CASE, CHECKPOINT, RESULTS
+from presswork.server.drafts import Drafts
 from presswork.server.http import Request, Response, answer_json
 from presswork.server.jobs import Jobs
+from presswork.server.material_curves import describe_material
 from presswork.server.opened_folder import OpenedFolder, RefusedError, read_case_data, require_no_code
 from presswork.server.run_list import RunList
 
@@ -28,8 +31,9 @@ class Site:
 
     def __init__(self, root: Path) -> None:
         self.opened = OpenedFolder(root)
-        self.jobs = Jobs()
+        self.jobs = Jobs(self.opened.root)
         self.list = RunList(self.opened, self.jobs)
+        self.drafts = Drafts(self.opened)
         self._runs: dict[str, ServedRun] = {}
         get: dict[str, Callable[[Request], Response]] = {
             "": lambda _: self._page("list.html"),
@@ -41,12 +45,24 @@ class Site:
             "range": lambda r: answer_json(self._run(r.get("run")).range(r.get("field"))),
             "picture": self._picture,
             "sweep": lambda _: self._page("sweep.html"),
+            "new": lambda _: self._page("new.html"),
+            "edit": lambda _: self._page("edit.html"),
+            "starters": lambda _: answer_json(self.drafts.list_starters()),
+            "draft": lambda r: answer_json(self.drafts.open(r.get("case"))),
+            "drawing": lambda _: Response(self.drafts.draw_page().encode(), "text/html", make_policy()),
+            "materials": lambda _: answer_json([{"key": s.key, "name": s.name} for s in list_sheets()]),
             "table": lambda r: answer_json(self.list.read_sweep(r.get("sweep"))),
         }
         post: dict[str, Callable[[Request], Response]] = {
             "pause": lambda r: self._act(r, self.jobs.pause),
             "stop": lambda r: self._act(r, self.jobs.stop),
             "resume": self._resume,
+            "create": lambda r: answer_json({"name": self.drafts.create(r.get("starter"), r.get("name"))}),
+            "upload": lambda r: answer_json({"name": self.drafts.upload(r.get("case"), r.get("name"), r.body)}),
+            "material": lambda r: answer_json(describe_material(r.get_json())),
+            "check": self._check,
+            "save": self._save,
+            "begin": self._begin,
         }
         self.answers = {"GET": get, "POST": post}
 
@@ -95,7 +111,8 @@ class Site:
 
     def _state(self, request: Request) -> Response:
         folder = self.opened.find(request.get("run"))
-        return answer_json(self.jobs.state(folder, self.list.read_summary(folder)))
+        state = self.jobs.state(folder, self.list.read_summary(folder))
+        return answer_json({**state, "has_results": (folder / RESULTS).is_file()})
 
     def _news(self, request: Request) -> Response:
         run = self._run(request.get("run"))
@@ -126,3 +143,35 @@ class Site:
         self.opened.require_own_files(data, folder)
         self.jobs.resume(folder)
         return answer_json({})
+
+    # --- cases -------------------------------------------------------------------------------------------------------
+
+    def _check(self, request: Request) -> Response:
+        asked = request.get_json()
+        data = asked.get("data")
+        found = self.drafts.check(
+            request.get("case"), str(asked.get("text", "")), data if isinstance(data, dict) else None
+        )
+        return answer_json(found)
+
+    def _save(self, request: Request) -> Response:
+        asked = request.get_json()
+        self.drafts.save(request.get("case"), str(asked.get("text", "")), str(asked.get("before", "")))
+        return answer_json({})
+
+    def _begin(self, request: Request) -> Response:
+        """Run a case into the first folder of its name that holds no results."""
+        case = self.opened.find(request.get("case"))
+        data = read_case_data(case)
+        require_no_code(data)
+        self.opened.require_own_files(data, case.parent)
+        names = [case.with_suffix(""), *(case.with_name(f"{case.stem}_{i}") for i in range(2, 10_000))]
+        used = (RESULTS, CHECKPOINT)
+        folder = next(path for path in names if not path.is_file() and not any((path / file).exists() for file in used))
+        self.jobs.begin(case, folder)
+        return answer_json({"run": self.opened.name(folder)})
+
+    def close(self) -> None:
+        """Stop the runs begun here, at their checkpoints, and remove drawings."""
+        self.jobs.close()
+        self.drafts.close()

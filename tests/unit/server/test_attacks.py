@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import http.client
 import json
+import os
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -155,7 +158,7 @@ def test_case_with_code_does_not_go_on_from_the_browser(server: Server, folder: 
 
 def test_stop_signals_nobody_whom_a_file_names(server: Server, folder: Path) -> None:
     """progress.json may be written by anyone; without a run at work in the folder it is not believed."""
-    process = __import__("os").getpid()
+    process = os.getpid()
     (folder / "run" / "progress.json").write_text(json.dumps({"process": process, "fraction": 0, "text": ""}))
     for action in ("stop", "pause"):
         assert ask(server, f"{action}?run=run", "POST")[0] == 409
@@ -188,3 +191,127 @@ def test_every_answer_forbids_foreign_and_inline_scripts(server: Server, address
     assert "data:" not in policy["script-src"]
     assert headers["X-Content-Type-Options"] == "nosniff"
     assert headers["Referrer-Policy"] == "no-referrer", "the token stays here"
+
+
+# --- cases that are edited -------------------------------------------------------------------------------------------
+
+
+def send(server: Server, address: str, **data: object) -> tuple[int, dict[str, Any]]:
+    status, text, _ = ask(server, address, "POST", body=json.dumps(data).encode())
+    return status, json.loads(text)
+
+
+@pytest.mark.parametrize(
+    "name", ["../out", "/tmp/out", "a/../../out", "", ".hidden", "x" * 300, "a\x00b", "sub/x", "run"]
+)
+def test_new_case_lies_in_the_folder_under_a_plain_name(server: Server, folder: Path, name: str) -> None:
+    before = {path for path in folder.parent.rglob("*") if folder not in path.parents}
+    status, _, _ = ask(server, f"create?starter=cylindrical_cup&name={quote(name, safe='')}", "POST")
+    assert {path for path in folder.parent.rglob("*") if folder not in path.parents} == before
+    assert (status == 200) == (name == "run"), "run.toml may lie beside the folder run"
+    (folder / "run.toml").unlink(missing_ok=True)
+
+
+def test_starter_is_none_but_those_offered(server: Server) -> None:
+    assert ask(server, "create?starter=..%2F..%2Fsecret&name=taken", "POST")[0] == 404
+
+
+def test_nothing_is_saved_outside_or_as_anything_but_a_case(server: Server, folder: Path) -> None:
+    for name in ("../secret.toml", "run/summary.json", "../../etc/x.toml"):
+        assert send(server, f"save?case={quote(name)}", text="a = 1", before="")[0] == 403
+    link = folder / "link.toml"
+    link.symlink_to(folder.parent / "secret.txt")
+    assert send(server, "save?case=link.toml", text="a = 1", before=SECRET)[0] == 403
+    assert ask(server, "draft?case=link.toml")[0] == 403
+    assert (folder.parent / "secret.txt").read_text() == SECRET
+    link.unlink()
+
+
+def test_case_changed_elsewhere_is_not_written_over(server: Server, folder: Path) -> None:
+    (folder / "mine.toml").write_text("a = 1")
+    assert send(server, "save?case=mine.toml", text="a = 3", before="a = 2")[0] == 409
+    assert send(server, "save?case=mine.toml", text="a = 3", before="a = 1")[0] == 200
+    assert (folder / "mine.toml").read_text() == "a = 3"
+    assert send(server, "save?case=mine.toml", text="a = ", before="a = 3")[0] == 400, "no TOML"
+    (folder / "mine.toml").unlink()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "word"),
+    [
+        ("part.stl", b"\x00" * 80 + b"\xff\xff\xff\xff" + b"\x00" * 500, "no STL"),
+        ("part.exe", b"MZ", "takes"),
+        ("law.so", b"\x7fELF", "takes"),
+        ("..%2Fpart.stl", b"solid x", "name"),
+        ("%2Ftmp%2Fpart.stl", b"solid x", "name"),
+        ("profile.csv", b"\x00\x01\x02", "no text"),
+        ("mesh.inp", b"*Node\n*INCLUDE, INPUT=/etc/passwd\n", "INCLUDE"),
+        ("results.vtkhdf", b"", "takes"),
+    ],
+)
+def test_files_that_no_case_takes_are_not_written(
+    server: Server, folder: Path, name: str, content: bytes, word: str
+) -> None:
+    before = sorted(folder.parent.rglob("*"))
+    status, text, _ = ask(server, f"upload?case=upsetting_q4.toml&name={name}", "POST", body=content)
+    assert status == 400
+    assert word in json.loads(text)["error"]
+    assert sorted(folder.parent.rglob("*")) == before
+
+
+def test_uploaded_file_lies_beside_the_case_and_replaces_none(server: Server, folder: Path) -> None:
+    address = "upload?case=upsetting_q4.toml&name=tool.csv"
+    assert ask(server, address, "POST", body=b"0 0\n1 0\n")[0] == 200
+    assert (folder / "tool.csv").read_bytes() == b"0 0\n1 0\n"
+    assert ask(server, address, "POST", body=b"0 0\n2 0\n")[0] == 409
+    (folder / "tool.csv").unlink()
+
+
+def test_drafts_read_nothing_outside(server: Server, folder: Path) -> None:
+    text = (folder / "upsetting_q4.toml").read_text(encoding="utf-8")
+    for line in ('path = "../secret.txt"', 'path = "/etc/passwd"', 'path = "out/secret.txt"'):
+        head, tail = text.split("[workpiece.mesh]")
+        draft = f"{head}[workpiece.mesh]\n{line}\n[was]{tail}"
+        status, answer = send(server, "check?case=upsetting_q4.toml", text=draft)
+        assert status == 200
+        assert answer["problems"]
+        assert "secret of" not in json.dumps(answer["problems"])
+        assert "root:" not in json.dumps(answer)
+
+
+def test_files_named_by_other_files_are_not_opened(server: Server, folder: Path) -> None:
+    """A mesh that includes another, put there by other means than an upload: the process that reads it is confined."""
+    (folder / "mesh.inp").write_text(f"*INCLUDE, INPUT={folder.parent}/secret.txt\n")
+    text = (folder / "upsetting_q4.toml").read_text(encoding="utf-8")
+    head, tail = text.split("[workpiece.mesh]")
+    draft = f'{head}[workpiece.mesh]\npath = "mesh.inp"\n[was]{tail}'
+    answer = send(server, "check?case=upsetting_q4.toml", text=draft)[1]
+    assert answer["problems"]
+    assert SECRET not in json.dumps(answer["problems"])
+    (folder / "mesh.inp").unlink()
+
+
+def test_code_of_a_case_is_neither_checked_nor_run(server: Server, folder: Path) -> None:
+    """A library that would leave a file is named; neither check nor run opens it."""
+    text = (folder / "upsetting_q4.toml").read_text(encoding="utf-8")
+    head, _, tail = text.partition("[materials.steel]")
+    stages = tail[tail.index("[tools") :]
+    draft = f'{head}[materials.steel]\numat = "law.so"\nyoung = 1\npoisson = 0.3\nconstants = [1]\n{stages}'
+    (folder / "law.so").write_bytes(b"\x7fELF, and no library")
+    (folder / "coded.toml").write_text(draft)
+    assert send(server, "check?case=coded.toml", text=draft)[0] == 200
+    status, answer = send(server, "begin?case=coded.toml")
+    assert status == 403
+    assert "code" in answer["error"]
+    for path in ("law.so", "coded.toml"):
+        (folder / path).unlink()
+
+
+def test_confined_process_opens_no_file_outside(folder: Path) -> None:
+    program = "import sys, pathlib; from presswork.server.confined import confine; confine(pathlib.Path(sys.argv[1]))\n"
+    program += "open(sys.argv[2])"
+    for path, is_open in ((folder / "upsetting_q4.toml", True), (folder.parent / "secret.txt", False)):
+        found = subprocess.run(
+            [sys.executable, "-c", program, str(folder), str(path)], capture_output=True, check=False
+        )
+        assert (found.returncode == 0) == is_open

@@ -28,9 +28,10 @@ function showHead() {
   status.className = failed.length ? "bad" : warnings ? "warn" : "";
 }
 
+const isDrawing = Boolean(header.is_drawing);
 const state = {
   run: 0, other: Math.min(1, runs.length - 1), step: runs[0].steps.length - 1, layout: runs.length > 1 ? "side" : "one",
-  field: runs[0].fields[0].name, view: "section", direction: "iso", looks: 0, isSmooth: true, hasLines: runs[0].meshes[0].faces < 6000, hasIsolines: false,
+  field: isDrawing ? "" : runs[0].fields[0].name, view: "section", direction: "iso", looks: 0, isSmooth: true, hasLines: isDrawing || runs[0].meshes[0].faces < 6000, hasIsolines: false,
   hasBands: false, hasExtremes: true, scale: "auto", rangeOf: "step", range: null, tools: "transparent", clip: { axis: "", part: 0.5, isFlipped: false }, picked: null,
 };
 
@@ -42,7 +43,8 @@ async function start() {
   await store.set({});
   document.documentElement.dataset.ready = String(Math.round(performance.now()));
   makePanels(runs, store, stage);
-  if (header.served) follow(header.served, runs, store, showHead);
+  if (isDrawing) document.body.classList.add("drawing");
+  else if (header.served) follow(header.served, runs, store, showHead);
   Object.assign(window, { presswork: { store, stage, runs } });
 }
 

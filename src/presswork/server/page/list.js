@@ -45,7 +45,7 @@ function show(found) {
   showRuns();
   find("sweeps").replaceChildren(...found.sweeps.map((one) => make("li", {}, make("a", { href: `sweep?sweep=${encodeURIComponent(one.name)}` }, one.name || "."), make("span", { class: "soft" }, `${one.members} members`))));
   find("sweeps").parentElement.hidden = !found.sweeps.length;
-  find("cases").replaceChildren(...found.cases.map((one) => make("li", {}, make("strong", {}, one.name), make("span", {}, one.title), make("span", { class: "soft" }, one.analysis.replace("_", " ")))));
+  find("cases").replaceChildren(...found.cases.map((one) => make("li", {}, make("a", { href: `edit?case=${encodeURIComponent(one.name)}` }, one.name), make("span", {}, one.title), make("span", { class: "soft" }, one.analysis.replace("_", " ")))));
   find("cases").parentElement.hidden = !found.cases.length;
 }
 

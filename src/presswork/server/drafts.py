@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cases that are being edited: read, checked and drawn at every change, saved with their comments."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from presswork import __version__
+from presswork.case import json_schema
+from presswork.case.case_file import write_as_run
+from presswork.case.errors import CaseError
+from presswork.case.kinds import KINDS
+from presswork.examples import copy_example, list_examples
+from presswork.report import assemble_page
+from presswork.report.pack import Blocks
+from presswork.report.run_data import pack_run
+from presswork.results import Result
+from presswork.results.whole_file import replace_whole
+from presswork.server.opened_folder import OpenedFolder, RefusedError
+from presswork.server.toml_text import rewrite
+
+_STARTERS = files("presswork.server") / "starters"
+_LONGEST = 60.0
+"""Seconds that a draft may take to be checked and drawn."""
+_DRAWING_BYTES = 1_000_000
+_LARGEST_CASE = 2_000_000
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_. -]{0,80}")
+_UPLOADS = ("stl", "dxf", "csv", "txt", "inp", "msh", "unv", "vtk", "toml")
+
+
+class Drafts:
+    """The cases of an opened folder that are edited."""
+
+    def __init__(self, opened: OpenedFolder) -> None:
+        self._opened = opened
+        self._place = tempfile.TemporaryDirectory(prefix="presswork-")
+        self.folder = Path(self._place.name)
+        self._drawn = 0
+        self._process: subprocess.Popen[str] | None = None
+        self._lock = threading.Lock()
+
+    # --- begin and save ----------------------------------------------------------------------------------------------
+
+    def list_starters(self) -> list[dict[str, str]]:
+        """Return name, title and kind of every case to begin with: those made to be filled in first."""
+        made = [path for path in sorted(_STARTERS.iterdir(), key=lambda p: p.name) if path.name.endswith(".toml")]
+        found = []
+        for path in made:
+            data = tomllib.loads(path.read_text(encoding="utf-8"))
+            found.append(
+                {"name": path.name[:-5], "title": data["title"], "analysis": data["analysis"], "kind": "starter"}
+            )
+        return found + [
+            {"name": name, "title": title, "analysis": "", "kind": "example"} for name, title in list_examples().items()
+        ]
+
+    def create(self, starter: str, name: str) -> str:
+        """Copy a starter or an example, with its files, into the folder under a name; return the case's name."""
+        path = self._new_file(f"{name}.toml")
+        if path.exists():
+            raise RefusedError(f"{path.name} is there already; choose another name", 409)
+        own = [entry.name for entry in _STARTERS.iterdir()]
+        if f"{starter}.toml" in own:
+            path.write_bytes((_STARTERS / f"{starter}.toml").read_bytes())
+            return self._opened.name(path)
+        try:
+            with tempfile.TemporaryDirectory() as place:
+                copied = copy_example(starter, place)
+                for file in Path(place).iterdir():
+                    target = path if file == copied else self._new_file(file.name)
+                    if not target.exists():
+                        shutil.copyfile(file, target)
+        except CaseError as error:
+            raise RefusedError(str(error), 404) from error
+        return self._opened.name(path)
+
+    def _new_file(self, name: str, folder: str = "") -> Path:
+        """Return where a file of that name goes. Raises RefusedError for a name that is none of a plain file."""
+        if not _NAME.fullmatch(name) or ".." in name:
+            raise RefusedError(
+                "a name has letters, digits, blanks, points and hyphens, and begins with a letter or digit"
+            )
+        path = self._opened.find(f"{folder}/{name}" if folder else name)
+        if path.is_dir() or not path.parent.is_dir():
+            raise RefusedError(f"{name} cannot be a file here")
+        return path
+
+    def open(self, name: str) -> dict[str, Any]:
+        """Return a case's text, its data and the schema of its kind."""
+        path = self._find_case(name)
+        if not path.is_file():
+            raise RefusedError(f"there is no case {name}", 404)
+        if path.stat().st_size > _LARGEST_CASE:
+            raise RefusedError(f"{name} is too large to edit")
+        text = path.read_text(encoding="utf-8")
+        return {"text": text, **self.read(text)}
+
+    def read(self, text: str) -> dict[str, Any]:
+        """Return the data of a text and the schema of its kind."""
+        data = _parse(text)
+        kind = next((kind for kind, entry in KINDS.items() if data.get("analysis") in entry.analyses), "solid")
+        return {"data": data, "kind": kind, "schema": json_schema(kind)}
+
+    def save(self, name: str, text: str, before: str) -> None:
+        """Replace the case's file, unless someone has changed it since `before`."""
+        path = self._find_case(name)
+        _parse(text)
+        if path.is_file() and path.read_text(encoding="utf-8") != before:
+            raise RefusedError(f"{name} was changed elsewhere meanwhile; copy your text, and open it anew", 409)
+        content = text.encode()
+        with replace_whole(path, needed_bytes=len(content)) as temporary:
+            temporary.write_bytes(content)
+
+    def _find_case(self, name: str) -> Path:
+        path = self._opened.find(name)
+        if path.suffix != ".toml":
+            raise RefusedError("a case file ends with .toml", 403)
+        return path
+
+    def upload(self, case: str, name: str, content: bytes) -> str:
+        """Write a file beside a case and return its name. Raises RefusedError for what no case could use."""
+        folder = self._find_case(case).parent
+        path = self._new_file(name, self._opened.name(folder) if folder != self._opened.root else "")
+        ending = path.suffix.lower().removeprefix(".")
+        if ending not in _UPLOADS:
+            raise RefusedError(f"no case takes a .{ending} file; it may be {', '.join(_UPLOADS)}")
+        _require_content(ending, content)
+        if path.exists() and path.read_bytes() != content:
+            raise RefusedError(f"another {name} lies there already; rename yours", 409)
+        with replace_whole(path, needed_bytes=len(content)) as temporary:
+            temporary.write_bytes(content)
+        return path.name
+
+    # --- check and draw ----------------------------------------------------------------------------------------------
+
+    def check(self, name: str, text: str, data: dict[str, Any] | None) -> dict[str, Any]:
+        """Return the text with the data in it, and problems or the description; the start is drawn if it can be."""
+        path = self._find_case(name)
+        try:
+            text = text if data is None else rewrite(text, data)
+            found = {"text": text, **self.read(text)}
+        except RefusedError as error:
+            return {"text": text, "problems": [{"key": "", "text": str(error)}]}
+        data = found["data"]
+        try:
+            self._opened.require_own_files({**data, "title": ""}, path.parent)
+        except RefusedError as error:
+            return {**found, "problems": [{"key": str(error).split(" ")[0], "text": str(error)}]}
+        with self._lock:
+            case = self.folder / "draft.toml"
+            try:
+                case.write_text(write_as_run(data, path.parent), encoding="utf-8")
+            except (AttributeError, KeyError, TypeError, ValueError):  # tables where none belong: the schema says so
+                case.write_text(text, encoding="utf-8")
+            answer = self._ask({"case": str(case), "folder": str(self.folder)})
+            if answer.pop("is_drawn", False):
+                self._drawn += 1
+                answer["drawn"] = self._drawn
+        plain = json.dumps(answer).replace(json.dumps(f"{case}: ")[1:-1], "").replace(f"{path.parent}/", "")
+        return {**found, **json.loads(plain)}
+
+    def draw_page(self) -> str:
+        """Return the page of the last case that could be drawn. Raises OutputError if there was none."""
+        with self._lock:
+            blocks = Blocks()
+            run = pack_run(Result(self.folder), blocks, _DRAWING_BYTES)
+        header = {"version": __version__, "written": "", "runs": [run], "is_drawing": True}
+        return assemble_page(header, blocks)
+
+    def _ask(self, request: dict[str, str]) -> dict[str, Any]:
+        """Return the answer of the checking process; one that takes too long is ended."""
+        if self._process is None or self._process.poll() is not None:
+            command = [sys.executable, "-m", "presswork.server.drawing", str(self._opened.root), str(self.folder)]
+            pipe = subprocess.PIPE
+            self._process = subprocess.Popen(
+                command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, start_new_session=True
+            )
+        process = self._process
+        assert process.stdin is not None
+        assert process.stdout is not None
+        timer = threading.Timer(_LONGEST, process.kill)
+        timer.start()
+        try:
+            process.stdin.write(json.dumps(request) + "\n")
+            process.stdin.flush()
+            while line := process.stdout.readline():
+                if line.startswith("{"):
+                    answer: dict[str, Any] = json.loads(line)
+                    return answer
+        except BrokenPipeError:
+            pass
+        finally:
+            timer.cancel()
+        text = f"this case cannot be drawn: it takes longer than {_LONGEST:.0f} s, or more memory than there is"
+        return {"problems": [{"key": "", "text": text}]}
+
+    def close(self) -> None:
+        """End the checking process and remove the drawings."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+        self._place.cleanup()
+
+
+def _parse(text: str) -> dict[str, Any]:
+    """Return the data of TOML. Raises RefusedError."""
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise RefusedError(f"not valid TOML: {error}") from error
+
+
+def _require_content(ending: str, content: bytes) -> None:
+    """Raise RefusedError for content that is not what the name's ending says."""
+    if ending == "stl" and content.lstrip()[:5].lower() != b"solid":
+        count = int.from_bytes(content[80:84], "little")
+        if len(content) < 84 or len(content) != 84 + 50 * count or not count:
+            raise RefusedError("this is no STL file: its length is not that of its triangles")
+    if ending in ("stl", "msh", "vtk"):
+        return
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
+    if "\x00" in text:
+        raise RefusedError(f"this is no {ending.upper()} file: it has bytes that are no text")
+    if ending == "inp" and re.search(r"^\s*\*\s*include", text, re.IGNORECASE | re.MULTILINE):
+        raise RefusedError("*INCLUDE takes in other files; join them into one first")

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The curves of a material as an editor shows them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from presswork.case import CaseError
+from presswork.case.material.library import find_sheet, list_keys
+from presswork.case.material.sheet import SheetLaws, check_sheet_material
+
+_LARGEST_STRAIN = 0.8
+
+
+def describe_material(asked: dict[str, Any]) -> dict[str, Any]:
+    """Return flow stress over strain and sources of a material: `own`, a table of a case, or `name`, of the library.
+
+    Empty for one that is not known, or not complete yet.
+    """
+    name, own = str(asked.get("name", "")), asked.get("own")
+    try:
+        if isinstance(own, dict) and "library" not in own:
+            laws = check_sheet_material({key: value for key, value in own.items() if key in SheetLaws.model_fields})
+            title, sources = name, []
+        else:
+            key = str(own["library"]) if isinstance(own, dict) else name
+            if key not in list_keys():
+                return {}
+            sheet = find_sheet(key)
+            laws, title = sheet.material, f"{sheet.name}: {sheet.summary}"
+            sources = [f"{key}: {text}" for key, text in (*sheet.sources.items(), *sheet.assumed.items())]
+        strain = np.linspace(0.0, _LARGEST_STRAIN, 161)
+        stress = laws.build_law().flow_stress(strain)[0]
+    except (CaseError, ValueError, TypeError):
+        return {}
+    return {"title": title, "strain": strain.tolist(), "stress": stress.tolist(), "sources": sources}

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// A form of a case: every key that its schema knows, those that are given first.
+import { make, makeButton } from "./elements.js";
+import { chooseKind, classify, makeTable, parseValue, showValue } from "./schema.js";
+
+const FILES = new Set(["path", "profile_file", "library", "umat"]);
+const toWords = (name) => name.replaceAll("_", " ");
+
+export class Form {
+  /** onChange: called with the data after every change; onFile(file): uploads it and returns its name; materials: names of the library. */
+  constructor(parent, { onChange, onFile, materials }) {
+    Object.assign(this, { parent, onChange, onFile, materials });
+    this.opened = new Set();
+    parent.addEventListener("submit", (event) => event.preventDefault());
+  }
+
+  /** Show data anew; what was unfolded stays so. */
+  show(data, schema) {
+    this.data = data;
+    this.schema = schema;
+    this.places = new Map();
+    const at = document.activeElement?.dataset?.key;
+    const known = ["materials", "material"].flatMap((name) => (data[name] && typeof data[name] === "object" ? Object.keys(data[name]) : []));
+    this.parent.replaceChildren(make("datalist", { id: "material-names" }, ...[...known, ...this.materials].map((name) => make("option", { value: name }))), ...this.#makeKeys(schema, data, []));
+    if (at) this.parent.querySelector(`[data-key="${CSS.escape(at)}"]`)?.focus();
+  }
+
+  /** Put problems at their fields: {key, text}. Returns the keys that have none. */
+  mark(problems) {
+    for (const { fault, input } of this.places.values()) {
+      fault.textContent = "";
+      input?.removeAttribute("aria-invalid");
+    }
+    for (const { key, expected, remedy, text } of problems) {
+      const place = this.#findPlace(key);
+      if (!place) continue;
+      place.fault.textContent = [place.fault.textContent, expected ? [expected, remedy].filter(Boolean).join("; ") : text].filter(Boolean).join(". ");
+      place.input?.setAttribute("aria-invalid", "true");
+    }
+  }
+
+  #findPlace(key) {
+    const parts = key.split(".");
+    for (; parts.length; parts.pop()) if (this.places.has(parts.join("."))) return this.places.get(parts.join("."));
+    return null;
+  }
+
+  /** Go to a field, unfolding what it is in. */
+  go(key) {
+    const place = this.#findPlace(key), element = place?.input ?? place?.fault;
+    for (let box = element?.parentElement; box; box = box.parentElement) if (box.tagName === "DETAILS") box.open = true;
+    element?.scrollIntoView({ block: "center" });
+    element?.focus?.();
+  }
+
+  /** Show only what has a word in its name or explanation. */
+  filter(word) {
+    const isFor = (field) => !word || field.textContent.toLowerCase().includes(word);
+    for (const field of this.parent.querySelectorAll(".field")) field.hidden = !isFor(field);
+    for (const box of [...this.parent.querySelectorAll("fieldset, details")].reverse()) {
+      box.hidden = Boolean(word) && ![...box.querySelectorAll(".field")].some((field) => !field.hidden) && !isFor(box.querySelector("legend, summary") ?? box);
+      if (box.tagName === "DETAILS" && word) box.open = !box.hidden;
+    }
+  }
+
+  #set(path, value) {
+    let here = this.data;
+    for (const key of path.slice(0, -1)) here = here[key] ??= {};
+    const last = path.at(-1);
+    if (value !== undefined) here[last] = value;
+    else Array.isArray(here) ? here.splice(last, 1) : delete here[last];
+  }
+
+  /** Set a value; where that changes what the form has, the form is made anew. */
+  #change(path, value, isAnew = false) {
+    this.#set(path, value);
+    if (isAnew) this.show(this.data, this.schema);
+    this.onChange(this.data);
+  }
+
+  /** Return the elements of a table's keys: those given or needed, and the others folded away. */
+  #makeKeys(node, value, path, tag) {
+    const names = Object.keys(node.properties ?? {}).filter((name) => name !== tag), required = new Set(node.required ?? []);
+    const isFirst = (name) => value?.[name] !== undefined || required.has(name);
+    const render = (name) => this.#make(node.properties[name], value?.[name], [...path, name], required.has(name));
+    const unknown = Object.keys(value ?? {}).filter((name) => !(name in (node.properties ?? {})) && name !== tag);
+    const rest = names.filter((name) => !isFirst(name)), key = path.join("."), id = `more ${key}`;
+    const more = rest.length ? make("details", { ontoggle: () => (more.open ? this.opened.add(id) : this.opened.delete(id)) },
+      make("summary", {}, `${rest.length} more: ${rest.map(toWords).slice(0, 6).join(", ")}${rest.length > 6 ? " …" : ""}`), ...rest.map(render)) : null;
+    if (more) more.open = this.opened.has(id);
+    return [...names.filter(isFirst).map(render), ...unknown.map((name) => this.#makeField({ kind: "value", isText: false, description: "" }, value[name], [...path, name])), ...(more ? [more] : [])];
+  }
+
+  #make(node, value, path, isRequired) {
+    const shape = classify(node, this.schema, value);
+    const make = { table: () => this.#makeTable(shape, value, path, isRequired), kinds: () => this.#makeKinds(shape, value, path, isRequired), named: () => this.#makeNamed(shape, value, path), list: () => this.#makeList(shape, value, path) }[shape.kind];
+    return make ? make() : this.#makeField(shape, value, path, isRequired);
+  }
+
+  /** Return a box around a table; one that is not there has a button that adds it. */
+  #makeBox(path, description, ...children) {
+    const fault = make("p", { class: "fault group", role: "status", tabindex: "-1" }), key = path.join(".");
+    this.places.set(key, { fault });
+    return make("fieldset", {}, make("legend", {}, toWords(String(path.at(-1)))), description ? make("p", { class: "soft" }, description) : null, fault, ...children);
+  }
+
+  #makeAdder(path, description, word, start) {
+    return this.#makeBox(path, description, makeButton(word, () => this.#change(path, start(), true), `${word} ${path.join(" ")}`));
+  }
+
+  #remover(path) {
+    const button = makeButton("Remove", () => this.#change(path, undefined, true), `Remove ${path.join(" ")}`);
+    button.classList.add("small");
+    return button;
+  }
+
+  #makeTable({ node, description }, value, path, isRequired) {
+    if (value === undefined) return this.#makeAdder(path, description, "Add", () => makeTable(node, this.schema));
+    return this.#makeBox(path, description, ...this.#makeKeys(node, value, path), isRequired ? null : this.#remover(path));
+  }
+
+  #makeKinds(shape, value, path, isRequired) {
+    const { kinds, tag, description } = shape, words = Object.keys(kinds);
+    if (value === undefined) return this.#makeAdder(path, description, "Add", () => makeTable(kinds[words[0]], this.schema, tag, words[0]));
+    const word = chooseKind(shape, value), id = `kind ${path.join(".")}`;
+    const select = make("select", { id, "data-key": `${path.join(".")}.${tag ?? "kind"}`, onchange: () => this.#change(path, this.#turnInto(kinds[select.value], tag, select.value, value), true) }, ...words.map((one) => make("option", { value: one }, toWords(one))));
+    select.value = word;
+    const help = kinds[word]?.description ?? "", fault = make("span", { class: "fault", role: "status" });
+    this.places.set(`${path.join(".")}.${tag}`, { fault, input: select });
+    const field = make("div", { class: "field" }, make("label", { for: id }, tag ?? "kind"), select, make("span"), make("span", { class: "help" }, help), fault);
+    return this.#makeBox(path, description, field, ...(kinds[word] ? this.#makeKeys(kinds[word], value, path, tag) : []), isRequired ? null : this.#remover(path));
+  }
+
+  /** Return a table of another kind with what both kinds have. */
+  #turnInto(node, tag, word, value) {
+    const kept = Object.fromEntries(Object.entries(value).filter(([name]) => name in node.properties && name !== tag));
+    return { ...makeTable(node, this.schema, tag, word), ...kept };
+  }
+
+  #makeNamed({ item, description }, value, path) {
+    const name = make("input", { "aria-label": `Name of a new entry of ${path.join(" ")}`, placeholder: "name", size: "14" });
+    const add = makeButton("Add", () => {
+      const shape = classify(item, this.schema), word = name.value.trim();
+      if (!word || value?.[word] !== undefined) return name.focus();
+      this.#change([...path, word], shape.kind === "kinds" ? makeTable(Object.values(shape.kinds)[0], this.schema, shape.tag, Object.keys(shape.kinds)[0]) : shape.kind === "table" ? makeTable(shape.node, this.schema) : shape.kind === "list" ? [] : 0, true);
+    }, `Add to ${path.join(" ")}`);
+    const entries = Object.keys(value ?? {}).map((key) => this.#make(item, value[key], [...path, key], false));
+    return this.#makeBox(path, description, ...entries, make("div", { class: "row" }, name, add));
+  }
+
+  #makeList({ item, description }, value, path) {
+    const entries = (value ?? []).map((each, i) => this.#make(item, each, [...path, i], false));
+    const add = makeButton("Add", () => {
+      const shape = classify(item, this.schema);
+      const start = shape.kind === "kinds" ? makeTable(Object.values(shape.kinds)[0], this.schema, shape.tag, Object.keys(shape.kinds)[0]) : shape.kind === "table" ? makeTable(shape.node, this.schema) : [];
+      this.#change(path, [...(value ?? []), start], true);
+    }, `Add to ${path.join(" ")}`);
+    return this.#makeBox(path, description, ...entries, add);
+  }
+
+  #makeField(shape, value, path, isRequired) {
+    const key = path.join("."), id = `field ${key}`, name = String(path.at(-1)), fault = make("span", { class: "fault", role: "status", id: `fault ${key}` });
+    const input = this.#makeInput(shape, value, path, id);
+    Object.entries({ id, "data-key": key }).forEach(([attribute, text]) => input.setAttribute(attribute, text));
+    input.setAttribute("aria-describedby", `help ${key}`.replaceAll(" ", "_"));
+    if (isRequired) input.setAttribute("aria-required", "true");
+    const help = [shape.description, shape.range, shape.hints?.length && !/e\.g\./.test(shape.description) ? `for instance ${shape.hints[0]}` : ""].filter(Boolean).join("; ");
+    this.places.set(key, { fault, input });
+    const field = make("div", { class: "field" }, make("label", { for: id }, toWords(name)), input, FILES.has(name) ? this.#makeFileButton(input, path) : make("span"), make("span", { class: "help", id: `help ${key}`.replaceAll(" ", "_") }, help), fault);
+    if (FILES.has(name)) this.#takeDrops(field, path);
+    return field;
+  }
+
+  #makeInput(shape, value, path, id) {
+    const isDefault = shape.fallback !== undefined && shape.fallback !== null;
+    if (shape.kind === "choice" || shape.kind === "switch") {
+      const options = shape.kind === "switch" ? [true, false] : shape.options, toText = (one) => (shape.kind === "switch" ? (one ? "yes" : "no") : toWords(String(one)));
+      const none = make("option", { value: "" }, isDefault ? `${toText(shape.fallback)} (default)` : "–");
+      const select = make("select", { id, onchange: () => this.#change(path, select.value === "" ? undefined : options[Number(select.value)]) }, none, ...options.map((one, i) => make("option", { value: String(i) }, toText(one))));
+      select.value = value === undefined ? "" : String(options.indexOf(value));
+      return select;
+    }
+    const input = make("input", { id, placeholder: isDefault ? showValue(shape.fallback) : "", spellcheck: "false", ...(path.at(-1) === "material" ? { list: "material-names" } : {}) });
+    input.value = showValue(value);
+    input.addEventListener("input", () => {
+      const place = this.places.get(path.join("."));
+      try {
+        this.#change(path, parseValue(input.value, shape.isText));
+      } catch (error) {
+        place.fault.textContent = error.message;
+        input.setAttribute("aria-invalid", "true");
+      }
+    });
+    return input;
+  }
+
+  #makeFileButton(input, path) {
+    const choose = make("input", { type: "file", hidden: true, "aria-hidden": "true", tabindex: "-1", onchange: () => choose.files[0] && this.#takeFile(choose.files[0], path) });
+    const button = makeButton("File …", () => choose.click(), `Choose a file for ${path.join(" ")}`);
+    button.classList.add("small");
+    return make("span", {}, button, choose);
+  }
+
+  #takeDrops(field, path) {
+    field.addEventListener("dragover", (event) => { event.preventDefault(); field.classList.add("over"); });
+    field.addEventListener("dragleave", () => field.classList.remove("over"));
+    field.addEventListener("drop", (event) => {
+      event.preventDefault();
+      field.classList.remove("over");
+      if (event.dataTransfer.files[0]) this.#takeFile(event.dataTransfer.files[0], path);
+    });
+  }
+
+  async #takeFile(file, path) {
+    const { fault } = this.places.get(path.join("."));
+    try {
+      fault.textContent = `${file.name} is copied beside the case …`;
+      this.#change(path, await this.onFile(file), true);
+    } catch (error) {
+      fault.textContent = error.message;
+    }
+  }
+}

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cases set up in a real browser: a newcomer's cup, every kind of case and every key, problems at their fields."""
+
+from __future__ import annotations
+
+import threading
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from presswork.case import json_schema
+from presswork.case.kinds import KINDS
+from presswork.examples import copy_example, list_examples
+from presswork.results import Result
+from presswork.server.http import Server
+from presswork.server.site import Site
+from tests.regression.browser import Tab, chromium
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Iterator[Server]:
+    site = Site(tmp_path)
+    with Server(site.answer) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield server
+        server.shutdown()
+    site.close()
+
+
+class Person:
+    """Someone who works with mouse and keyboard; counts what they do."""
+
+    def __init__(self, page: Tab) -> None:
+        self.page = page
+        self.clicks = 0
+        self.typed = 0
+
+    def press(self, name: str) -> None:
+        self.page.tab.get_by_role("button", name=name).first.click()
+        self.clicks += 1
+
+    def type(self, key: str, text: str) -> None:
+        """Click into a field and type."""
+        field = self.page.tab.locator(f'[data-key="{key}"]')
+        field.click()
+        field.fill(text)
+        self.clicks += 1
+        self.typed += len(text)
+
+    def wait(self) -> None:
+        """Wait until the case is checked."""
+        self.page.tab.wait_for_timeout(100)
+        self.page.tab.wait_for_selector('html[data-checking="false"]', timeout=60_000)
+
+
+def test_newcomer_draws_a_cup_of_own_dimensions(browser: Any, site: Server, tmp_path: Path) -> None:
+    page = Tab(browser, f"{site.address}new")
+    person = Person(page)
+    person.press("Cylindrical cup")
+    page.tab.wait_for_url("**/edit?*")
+    page.wait_until_drawn()
+    sizes = {"blank.diameter": "80", "blank.thickness": "0.8", "tools.punch.diameter": "40", "tools.die.diameter": "42"}
+    sizes |= {"tools.holder.diameter": "42", "stages.0.tools.punch.stroke": "6", "blank.element_size": "4"}
+    for key, text in sizes.items():
+        person.type(key, text)
+    person.wait()
+    assert page.tab.locator("#problems li").count() == 0
+    assert "0.8 mm of dc04" in page.tab.locator("#description").inner_text()
+    drawing = page.tab.frame_locator("#drawing")
+    drawing.locator("html[data-ready]").wait_for(timeout=60_000)
+    assert page.tab.get_by_role("img", name="Flow stress of dc04").is_visible()
+    person.press("Save and run")
+    page.tab.wait_for_url("**/run?*", timeout=120_000)
+    page.wait_until_drawn()
+    page.tab.wait_for_function("() => presswork.runs[0].summary.status === 'completed'", timeout=180_000)
+    page.close()
+    text = (tmp_path / "cylindrical_cup.toml").read_text(encoding="utf-8")
+    assert "diameter = 80             # mm" in text, "comments stay"
+    assert Result(tmp_path / "cylindrical_cup").history["punch.stroke"][-1] == pytest.approx(6.0)
+    assert person.clicks == 2 + len(sizes)
+    assert person.typed < 20
+
+
+def test_problems_stand_at_their_fields(browser: Any, site: Server, tmp_path: Path) -> None:
+    copy_example("upsetting_q4", tmp_path)
+    page = Tab(browser, f"{site.address}edit?case=upsetting_q4.toml")
+    person = Person(page)
+    person.type("materials.steel.poisson", "0.7")
+    person.wait()
+    field = page.tab.locator('[data-key="materials.steel.poisson"]')
+    assert field.get_attribute("aria-invalid") == "true"
+    assert "0.5" in page.tab.locator('.field:has([data-key="materials.steel.poisson"]) .fault').inner_text()
+    assert page.tab.get_by_role("button", name="Save and run").is_disabled()
+    person.type("materials.steel.poisson", "0.3")
+    person.wait()
+    assert page.tab.locator("#problems li").count() == 0
+    assert page.tab.get_by_role("button", name="Save and run").is_enabled()
+    page.close()
+    assert tomllib.loads((tmp_path / "upsetting_q4.toml").read_text())["materials"]["steel"]["poisson"] == 0.3
+
+
+@pytest.mark.parametrize("name", ["upsetting_q4", "square_cup", "forging_flash", "billet_cooling", "flat_bar"])
+def test_every_key_of_an_example_has_a_field_with_its_value(
+    browser: Any, site: Server, tmp_path: Path, name: str
+) -> None:
+    path = copy_example(name, tmp_path)
+    before = path.read_text(encoding="utf-8")
+    page = Tab(browser, f"{site.address}edit?case={name}.toml")
+    assert page.tab.locator("#problems li").count() == 0, page.tab.locator("#problems").inner_text()
+    shown = page.tab.evaluate("() => [...document.querySelectorAll('[data-key]')].map((one) => one.dataset.key)")
+    for key in list_keys(tomllib.loads(before)):
+        assert any(key == one or one.startswith(f"{key}.") or key.startswith(f"{one}.") for one in shown), key
+    page.tab.get_by_role("button", name="Text", exact=True).click()
+    assert page.tab.get_by_label("Case file as text").input_value() == before, (
+        "what was not changed is kept to the letter"
+    )
+    page.close()
+
+
+def list_keys(data: Any, before: str = "") -> Iterator[str]:
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from list_keys(value, f"{before}.{key}" if before else key)
+    elif isinstance(data, list) and data and all(isinstance(one, dict) for one in data):
+        for i, value in enumerate(data):
+            yield from list_keys(value, f"{before}.{i}")
+    else:
+        yield before
+
+
+def test_all_examples_are_offered(browser: Any, site: Server) -> None:
+    page = Tab(browser, f"{site.address}new")
+    assert page.tab.locator("#examples button").count() == len(list_examples())
+    page.close()
+
+
+REACH = """async (schema) => {
+  const { classify } = await import("./files/schema.js");
+  const reached = new Set(), keys = new Set();
+  const visit = (node, path) => {
+    const shape = classify(node, schema);
+    if (shape.kind === "table") visitKeys(shape.node, path);
+    else if (shape.kind === "kinds") Object.values(shape.kinds).forEach((one) => visitKeys(one, path));
+    else if (shape.kind === "named" || shape.kind === "list") visit(shape.item, path);
+    else keys.add(path);
+  };
+  const visitKeys = (node, path) => {
+    if (reached.has(node.title)) return;
+    reached.add(node.title);
+    for (const [name, one] of Object.entries(node.properties)) visit(one, `${node.title}.${name}`);
+  };
+  visitKeys(schema, "");
+  const all = [schema, ...Object.values(schema.$defs)].filter((one) => one.properties);
+  return all.flatMap((one) => (reached.has(one.title) ? [] : [one.title]));
+}"""
+
+
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_every_table_of_the_schema_is_reached_by_the_form(browser: Any, site: Server, kind: str) -> None:
+    page = Tab(browser, f"{site.address}new")
+    assert page.ask(REACH, json_schema(kind)) == []
+    page.close()
