@@ -83,6 +83,7 @@ PYTHON_ROOMS = {
     "material": {"case", "formability", "law", "model", "view"},
     "onestep": {"case", "explicit", "fields", "implicit", "mesh", "model", "results"},
     "api": {"case", "mesh", "onestep", "recorder", "results"},
+    "notebook": {"case", "outcome", "recorder", "report", "results"},
     "server": {"case", "examples", "model", "outcome", "process", "recorder", "report", "results"},
     "cli": {
         "fields",
@@ -138,7 +139,7 @@ def test_imports_run_forwards(path: Path) -> None:
     allowed = (
         PYTHON_ROOMS[room]
         | {room, "_core", "_cpu"}
-        | (public if room in {"cli", "onestep", "recorder", "report", "results", "server"} else set())
+        | (public if room in {"cli", "onestep", "recorder", "report", "results", "server", "notebook"} else set())
     )
     assert imports_of(path) <= allowed
 

@@ -7,6 +7,7 @@ import copy
 import functools
 from collections.abc import Sequence
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any, Self, get_args
 
 from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
@@ -72,6 +73,10 @@ class CaseFile(Part):
                 own = f"{cls.__name__} is for {' and '.join(cls.analyses())}"
                 remedy = f"read it by presswork.read_case(path), which reads every kind, or by {kind.name}.from_toml"
                 raise CaseError([Problem("analysis", own, remedy, analysis)], path)
+
+    def _repr_html_(self) -> str:
+        """Return a drawing of the case's start and the case in words, for notebooks."""
+        return str(resolve_name("presswork.notebook:show_case")(self))
 
     @property
     def source(self) -> Path | None:

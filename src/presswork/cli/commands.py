@@ -15,6 +15,7 @@ COMMANDS = {
     "run": "Compute a case, draw its pictures and write its page for the browser.",
     "check": "Validate a case and say in words what would be computed; code that it names runs only if asked for.",
     "plot": "Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.",
+    "animate": "Write a film of a run, GIF or MP4: the part with a field, a picture a saved step.",
     "report": "Write one page for the browser: the part in 3D with its fields over time, curves, forming limit, case.",
     "view": "Show the runs of a folder in the browser, and follow those that compute.",
     "new": "Set up a case in the browser: choose a process, fill in a form, see tools and blank, run it.",

@@ -16,7 +16,7 @@ from presswork.post import measure_draw_in_around, trace_interface
 from presswork.report.case_data import list_defaults, read_text
 from presswork.report.choose import Shown
 from presswork.report.surface import Surface
-from presswork.results import Result, ResultMesh
+from presswork.results import Result
 from presswork.results.folder import CASE
 from presswork.view.shell_plot import DIVERGING, ZONE_FIELD
 from presswork.view.style import ZONE_COLOURS, describe_step
@@ -81,9 +81,9 @@ def _place_tools(result: Result, step: int) -> list[list[float | None]]:
     return placed + [round_values(result.surface_displacement(name, step)) for name in result.surfaces]
 
 
-def pack_interfaces(result: Result, mesh: ResultMesh, surface: Surface, step: int) -> dict[str, Any]:
+def pack_interfaces(result: Result, surface: Surface, step: int) -> dict[str, Any]:
     """Return the contact stress along each tool's contact surface; none where it was not saved."""
-    if not {"contact_pressure", "contact_shear"} <= set(result.field_names) or mesh is not result.mesh:
+    if not {"contact_pressure", "contact_shear"} <= set(result.field_names):
         return {}
     found = {}
     for tool in result.tools:

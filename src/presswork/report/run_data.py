@@ -73,7 +73,7 @@ def _pack_steps(
                 "mesh": number,
                 "points": blocks.add_values(surface.take_points(result.points(step))),
                 "fields": packed,
-                "interface": pack_interfaces(result, mesh, surface, step),
+                "interface": pack_interfaces(result, surface, step),
             }
         )
     return meshes, steps, list(zip(lows.tolist(), highs.tolist(), strict=True))

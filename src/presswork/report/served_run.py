@@ -134,7 +134,7 @@ class ServedRun:
             "mesh": number,
             "points": self._address("points", step),
             "fields": [self._address("field", step, shown.name) for shown in self._fields],
-            "interface": pack_interfaces(result, mesh, self._meshes[number][1], step),
+            "interface": pack_interfaces(result, self._meshes[number][1], step),
         }
 
     def _describe_meshes(self) -> list[dict[str, Any]]:

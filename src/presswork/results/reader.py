@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -70,6 +71,10 @@ class Result:
             raise ResultError(f"there is no folder {self.folder}")
         if not (self.folder / RESULTS).is_file():
             raise ResultError(f"{self.folder} holds no {RESULTS}: it is not an output folder, or nothing was saved yet")
+
+    def _repr_html_(self) -> str:
+        """Return the page of the run in a frame, for notebooks."""
+        return str(resolve_name("presswork.notebook:show_result")(self))
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -9,15 +9,13 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from presswork.case import CaseError, build_model, describe, read_case
 from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.outcome import StartError
+from presswork.recorder import write_start
 from presswork.server.confined import confine
-
-if TYPE_CHECKING:
-    from presswork.model import Model
 
 
 def check(case_file: Path, folder: Path) -> dict[str, Any]:
@@ -34,22 +32,10 @@ def check(case_file: Path, folder: Path) -> dict[str, Any]:
     if any(material.umat for material in model.materials):
         return {**found, "note": "Its materials are code, which is not run here: nothing is drawn."}
     try:
-        draw(model, folder)
+        write_start(model, folder)
     except StartError as error:
         return {**found, "problems": [{"key": "", "text": str(error), "expected": str(error), "remedy": ""}]}
     return {**found, "is_drawn": True}
-
-
-def draw(model: Model, folder: Path) -> None:
-    """Write the start of a process as results. Raises StartError."""
-    from presswork.process.begin import begin
-    from presswork.recorder import append_snapshot
-    from presswork.results.folder import CASE, RESULTS
-
-    recording = begin(model, 1)
-    (folder / RESULTS).unlink(missing_ok=True)
-    append_snapshot(folder / RESULTS, recording.mesh, recording.snapshot())
-    (folder / CASE).write_text(model.case_text, encoding="utf-8")
 
 
 def main() -> None:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from .all_plots import FIELDS, SHELL_FIELDS, plot_all
+from .animation import animate
 from .forming_limit_plot import plot_forming_limit
 from .history_plot import plot_history, plot_stress_strain
 from .interface_plot import plot_interface
@@ -9,6 +10,7 @@ from .outline_plot import plot_outline
 __all__ = [
     "FIELDS",
     "SHELL_FIELDS",
+    "animate",
     "plot_all",
     "plot_contours",
     "plot_forming_limit",

@@ -33,13 +33,18 @@ def plot_mesh(
     *,
     mirror: Mirror = "",
     show_edges: bool = True,
+    value_range: tuple[float, float] | None = None,
+    frame: tuple[FloatArray, FloatArray] | None = None,
 ) -> Axes:
     """Draw the deformed mesh coloured by a cell or point field, with the tools; `field=None` draws the bare mesh.
 
-    Cell fields are shown as they are, one colour a cell; of a vector the length is shown.
+    Cell fields are shown as they are, one colour a cell; of a vector the length is shown. value_range: that of the
+    colours, by default that of the values; frame: corners of what is shown [mm], by default around the body.
     """
     ax = _axes(result, step, mirror) if ax is None else ax
     _prepare(ax, result, step, mirror)
+    if frame is not None:
+        ax.set(xlim=(frame[0][0], frame[1][0]), ylim=(frame[0][1], frame[1][1]))
     ax.set_title(describe_step(result, step), fontsize="medium")
     points = result.points(step)
     outlines = outline_cells(result.mesh_at(step), points)
@@ -53,6 +58,9 @@ def plot_mesh(
     else:
         colours = _draw_cells(ax, outlines, values, mirror, show_edges, bare=False)
         places = np.array([outline.mean(axis=0) for outline in outlines])
+    for drawn in ax.collections if value_range is not None else ():
+        if drawn.get_array() is not None:
+            drawn.set_clim(value_range)
     _label_extremes(ax, result, field, values, places, step)
     _add_colour_bar(ax, colours, label_field(result, field))
     return ax

@@ -43,6 +43,8 @@ def plot_shell(
     scale: float = 1.0,
     view: tuple[float, float] = (28.0, -58.0),
     show_edges: bool = True,
+    value_range: tuple[float, float] | None = None,
+    frame: tuple[FloatArray, FloatArray] | None = None,
     figure: Figure | None = None,
 ) -> Figure:
     """Draw the deformed sheet, or the surface of a solid, coloured by a field and shaded by its slope.
@@ -50,7 +52,8 @@ def plot_shell(
     `field=None` draws the bare mesh.
     Tools are drawn as sections along x and y. Point fields are shown as the mean of a cell's nodes; of a vector the
     length is shown. scale: factor on the displacement. view: elevation and azimuth [degree]. mirror: planes through the
-    origin, normal to x, y or both.
+    origin, normal to x, y or both. value_range: that of the colours, by default that of the values; frame: corners of
+    what is shown [mm], by default of the body.
     """
     require_matplotlib()
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -64,7 +67,7 @@ def plot_shell(
     skin, owner = find_skin(mesh)
     outlines = outline_cells(skin, points)
     values = None if field is None else _face_values(result, field, step, skin, owner)
-    scaled = None if values is None else _scale(values, diverging=field in DIVERGING)
+    scaled = None if values is None else _scale(values, value_range, diverging=field in DIVERGING)
     colours = _colours(values, outlines, scaled, by_zone=field == ZONE_FIELD)
     width = float(np.clip(10.0 / np.sqrt(len(outlines)), 0.04, 0.6)) if show_edges else 0.0
     low, high = points.min(axis=0), points.max(axis=0)
@@ -74,6 +77,7 @@ def plot_shell(
         faces.set_edgecolor((0.1, 0.1, 0.1, 0.7) if show_edges else colours)
         ax.add_collection3d(faces)
         low, high = np.minimum(low, (points * sign).min(axis=0)), np.maximum(high, (points * sign).max(axis=0))
+    low, high = (low, high) if frame is None else frame
     if result.surfaces:
         _draw_tools(ax, result, step, low, high)
     frame_axes(ax, low, high)
@@ -93,13 +97,13 @@ def plot_shell(
     return figure
 
 
-def _scale(values: FloatArray, *, diverging: bool) -> ScalarMappable:
+def _scale(values: FloatArray, value_range: tuple[float, float] | None, *, diverging: bool) -> ScalarMappable:
     """Return the colours of the values; of a diverging field zero is in the middle, and white."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     finite = values[np.isfinite(values)]
-    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+    low, high = value_range or ((float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0))
     if diverging:
         largest = max(abs(low), abs(high)) or 1.0
         return ScalarMappable(Normalize(-largest, largest), DIVERGING_COLOURS)

@@ -43,13 +43,13 @@ def save_picture(figure: Figure, path: Path, *, needed_bytes: int = 200_000) -> 
     """
     from matplotlib.image import imsave
 
-    picture = _cut_margin(_draw_pixels(figure))
+    picture = _cut_margin(draw_pixels(figure))
     with replace_whole(path, needed_bytes=needed_bytes) as temporary:
         imsave(temporary, picture, format="png", dpi=DPI, pil_kwargs={"compress_level": 3})
     return path
 
 
-def _draw_pixels(figure: Figure) -> NDArray[np.uint8]:
+def draw_pixels(figure: Figure) -> NDArray[np.uint8]:
     """Return the pixels of a figure (n_rows, n_columns, 4); red, green, blue and opacity."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
