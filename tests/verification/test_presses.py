@@ -75,6 +75,18 @@ def test_blows_leave_the_height_that_their_energy_gives(tmp_path: Path) -> None:
     assert 2.0 * energy["plastic_work"] == pytest.approx(3.0 * TAKEN, rel=1e-3)
 
 
+def test_a_blow_in_plane_strain_is_shared_by_four_quarters(tmp_path: Path) -> None:
+    data = deepcopy(CASE) | {"analysis": "plane_strain", "depth": 50}
+    data["presses"]["hammer"]["energy"] = 3.0
+    history = run(tmp_path, data).result.history
+    volume = 2 * RADIUS * HEIGHT * 50.0
+    height = HEIGHT * math.exp(-0.8 * 3.0e6 / (2.0 / math.sqrt(3.0) * YIELD * volume))
+    assert HEIGHT - 2.0 * history["die.stroke"][-1] == pytest.approx(height, rel=4e-4)
+    # force on both halves of the die; the elastic work at the end is small
+    width = 2 * RADIUS * HEIGHT / height
+    assert history["ram_force"][-1] == pytest.approx(2.0 / math.sqrt(3.0) * YIELD * width * 50.0, rel=1e-3)
+
+
 def test_a_blow_takes_the_time_of_the_ram_s_deceleration(tmp_path: Path) -> None:
     def per_speed(u: float) -> float:  # v = v0 u, strain e = e_end (1 - u^2), ds = h0 exp(-e) de
         return HEIGHT * math.exp(-STRAIN * (1.0 - u * u)) * 2.0 * STRAIN / 5000.0
