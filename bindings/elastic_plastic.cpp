@@ -167,6 +167,13 @@ auto evaluate_rate(const Owned<ElasticPlastic<N>>& law, Doubles rate) {
   return std::make_tuple(factors, slopes);
 }
 
+TemperatureCurve make_curve(std::vector<double> given, std::vector<std::shared_ptr<const void>>& data) {
+  require(given.size() % TemperatureCurve::columns == 0, "a curve of temperature has rows of four numbers");
+  auto rows = std::make_shared<const std::vector<double>>(std::move(given));
+  data.push_back(rows);
+  return {rows->data(), static_cast<int>(rows->size() / TemperatureCurve::columns)};
+}
+
 template <int N>
 void bind_law(nb::module_& m, const char* name, const char* doc, const char* update_doc) {
   using Law = Owned<ElasticPlastic<N>>;
@@ -176,7 +183,8 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
           [](Law* self, double young, double poisson, const YieldFunction& yield, HardeningLaw hardening,
              std::vector<double> parameters, RateLaw rate, std::map<std::string, double> rate_parameters,
              std::optional<Chaboche> chaboche, std::optional<YoshidaUemori> yoshida_uemori,
-             std::optional<Thermal> thermal, double young_saturated, double young_rate) {
+             std::optional<Thermal> thermal, double young_saturated, double young_rate, std::vector<double> expansion,
+             std::vector<double> young_factor, std::vector<double> poisson_curve) {
             require(!(chaboche && yoshida_uemori), "give chaboche or yoshida_uemori, not both");
             Law made;
             ElasticPlastic<N>& law = made.view;
@@ -191,12 +199,17 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
             if (chaboche) law.kinematic = *chaboche;
             if (yoshida_uemori) law.kinematic = *yoshida_uemori;
             if (thermal) law.flow.thermal = *thermal;
+            law.thermoelastic = {make_curve(std::move(expansion), made.data),
+                                 make_curve(std::move(young_factor), made.data),
+                                 make_curve(std::move(poisson_curve), made.data)};
             new (self) Law(std::move(made));
           },
           nb::arg("young"), nb::arg("poisson"), nb::arg("yield_function"), nb::arg("hardening"), nb::arg("parameters"),
           nb::kw_only(), nb::arg("rate") = RateLaw{}, nb::arg("rate_parameters") = std::map<std::string, double>{},
           nb::arg("chaboche") = nb::none(), nb::arg("yoshida_uemori") = nb::none(), nb::arg("thermal") = nb::none(),
-          nb::arg("young_saturated") = 0.0, nb::arg("young_rate") = 0.0)
+          nb::arg("young_saturated") = 0.0, nb::arg("young_rate") = 0.0, nb::arg("expansion") = std::vector<double>{},
+          nb::arg("young_factor") = std::vector<double>{}, nb::arg("poisson_curve") = std::vector<double>{},
+          "expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.")
       .def_prop_ro(
           "young", [](const Law& law) { return law.view.young; }, "Young's modulus at the start [MPa].")
       .def_prop_ro(

@@ -9,7 +9,8 @@ namespace presswork::bindings {
 std::optional<Owned<FastMises>> find_fast_law(const Owned<SheetLaw>& given) {
   const SheetLaw& law = given.view;
   const auto* quadratic = std::get_if<QuadraticYield<3>>(&law.yield);
-  const bool isothermal = !law.flow.thermal.softening.active() && !law.flow.thermal.heats();
+  const bool isothermal =
+      !law.flow.thermal.softening.active() && !law.flow.thermal.heats() && !law.thermoelastic.active();
   const bool plain = law.kinematic.index() == 0 && !law.flow.depends_on_rate() && law.young_rate == 0.0 && isothermal;
   const auto von_mises = HillParameters{}.plane_stress();
   if (!plain || !quadratic) return std::nullopt;

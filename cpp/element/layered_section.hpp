@@ -41,7 +41,7 @@ struct LayerConditions {
 // Any SheetLaw, always in double precision. x of its frame is the frame's first axis.
 struct GeneralSheet {
   static constexpr bool can_fail = true;
-  static constexpr int most_rows = 3 + 1 + 1 + 3 * Chaboche::most;
+  static constexpr int most_rows = 3 + most_kept<3>;
   SheetLaw law;
   double young = law.young, poisson = law.poisson;
 

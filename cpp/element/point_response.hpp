@@ -143,7 +143,7 @@ void thesis_modulus(const PointSettings& settings, const T F[5], const Increment
 template <int N>
 inline constexpr int axes_values = N == 6 ? 6 : 2;
 template <int N>
-inline constexpr int most_point_values = N + 2 + N * Chaboche::most + axes_values<N>;
+inline constexpr int most_point_values = N + most_kept<N> + axes_values<N>;
 
 // How many a law keeps behind the equivalent plastic strain.
 inline int kept_values(const VonMises&) { return 0; }

@@ -14,7 +14,7 @@
 
 namespace presswork {
 
-inline constexpr int most_history = 32;  // values a layer point may keep behind its stress
+inline constexpr int most_history = most_kept<3>;  // values a layer point may keep behind its stress
 
 template <class T>
 struct Layer {
@@ -80,10 +80,10 @@ void pull_back(const Stretch<V>& u, const V s[3], V S[3]) {
 
 // d(thickness strain)/d(strain): the elastic part follows the stress, the plastic part keeps the volume
 template <class T>
-void thickness_slope(T young, double poisson, const T D[3][3], T slope[3]) {
+void thickness_slope(T young, T poisson, const T D[3][3], T slope[3]) {
   for (int j = 0; j < 3; ++j) {
-    T across = T(1.0 - poisson) / young * (D[0][j] + D[1][j]);
-    slope[j] = across * T(-poisson / (1.0 - poisson)) - (T(j < 2 ? 1.0 : 0.0) - across);
+    T across = (T(1.0) - poisson) / young * (D[0][j] + D[1][j]);
+    slope[j] = across * (-poisson / (T(1.0) - poisson)) - (T(j < 2 ? 1.0 : 0.0) - across);
   }
 }
 
@@ -96,12 +96,13 @@ Mask<T> respond_layer_linearly(const LayerLaw& layer_law, double dt, T temperatu
                                StressSquares<T>* squares = nullptr) {
   using V = Dual<T, 3>;
   const ShellLaw& law = layer_law.law;
-  T D[3][3], young = law.young_at(at.state[3]), trial[3];
-  const T plane = young * T(1.0 / (1.0 - law.poisson * law.poisson)), shear = young * T(0.5 / (1.0 + law.poisson));
+  T D[3][3], trial[3], before[3];
+  const Elasticity<3, T> moduli = law.elasticity(at.state, temperature, before);
+  const T plane = moduli.plane, shear = moduli.shear;
   const T elastic[3][3] = {
-      {plane, T(law.poisson) * plane, T(0.0)}, {T(law.poisson) * plane, plane, T(0.0)}, {T(0.0), T(0.0), shear}};
+      {plane, moduli.poisson * plane, T(0.0)}, {moduli.poisson * plane, plane, T(0.0)}, {T(0.0), T(0.0), shear}};
   for (int i = 0; i < 3; ++i) {
-    trial[i] = at.state[i];
+    trial[i] = before[i];
     for (int j = 0; j < 3; ++j) trial[i] += elastic[i][j] * strain[j];
   }
   const LawInput<3, T> in{{strain[0], strain[1], strain[2]}, dt, temperature};
@@ -124,8 +125,8 @@ Mask<T> respond_layer(const LayerLaw& layer_law, double dt, T temperature, const
                       const Layer<T>& at, Layer<T>& end, LayerResponse<T>& out, StressSquares<T>* squares = nullptr) {
   using V = Dual<T, 3>;
   const ShellLaw& law = layer_law.law;
-  T D[3][3], young = law.young_at(at.state[3]);
-  const T* before = at.state;
+  T D[3][3], before[3];
+  const Elasticity<3, T> moduli = law.elasticity(at.state, temperature, before);
   layer::Stretch<T> u;
   layer::stretch_from(E, u);
   const LawInput<3, T> in{{u.strain[0], u.strain[1], u.strain[2]}, dt, temperature};
@@ -138,10 +139,9 @@ Mask<T> respond_layer(const LayerLaw& layer_law, double dt, T temperature, const
   // trial stress: plane stress elasticity from `before`
   auto try_elastic = [&](const auto* strain, auto* trial) {
     using S = std::remove_cvref_t<decltype(*trial)>;
-    const double poisson = law.poisson;
-    const S plane(young * T(1.0 / (1.0 - poisson * poisson))), shear(young * T(0.5 / (1.0 + poisson)));
-    trial[0] = S(before[0]) + plane * (strain[0] + S(poisson) * strain[1]);
-    trial[1] = S(before[1]) + plane * (strain[1] + S(poisson) * strain[0]);
+    const S plane(moduli.plane), shear(moduli.shear), poisson(moduli.poisson);
+    trial[0] = S(before[0]) + plane * (strain[0] + poisson * strain[1]);
+    trial[1] = S(before[1]) + plane * (strain[1] + poisson * strain[0]);
     trial[2] = S(before[2]) + shear * strain[2];
   };
   if (!with_modulus) {
@@ -158,7 +158,7 @@ Mask<T> respond_layer(const LayerLaw& layer_law, double dt, T temperature, const
   layer::Stretch<V> v;
   layer::stretch_from(E_dual, v);
   T slope[3];
-  layer::thickness_slope(young, law.poisson, D, slope);
+  layer::thickness_slope(moduli.young, moduli.poisson, D, slope);
   for (int k = 0; k < 3; ++k) {
     out.thickness_slope[k] = T(0.0);
     for (int j = 0; j < 3; ++j) out.thickness_slope[k] += slope[j] * v.strain[j].slope[k];

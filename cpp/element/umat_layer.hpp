@@ -69,6 +69,19 @@ struct ShellLaw {
   T young_at(T eqps) const {
     return own ? own->young_at(eqps) : T(young);
   }
+  // Elasticity at present, and the stress before the increment's strain: with the moduli, and thermal strain taken off.
+  template <class T>
+  Elasticity<3, T> elasticity(const T* state, T temperature, T before[3]) const {
+    for (int i = 0; i < 3; ++i) before[i] = state[i];
+    if (!own || !own->thermoelastic.active()) return {young_at(state[3]), poisson};
+    const Heated<3, T> heated(*own, temperature, state);
+    const T none[3] = {T(0.0), T(0.0), T(0.0)};
+    T strain[3], stress[3];
+    heated.take_off(none, strain);
+    heated.elastic.stiffness(strain, stress);
+    for (int i = 0; i < 3; ++i) before[i] = heated.state[i] + stress[i];
+    return heated.elastic;
+  }
 };
 
 // The same for one layer of a pack: a routine must know where it is.

@@ -4,12 +4,13 @@
 // space. The contract is that of law.hpp; a shell adds elastic transverse shear of its own.
 //
 // State: stress (N), equivalent plastic strain, where the law heats the rise of temperature, then what kinematic.hpp
-// keeps. In plane stress update_sheet gives the thickness strain besides: elastic and plastic, volume kept by the
-// plastic part.
+// keeps, and where elasticity depends on temperature that of the last increment, less that of the start. In plane
+// stress update_sheet gives the thickness strain besides: elastic and plastic, volume kept by the plastic part.
 #pragma once
 
 #include "material/law_data.hpp"
 #include "material/return_mapping.hpp"
+#include "material/thermoelastic.hpp"
 #include "material/yield_functions.hpp"
 
 namespace presswork {
@@ -22,11 +23,13 @@ struct ElasticPlastic {
   Flow flow = {};
   KinematicLaw kinematic = {};
   double young_saturated = 0.0;  // Young's modulus after large plastic strain [MPa]
-  double young_rate = 0.0;       // E = Ea + (E0 - Ea) exp(-rate p), p of the start of the increment; 0 keeps E0
+  Thermoelastic thermoelastic = {};
+  double young_rate = 0.0;  // E = Ea + (E0 - Ea) exp(-rate p), p of the start of the increment; 0 keeps E0
 
   int history_size() const {  // values behind the stress
     return 1 + (flow.thermal.heats() ? 1 : 0) +
-           choose(kinematic, [](const auto& k) { return k.template history_size<N>(); });
+           choose(kinematic, [](const auto& k) { return k.template history_size<N>(); }) +
+           (thermoelastic.active() ? 1 : 0);
   }
   int state_size() const { return N + history_size(); }
   double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
@@ -36,6 +39,24 @@ struct ElasticPlastic {
   T young_at(T eqps) const {
     if (young_rate == 0.0) return T(young);
     return T(young_saturated) + T(young - young_saturated) * exponential(T(-young_rate) * eqps);
+  }
+  // Whole temperature of a point in state s0 at a given one, and that of its last increment.
+  template <class T>
+  T temperature_now(T given, const T* s0) const {
+    return flow.thermal.heats() ? given + s0[N + 1] : given;
+  }
+  template <class T>
+  T temperature_before(const T* s0) const {
+    return T(flow.thermal.start) + s0[state_size() - 1];
+  }
+  template <class T>
+  Elasticity<N, T> elasticity(T eqps) const {
+    return {young_at(eqps), poisson};
+  }
+  template <class T>
+  Elasticity<N, T> elasticity(T eqps, T temperature) const {
+    const T E = young_at(eqps) * thermoelastic.young_factor_at(temperature);
+    return {E, thermoelastic.poisson_at(poisson, temperature)};
   }
   // Flow stress and its slope at equivalent plastic strain p, at rest.
   template <class T>
@@ -69,13 +90,55 @@ extern template Mask<Pack> update(const SheetLaw&, const LawInput<3, Pack>&, con
 extern template Mask<Pack> update(const PlaneLaw&, const LawInput<4, Pack>&, const Pack*, Pack*, Pack (*)[4]);
 extern template Mask<Pack> update(const SolidLaw&, const LawInput<6, Pack>&, const Pack*, Pack*, Pack (*)[6]);
 
-// The same for plane stress, with the increment of thickness strain.
+// Values behind the stress that a law keeps at most.
+template <int N>
+inline constexpr int most_kept = 3 + N * Chaboche::most;
+
+// A point as it is when the temperature has changed and nothing has moved: elasticity at present, thermal strain of the
+// change, temperature, and in `state` s0 with the stress that the moduli make of it.
+template <int N, class T>
+struct Heated {
+  Elasticity<N, T> before, elastic;
+  T thermal, temperature, state[N + most_kept<N>];
+
+  Heated(const ElasticPlastic<N>& law, T given, const T* s0)
+      : before(law.elasticity(s0[N], law.temperature_before(s0))),
+        elastic(law.elasticity(s0[N], law.temperature_now(given, s0))),
+        thermal(law.thermoelastic.strain(law.temperature_before(s0), law.temperature_now(given, s0))),
+        temperature(law.temperature_now(given, s0)) {
+    T strain[N];
+    before.compliance(s0, strain);
+    elastic.stiffness(strain, state);
+    for (int i = N; i < law.state_size(); ++i) state[i] = s0[i];
+  }
+  void take_off(const T strain[N], T mechanical[N]) const {
+    constexpr int normal = N == 3 ? 2 : 3;
+    for (int i = 0; i < N; ++i) mechanical[i] = i < normal ? strain[i] - thermal : strain[i];
+  }
+};
+
+// The same as update for plane stress, with the increment of thickness strain.
 template <class T>
 Mask<T> update_sheet(const SheetLaw& law, const LawInput<3, T>& in, const T* s0, T* s1, T& thickness, T (*tangent)[3]) {
-  const Elasticity<3, T> elastic{law.young_at(s0[3]), law.poisson};
-  T change[3] = {-s0[0], -s0[1], -s0[2]}, elastic_strain[3];
+  const T before[3] = {s0[0], s0[1], s0[2]};
+  if (law.thermoelastic.active()) {
+    const Heated<3, T> heated(law, in.temperature, s0);
+    T strain[3], e_n[3], e[3];
+    heated.take_off(in.strain, strain);
+    heated.before.compliance(before, e_n);
+    auto failed = update(law, in, s0, s1, tangent);
+    heated.elastic.compliance(s1, e);
+    const auto across = [](const Elasticity<3, T>& m, const T x[3]) {
+      return -m.poisson / (T(1.0) - m.poisson) * (x[0] + x[1]);
+    };
+    thickness = heated.thermal + across(heated.elastic, e) - across(heated.before, e_n) -
+                (strain[0] + strain[1] - (e[0] + e[1] - e_n[0] - e_n[1]));
+    return failed;
+  }
+  const Elasticity<3, T> elastic = law.elasticity(s0[3]);
+  T change[3], elastic_strain[3];
   auto failed = update(law, in, s0, s1, tangent);
-  for (int i = 0; i < 3; ++i) change[i] += s1[i];
+  for (int i = 0; i < 3; ++i) change[i] = s1[i] - before[i];
   elastic.compliance(change, elastic_strain);
   T across = elastic_strain[0] + elastic_strain[1];
   thickness = across * T(-law.poisson / (1.0 - law.poisson)) - (in.strain[0] + in.strain[1] - across);

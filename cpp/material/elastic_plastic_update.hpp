@@ -59,11 +59,24 @@ void update_range(const ElasticPlastic<N>& law, std::size_t n, const double* str
 
 template <int N, class T>
 Mask<T> update(const ElasticPlastic<N>& law, const LawInput<N, T>& in, const T* s0, T* s1, T (*tangent)[N]) {
-  return choose(law.yield, [&](const auto& yield) {
-    return choose(law.kinematic, [&](const auto& kinematic) {
-      return return_to_yield(yield, kinematic, law.flow, law.young_at(s0[N]), law.poisson, in, s0, s1, tangent);
+  const auto run = [&](const Elasticity<N, T>& elastic, const LawInput<N, T>& given, const T* from) {
+    return choose(law.yield, [&](const auto& yield) {
+      return choose(law.kinematic, [&](const auto& kinematic) {
+        return return_to_yield(yield, kinematic, law.flow, elastic, given, from, s1, tangent);
+      });
     });
-  });
+  };
+  if (!law.thermoelastic.active()) return run(law.elasticity(s0[N]), in, s0);
+  const Heated<N, T> heated(law, in.temperature, s0);
+  T stress[N];
+  for (int i = 0; i < N; ++i) stress[i] = s0[i];
+  LawInput<N, T> own = in;
+  heated.take_off(in.strain, own.strain);
+  const Mask<T> failed = run(heated.elastic, own, heated.state);
+  for (int i = 0; i < N; ++i) s1[i] = select(failed, stress[i], s1[i]);
+  const int last = law.state_size() - 1;
+  s1[last] = select(failed, heated.state[last], heated.temperature - T(law.flow.thermal.start));
+  return failed;
 }
 
 template <int N>

@@ -23,24 +23,42 @@
 
 namespace presswork {
 
-// Isotropic elasticity in N components; Young's modulus may differ from lane to lane.
+// Isotropic elasticity in N components; the moduli may differ from lane to lane.
 template <int N, class T>
 struct Elasticity {
-  T young;
-  double poisson;
-  T flexibility = T(1.0) / young;
+  T young, flexibility = T(1.0) / young;
+  T shear;                 // modulus
+  T plane, poisson;        // modulus in plane stress without strain across
+  T spread;                // Lame's first
+  T one_plus, twice_plus;  // 1 + poisson, 2 (1 + poisson)
+
+  Elasticity(T young, double nu)
+      : young(young),
+        shear(young * T(0.5 / (1.0 + nu))),
+        plane(young * T(1.0 / (1.0 - nu * nu))),
+        poisson(nu),
+        spread(young * T(nu / ((1.0 + nu) * (1.0 - 2.0 * nu)))),
+        one_plus(1.0 + nu),
+        twice_plus(2.0 * (1.0 + nu)) {}
+  Elasticity(T young, T nu)
+    requires(!std::is_same_v<T, double>)
+      : young(young),
+        shear(young * T(0.5) / (T(1.0) + nu)),
+        plane(young / (T(1.0) - nu * nu)),
+        poisson(nu),
+        spread(young * nu / ((T(1.0) + nu) * (T(1.0) - T(2.0) * nu))),
+        one_plus(T(1.0) + nu),
+        twice_plus(T(2.0) * (T(1.0) + nu)) {}
 
   void stiffness(const T strain[N], T stress[N]) const {
-    T G = young * T(0.5 / (1.0 + poisson));
     if constexpr (N == 3) {
-      T plane = young * T(1.0 / (1.0 - poisson * poisson));
-      stress[0] = plane * (strain[0] + T(poisson) * strain[1]);
-      stress[1] = plane * (strain[1] + T(poisson) * strain[0]);
-      stress[2] = G * strain[2];
+      stress[0] = plane * (strain[0] + poisson * strain[1]);
+      stress[1] = plane * (strain[1] + poisson * strain[0]);
+      stress[2] = shear * strain[2];
     } else {
-      T spread = young * T(poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))) * (strain[0] + strain[1] + strain[2]);
-      for (int i = 0; i < 3; ++i) stress[i] = T(2.0) * G * strain[i] + spread;
-      for (int i = 3; i < N; ++i) stress[i] = G * strain[i];
+      T mean = spread * (strain[0] + strain[1] + strain[2]);
+      for (int i = 0; i < 3; ++i) stress[i] = T(2.0) * shear * strain[i] + mean;
+      for (int i = 3; i < N; ++i) stress[i] = shear * strain[i];
     }
   }
   void matrix(T (*stress)[N]) const {
@@ -55,8 +73,8 @@ struct Elasticity {
     constexpr int normal = N == 3 ? 2 : 3;
     T sum(0.0);
     for (int i = 0; i < normal; ++i) sum += stress[i];
-    for (int i = 0; i < normal; ++i) strain[i] = flexibility * (T(1.0 + poisson) * stress[i] - T(poisson) * sum);
-    for (int i = normal; i < N; ++i) strain[i] = flexibility * T(2.0 * (1.0 + poisson)) * stress[i];
+    for (int i = 0; i < normal; ++i) strain[i] = flexibility * (one_plus * stress[i] - poisson * sum);
+    for (int i = normal; i < N; ++i) strain[i] = flexibility * twice_plus * stress[i];
   }
 };
 
@@ -324,15 +342,15 @@ struct Solver {
 // plastic strain, work-conjugate to the yield function; where the law heats the rise of temperature; what the kinematic
 // law keeps.
 template <class Yield, class Kinematic, class T>
-Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Flow& flow_law, T young, double poisson,
-                        const LawInput<Yield::size, T>& in, const T* s0, T* s1, T (*tangent)[Yield::size]) {
+Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Flow& flow_law,
+                        const Elasticity<Yield::size, T>& elastic, const LawInput<Yield::size, T>& in, const T* s0,
+                        T* s1, T (*tangent)[Yield::size]) {
   constexpr int N = Yield::size;
   const bool heats = flow_law.thermal.heats();
   const int behind = N + 1 + (heats ? 1 : 0);  // where the kinematic law's values begin
   const T *history = s0 + behind, eqps = s0[N];
   return_mapping::Solver<Yield, Kinematic, T> s{
-      yield, kinematic, flow_law, {young, poisson}, history, eqps, heats ? in.temperature + s0[N + 1] : in.temperature,
-      in.dt};
+      yield, kinematic, flow_law, elastic, history, eqps, heats ? in.temperature + s0[N + 1] : in.temperature, in.dt};
   // 1. elastic predictor
   T shifted[N], size(0.0);
   s.elastic.stiffness(in.strain, s.trial);

@@ -177,7 +177,10 @@ class Thermal:
 class SheetLaw:
     """Elastic-plastic sheet in plane stress; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+        """
+        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
+        """
 
     @property
     def young(self) -> float:
@@ -220,7 +223,10 @@ class SheetLaw:
 class PlaneLaw:
     """Elastic-plastic solid in plane strain or axisymmetry; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+        """
+        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
+        """
 
     @property
     def young(self) -> float:
@@ -263,7 +269,10 @@ class PlaneLaw:
 class SolidLaw:
     """Elastic-plastic solid in space; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0) -> None: ...
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+        """
+        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
+        """
 
     @property
     def young(self) -> float:

@@ -109,6 +109,17 @@ FEATURES: dict[str, dict[str, Any]] = {
         "hardening": {"law": "linear", "yield_stress": 150},
         "kinematic": {"law": "yoshida_uemori", "B": 190, "C": 200, "m": 12, "b": 40, "Rsat": 190, "h": 0.4},
     },
+    "expansion": {
+        "expansion": {"coefficient": [[20, 2.2e-5], [500, 2.9e-5]]},
+        "heating": HEATING,
+        "density": "2700 kg/m^3",
+    },
+    "young_factor": {"young_factor": [[20, 1], [500, 0.6]], "heating": HEATING, "density": "2700 kg/m^3"},
+    "poisson_by_temperature": {
+        "poisson_by_temperature": [[20, 0.33], [100, 0.36]],
+        "heating": HEATING,
+        "density": "2700 kg/m^3",
+    },
     "young_decrease": {"young_decrease": {"saturated": 60e3, "rate": 50}},
     "all of them": {
         "hardening": {"law": "voce", **VOCE},
@@ -138,7 +149,7 @@ REFUSED: dict[tuple[str, str], str] = {
         (name, "one step"): ONE_STEP
         for name in (
             "cowper_symonds", "johnson_cook", "logarithmic", "given temperature", "adiabatic heating", "chaboche",
-            "yoshida_uemori", "young_decrease",
+            "yoshida_uemori", "young_decrease", "expansion", "young_factor", "poisson_by_temperature",
         )
     },
     **{(name, "one step"): "one step knows no strain rate and temperature" for name in HOT},

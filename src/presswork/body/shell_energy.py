@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.shell_arrays import ShellArrays
+from presswork.body.thermoelastic import find_temperature
 from presswork.law.elastic_plastic import plastic_work_density, present_young
 from presswork.law.umat import SheetLaw, SheetUmat
 from presswork.model import Model
@@ -29,7 +30,8 @@ def elastic_energy(model: Model, state: State) -> float:
         sxx, syy, sxy = np.moveaxis(state.cells.stress[i], -1, 0)
         twice = sxx**2 + syy**2 - 2 * material.poisson * sxx * syy + 2 * (1 + material.poisson) * sxy**2
         if material.umat is None:  # else told with the plastic work
-            total += float((twice / (2 * present_young(material, state.cells.eqps[i])) * state.cells.volume[i]).sum())
+            young = present_young(material, state.cells.eqps[i], find_temperature(material, state, i))
+            total += float((twice / (2 * young) * state.cells.volume[i]).sum())
         _, slopes, weights, _ = _core.shell_shape(block.element)
         base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
         metric = np.einsum("cqji,cqki->cqjk", base, base)

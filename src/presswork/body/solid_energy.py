@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from presswork.body.thermoelastic import find_temperature
 from presswork.law.elastic_plastic import present_young
 from presswork.model import FloatArray, Model
 from presswork.state import State
@@ -14,11 +15,11 @@ def elastic_energy(model: Model, state: State) -> float:
     """Return the energy stored elastically [N mm]."""
     total = 0.0
     blocks = zip(model.mesh.blocks, state.cells.stress, state.cells.eqps, state.cells.volume, strict=True)
-    for block, stress, eqps, volume in blocks:
+    for i, (block, stress, eqps, volume) in enumerate(blocks):
         material = model.materials[block.material]
         if material.umat is not None:
             continue  # told with the plastic work
-        young = present_young(material, eqps)
+        young = present_young(material, eqps, find_temperature(material, state, i))
         trace = stress[..., :3].sum(axis=-1)
         square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * (stress[..., 3:] ** 2).sum(axis=-1)
         density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * young)

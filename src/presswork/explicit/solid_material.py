@@ -10,8 +10,20 @@ import numpy as np
 from presswork import _core
 from presswork.explicit.input_checks import HEAVIEST, ExplicitError
 from presswork.law.elastic_plastic import find_heating, make_hardening, make_plane_law
+from presswork.law.thermoelastic import largest_young_factor
 from presswork.law.umat import open_umat
-from presswork.model import Damage, FloatArray, Hardening, Heating, Kinematic, Material, Rate, Umat, YieldFunction
+from presswork.model import (
+    Damage,
+    FloatArray,
+    Hardening,
+    Heating,
+    Kinematic,
+    Material,
+    Rate,
+    Thermoelastic,
+    Umat,
+    YieldFunction,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +43,7 @@ class SolidMaterial:
     yield_function: YieldFunction | None = None
     kinematic: Kinematic | None = None
     young_decrease: tuple[float, float] | None = None
+    thermoelastic: Thermoelastic | None = None
     umat: Umat | None = None
     damage: Damage | None = None
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
@@ -58,7 +71,8 @@ class SolidMaterial:
     @property
     def wave_speed(self) -> float:
         """Speed of elastic compression waves [mm/s]."""
-        plane = self.young * (1 - self.poisson) / ((1 + self.poisson) * (1 - 2 * self.poisson))
+        stiffest = self.young * largest_young_factor(self.thermoelastic)
+        plane = stiffest * (1 - self.poisson) / ((1 + self.poisson) * (1 - 2 * self.poisson))
         return float(np.sqrt(plane / self.density))
 
     @property
@@ -74,7 +88,8 @@ class SolidMaterial:
         """Return the compiled law: in closed form where there is one, or open the library that has it."""
         if self.umat is not None:
             return open_umat(self.umat)
-        if self.yield_function or self.kinematic or self.young_decrease or self._hardening().is_hot:
+        general = (self.yield_function, self.kinematic, self.young_decrease, self.thermoelastic)
+        if any(general) or self._hardening().is_hot:
             return make_plane_law(self._to_model())
         rate = _core.RateLaw[self.rate.law if self.rate else "none"]
         parameters = self.rate.parameters if self.rate else {}
@@ -105,6 +120,7 @@ class SolidMaterial:
             kinematic=self.kinematic,
             rate=self.rate,
             young_decrease=self.young_decrease,
+            thermoelastic=self.thermoelastic,
             density=self.density,
             heating=self.heating,
         )

@@ -26,7 +26,7 @@ class Work(Arrays):
 
     owner = "work"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
-        ("external_work", "plastic_work", "friction_work", "inertia_work"), RUN
+        ("external_work", "plastic_work", "friction_work", "inertia_work", "thermal_work"), RUN
     )
     external_work: float = 0.0
     """Of tools, supports and loads."""
@@ -35,6 +35,8 @@ class Work(Arrays):
     """Lost on tools, beads and between bodies."""
     inertia_work: float = 0.0
     """Against inertia and damping."""
+    thermal_work: float = 0.0
+    """Of the stress on thermal strain, and what moduli that fall with temperature take off the elastic energy."""
 
 
 def add_external_work(state_n: State, trial: State, fixed_n: BoolArray, fixed: BoolArray) -> None:
@@ -60,7 +62,7 @@ def add_work(trial: State, work: Mapping[str, float]) -> None:
 
 
 def balance(state: State, elastic_energy: float, contact_energy: float) -> dict[str, float]:
-    """Return both sides [N mm], and what is missing between them in per cent of the larger.
+    """Return both sides [N mm], and what is missing between them in per cent of the larger, or of the thermal work.
 
     elastic_energy, contact_energy: stored in the cells, and in the interactions.
     """
@@ -72,6 +74,8 @@ def balance(state: State, elastic_energy: float, contact_energy: float) -> dict[
         "inertia_work": work.inertia_work,
         "contact_energy": contact_energy,
     }
+    if work.thermal_work:
+        inside["thermal_work"] = work.thermal_work
     external, total = work.external_work, sum(inside.values())
-    largest = max(abs(external), abs(total), 1e-300)
+    largest = max(abs(external), abs(total), abs(work.thermal_work), 1e-300)
     return {"external_work": external, **inside, "error_percent": 100.0 * (external - total) / largest}

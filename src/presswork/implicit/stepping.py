@@ -14,6 +14,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.solids import Mechanics, make_mechanics
+from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
 from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
 from presswork.implicit.heat_of_forming import MOST_PASSES, HeatOfForming
@@ -110,6 +111,7 @@ class ImplicitProcedure:
         if self.heat is not None:
             state.add(self.heat.at_rest())
             self.heat.spread(state)
+        keep_temperatures(self.model, state)
         if self.evolution.names:
             state.add(self.evolution.at_rest(state))
         return state
@@ -315,6 +317,7 @@ class ImplicitProcedure:
         for interaction in self.interactions.all:
             add_work(trial, interaction.work(state_n, trial))
         trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, step.dt)
+        trial[Work].thermal_work += find_thermal_work(self.model, state_n, trial)
         if self.ram.is_needed:
             self.ram.commit(state_n, trial, step)
         self.evolution.advance(state_n, trial, step.dt, self._temperatures(state_n, trial))

@@ -9,6 +9,7 @@ from typing import TypedDict
 import numpy as np
 
 from presswork import _core
+from presswork.law.thermoelastic import find_young_factor, make_curves
 from presswork.model import FloatArray, Hardening, Material, YieldFunction
 
 VON_MISES = (0.5, 0.5, 0.5, 1.5, 1.5, 1.5)
@@ -62,13 +63,25 @@ def first_flow_stress(material: Material) -> float:
 
 def is_plain(material: Material) -> bool:
     """Tell whether a solid's material is von Mises with isotropic hardening alone, which has a law in closed form."""
-    beside = (material.yield_function, material.kinematic, material.rate, material.heating, material.young_decrease)
+    beside = (
+        material.yield_function,
+        material.kinematic,
+        material.rate,
+        material.heating,
+        material.young_decrease,
+        material.thermoelastic,
+    )
     return material.umat is None and not is_hot(material) and all(part is None for part in beside)
 
 
 def is_hot(material: Material) -> bool:
     """Tell whether the flow stress is one of strain, strain rate and temperature together."""
     return material.hardening is not None and material.hardening.is_hot
+
+
+def depends_on_temperature(material: Material) -> bool:
+    """Tell whether the law must know its temperature."""
+    return is_hot(material) or material.heating is not None or material.thermoelastic is not None
 
 
 def depends_on_rate(material: Material) -> bool:
@@ -170,12 +183,15 @@ def plastic_work_density(
     return np.asarray(work)
 
 
-def present_young(material: Material, eqps: FloatArray) -> FloatArray | float:
-    """Return Young's modulus [MPa] at equivalent plastic strains of any shape."""
-    if material.young_decrease is None:
-        return material.young
-    saturated, rate = material.young_decrease
-    return np.asarray(saturated + (material.young - saturated) * np.exp(-rate * eqps))
+def present_young(material: Material, eqps: FloatArray, given: FloatArray | None = None) -> FloatArray | float:
+    """Return Young's modulus [MPa] at equivalent plastic strains of any shape, and at temperatures [degrees C]."""
+    young: FloatArray | float = material.young
+    if material.young_decrease is not None:
+        saturated, rate = material.young_decrease
+        young = np.asarray(saturated + (material.young - saturated) * np.exp(-rate * eqps))
+    if material.thermoelastic is None or given is None:
+        return young
+    return np.asarray(young * find_young_factor(material.thermoelastic, given))
 
 
 class _Arguments(TypedDict):
@@ -191,6 +207,9 @@ class _Arguments(TypedDict):
     thermal: _core.Thermal | None
     young_saturated: float
     young_rate: float
+    expansion: list[float]
+    young_factor: list[float]
+    poisson_curve: list[float]
 
 
 def _arguments_of_solid(material: Material) -> _Arguments:
@@ -214,6 +233,7 @@ def _arguments(material: Material) -> _Arguments:
             named = {name: value for name, (value,) in p.items()}
             yoshida_uemori = _core.YoshidaUemori(Y=material.hardening.named()["yield_stress"], **named)
     saturated, falling = material.young_decrease or (0.0, 0.0)
+    expansion, young_factor, poisson = make_curves(material.thermoelastic)
     return {
         "young": material.young,
         "poisson": material.poisson,
@@ -227,4 +247,7 @@ def _arguments(material: Material) -> _Arguments:
         "thermal": make_thermal(material),
         "young_saturated": saturated,
         "young_rate": falling,
+        "expansion": expansion,
+        "young_factor": young_factor,
+        "poisson_curve": poisson,
     }

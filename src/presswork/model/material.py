@@ -114,6 +114,23 @@ class Damage:
     """Damage at which a crack begins; None: it is not known."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Thermoelastic:
+    """Thermal expansion, and elastic constants by temperature; rows of temperature [degrees C] and value (n, 2).
+
+    Values are linear between rows and constant beyond.
+    """
+
+    expansion: FloatArray | None = None
+    """Coefficient of thermal expansion [1/K]: of the next degree or, with secant_from, the mean one from there on."""
+    secant_from: float | None = None
+    """Temperature from which the coefficient is the mean one [degrees C]."""
+    young_factor: FloatArray | None = None
+    """Young's modulus over that of the material."""
+    poisson: FloatArray | None = None
+    """Poisson's ratio, in place of that of the material."""
+
+
 @dataclass(frozen=True)
 class Umat:
     """A material law from a shared library with Abaqus's interface UMAT."""
@@ -158,6 +175,8 @@ class Material:
     """[t/mm3]; needed for dynamics and heating."""
     heating: Heating | None = None
     """Softening and heating; None: the material does not depend on temperature."""
+    thermoelastic: Thermoelastic | None = None
+    """None: it does not expand, and its elastic constants do not depend on temperature."""
     thermal: Thermal | None = None
     """Conduction and storage of heat; None: it conducts no heat."""
     damage: Damage | None = None

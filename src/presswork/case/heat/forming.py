@@ -17,7 +17,7 @@ from presswork.case.material.umat import UmatMaterial
 from presswork.case.part import Part
 from presswork.case.solid.workpiece import MeshFile
 from presswork.case.units import Conductivity, Density, HeatCapacity, HeatTransfer, Length, Number, Point, fault
-from presswork.law.elastic_plastic import is_hot
+from presswork.law.elastic_plastic import depends_on_temperature
 
 if TYPE_CHECKING:
     from presswork.case.solid import schema
@@ -255,6 +255,6 @@ def _check_material(name: str, material: schema.Material | UmatMaterial | None) 
 
 def start_hot(material: model.Material, heat: FormingHeat | None) -> model.Material:
     """Return a material whose law begins at the initial temperature of the case."""
-    if heat is None or (material.heating is None and not is_hot(material)):
+    if heat is None or not depends_on_temperature(material):
         return material
     return replace(material, heating=replace(material.heating or model.Heating(), start=heat.initial_temperature))

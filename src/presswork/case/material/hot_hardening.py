@@ -205,13 +205,16 @@ class JohnsonCookHardening(FittedLaw):
             raise fault(f"it reaches the melting temperature, {self.melting:g}", remedy, key="temperature_window")
 
 
-def check_heating(data: Any, hardening: object) -> None:
-    """Refuse keys of heating that the hardening law replaces, or that are missing."""
+def check_heating(data: Any, hardening: object, *, softens: bool) -> None:
+    """Refuse keys of heating that the hardening law replaces, or that are missing.
+
+    softens: nothing else depends on temperature.
+    """
     if data is None:
         return
     hot = isinstance(hardening, HotLaw)
     for key in ("melting", "exponent"):
-        if not hot and getattr(data, key) is None:
+        if not hot and getattr(data, key) is None and (softens or data.model_fields_set & {"melting", "exponent"}):
             raise fault("missing key", "steel melts at 1500 degrees C; the exponent is about 1", key=f"heating.{key}")
     for key in ("melting", "exponent", "reference"):
         if hot and key in data.model_fields_set:

@@ -35,13 +35,17 @@ def check_needs(
             if not any(getattr(stage, key, None) and key in stage.model_fields_set for key in TIMING):
                 fault = f"missing key: materials.{name}.{law} depends on the strain rate, and nothing times the stage"
                 yield Problem(f"stages.{index}.duration", fault, "add it, in seconds")
-        if isinstance(material.hardening, HotLaw):
-            yield from _check_temperature(name, material, material.hardening, heated)
+        if not heated and (material.heating is None or material.heating.start is None):
+            yield from _check_temperature(name, material)
 
 
-def _check_temperature(name: str, material: PlasticLaws, hardening: HotLaw, heated: bool) -> Iterator[Problem]:
-    if not heated and (material.heating is None or material.heating.start is None):
-        fault = f"missing key: {hardening.law} depends on temperature"
-        usual = hardening.window()[2].mean()
-        remedy = f"add the temperature at which the material is formed, such as {usual:g} degrees C"
-        yield Problem(f"materials.{name}.heating.start", fault, remedy)
+def _check_temperature(name: str, material: PlasticLaws) -> Iterator[Problem]:
+    hardening, key = material.hardening, material.follows_temperature()
+    if isinstance(hardening, HotLaw):
+        remedy = f"such as {hardening.window()[2].mean():g} degrees C"
+    elif key is not None:
+        remedy = "such as 20 degrees C"
+    else:
+        return
+    fault = f"missing key: {hardening.law if isinstance(hardening, HotLaw) else key} depends on temperature"
+    yield Problem(f"materials.{name}.heating.start", fault, f"add the temperature of the material, {remedy}")

@@ -16,6 +16,7 @@ from presswork.case.material.hardening import Hardening, Linear, build_hardening
 from presswork.case.material.heating import Heating
 from presswork.case.material.hot_hardening import HotLaw, check_heating
 from presswork.case.material.laws import Kinematic, RateLaw, YoshidaUemori, YoungDecrease
+from presswork.case.material.thermoelastic import Factors, PoissonRows, ThermalExpansion, build_thermoelastic
 from presswork.case.material.yield_function import Barlat1989, VonMisesYield, YieldFunction, Yld2000
 from presswork.case.part import Part
 from presswork.case.units import Number, Stress, fault
@@ -37,12 +38,20 @@ class PlasticLaws(Part):
         default=None, description="how Young's modulus falls with plastic strain"
     )
     damage: Damage | None = Field(default=None, description="criterion of fracture, and its critical value")
+    expansion: ThermalExpansion | None = Field(default=None, description="thermal expansion")
+    young_factor: Factors | None = Field(
+        default=None,
+        description="rows [degrees C, factor on `young`], e.g. [[20, 1], [600, 0.31]]",
+    )
+    poisson_by_temperature: PoissonRows | None = Field(
+        default=None, description="rows [degrees C, Poisson's ratio], in place of `poisson`"
+    )
     magnitudes: Magnitudes = Field(default="metal", description=DESCRIPTION)
 
     @model_validator(mode="after")
     def _check_laws(self) -> Self:
         """Refuse laws that do not go together."""
-        check_heating(self.heating, self.hardening)
+        check_heating(self.heating, self.hardening, softens=self.follows_temperature() is None)
         if isinstance(self.hardening, HotLaw) and self.rate is not None:
             remedy = f"remove it: {self.hardening.law} depends on the rate by itself"
             raise fault("the flow stress would depend on the rate twice", remedy, key="rate")
@@ -73,6 +82,11 @@ class PlasticLaws(Part):
             rate, degrees = float(np.sqrt(np.prod(window[1]))), float(window[2].mean())
         return self.build_law().flow_stress(strain, np.full(len(strain), rate), np.full(len(strain), degrees))[0]
 
+    def follows_temperature(self) -> str | None:
+        """Return the key by which elasticity depends on temperature, if there is one."""
+        keys = ("expansion", "young_factor", "poisson_by_temperature")
+        return next((key for key in keys if getattr(self, key) is not None), None)
+
     def needs_time(self) -> str | None:
         """Return the key of the law that depends on the strain rate, if there is one."""
         return "hardening" if isinstance(self.hardening, HotLaw) else "rate" if self.rate is not None else None
@@ -90,6 +104,7 @@ class PlasticLaws(Part):
             heating=self.heating.to_model() if self.heating else None,
             damage=self.damage.to_model() if self.damage else None,
             young_decrease=(self.young_decrease.saturated, self.young_decrease.rate) if self.young_decrease else None,
+            thermoelastic=build_thermoelastic(self.expansion, self.young_factor, self.poisson_by_temperature),
         )
 
     def build_law(self) -> _core.SheetLaw:

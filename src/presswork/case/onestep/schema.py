@@ -78,6 +78,9 @@ NOT_IN_ONE_STEP = {
     "rate": "strain rate",
     "heating": "temperature",
     "young_decrease": "change of Young's modulus",
+    "expansion": "temperature",
+    "young_factor": "temperature",
+    "poisson_by_temperature": "temperature",
 }
 """Keys of a material that one step cannot use; those that a material of the library brings are not heeded."""
 

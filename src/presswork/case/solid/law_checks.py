@@ -15,7 +15,9 @@ from presswork.case.settings import Solver
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import list_bodies
 
-BESIDE = ("kinematic", "rate", "heating", "young_decrease")
+BESIDE = (
+    "kinematic", "rate", "heating", "young_decrease", "expansion", "young_factor", "poisson_by_temperature",
+)  # fmt: skip
 """Keys of a material that the closed form of von Mises does not know."""
 
 

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bodies that expand with heat: the temperature that their points keep, and the work of thermal strain."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.law.thermoelastic import find_thermal_strain, find_young_factor
+from presswork.model import FloatArray, Material, Model
+from presswork.state import State
+
+AXES = {3: 0, 4: 2, 6: 6}
+"""Values of the directions of the law's axes, behind the temperature that a point keeps, by components of stress."""
+
+
+def keep_temperatures(model: Model, state: State) -> None:
+    """Let the points of a State at rest be without stress at the temperatures that they have."""
+    for i, block in enumerate(model.mesh.blocks):
+        material = model.materials[block.material]
+        if material.thermoelastic is not None and material.heating is not None:
+            kept = _kept(state, i)
+            kept[...] = state.cells.temperature[i].reshape(kept.shape) - material.heating.start
+
+
+def find_temperature(material: Material, state: State, block: int) -> FloatArray | None:
+    """Return the temperatures of the last stress (n_cells, n) [degrees C], if elasticity depends on them."""
+    if material.thermoelastic is None or material.heating is None:
+        return None
+    return _kept(state, block).reshape(state.cells.eqps[block].shape) + material.heating.start
+
+
+def _kept(state: State, block: int) -> FloatArray:
+    """Return a view of the temperatures of the last increment, less that of the start [degrees C]."""
+    view: FloatArray = state.cells.history[block][..., -1 - AXES[state.cells.stress[block].shape[-1]]]
+    return view
+
+
+def find_thermal_work(model: Model, state_n: State, trial: State) -> float:
+    """Return the work of the stress on thermal strain, and what moduli that fall take off the elastic energy [N mm].
+
+    The change of Poisson's ratio is left out.
+    """
+    total = 0.0
+    for i, block in enumerate(model.mesh.blocks):
+        material = model.materials[block.material]
+        if material.thermoelastic is None or material.heating is None:
+            continue
+        stress_n, stress = state_n.cells.stress[i], trial.cells.stress[i]
+        normal = 2 if stress.shape[-1] == 3 else 3
+        volume = trial.cells.volume[i]
+        before, now = (find_temperature(material, s, i) for s in (state_n, trial))
+        assert before is not None
+        assert now is not None
+        grown = find_thermal_strain(material.thermoelastic, now) - find_thermal_strain(material.thermoelastic, before)
+        mean = 0.5 * (stress_n[..., :normal].sum(axis=-1) + stress[..., :normal].sum(axis=-1))
+        lost = 1.0 - find_young_factor(material.thermoelastic, now) / find_young_factor(material.thermoelastic, before)
+        young = material.young * find_young_factor(material.thermoelastic, before)
+        total += float(((mean * grown + lost * _energy(material, stress_n, young)) * volume).sum())
+    return total
+
+
+def _energy(material: Material, stress: FloatArray, young: FloatArray) -> FloatArray:
+    """Return the elastic energy of a volume [MPa]."""
+    normal = 2 if stress.shape[-1] == 3 else 3
+    trace = stress[..., :normal].sum(axis=-1)
+    square = (stress[..., :normal] ** 2).sum(axis=-1) + 2.0 * (stress[..., normal:] ** 2).sum(axis=-1)
+    return np.asarray(((1 + material.poisson) * square - material.poisson * trace**2) / (2 * young))
