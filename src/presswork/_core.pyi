@@ -8,7 +8,7 @@ import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 4
+pack_width: int = 8
 
 architecture: str = 'native'
 

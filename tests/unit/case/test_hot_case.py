@@ -164,6 +164,30 @@ def test_a_table_that_is_not_there_is_refused(tmp_path: Path) -> None:
         read_case(path)
 
 
+@pytest.mark.parametrize(("start", "warned"), [(1100, False), (20, True), (1373, True)])
+def test_a_start_outside_the_window_of_the_law_is_warned_of(
+    caplog: pytest.LogCaptureFixture, start: float, warned: bool
+) -> None:
+    build_model(Case.model_validate(case(LAW, heating={"start": start})))
+    assert ("its law was fitted from 850 to 1250" in caplog.text) == warned
+
+
+@pytest.mark.parametrize(("die", "warned"), [(200, False), ("1500 °C", True)])
+def test_a_die_hotter_than_the_workpiece_is_warned_of(
+    caplog: pytest.LogCaptureFixture, die: float | str, warned: bool
+) -> None:
+    data = case(LAW, density="7850 kg/m^3", thermal={"conductivity": 28, "specific_heat": "650 J/(kg*K)"})
+    del data["materials"]["steel"]["heating"]
+    data["heat"] = {"initial_temperature": 1100}
+    data["tools"] = {
+        "die": {"profile": [[0, 10], [30, 10]], "contact": "frictionless",
+                "heat": {"temperature": die, "conductance": "5 kW/(m^2*K)"}}
+    }  # fmt: skip
+    data["stages"] = [{"name": "press", "duration": 1.0, "tools": {"die": {"stroke": 1.0, "direction": [0, -1]}}}]
+    build_model(Case.model_validate(data))
+    assert ("tools.die.heat.temperature: at 1500" in caplog.text) == warned
+
+
 def test_a_law_that_softens_by_itself_takes_no_other_softening() -> None:
     text = problems(case(LAW, heating={"start": 1100, "melting": 1480, "exponent": 1}))
     assert "materials.steel.heating.melting" in text

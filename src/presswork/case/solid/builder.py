@@ -16,7 +16,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
-from presswork.case.heat.forming import build_heat, start_hot
+from presswork.case.heat.forming import build_heat, start_hot, warn_of_temperatures
 from presswork.case.material.umat import UmatMaterial, build_umat
 from presswork.case.press.builder import Halves, build_drive, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver
@@ -43,6 +43,8 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 4, run_user_code)
     materials = tuple(start_hot(material, case.heat) for material in materials)
+    for warning in warn_of_temperatures(case, materials):
+        logger.warning("%s", warning)
     _stop_at(problems, case)
     contacts, problems = build_contacts(case, mesh, bodies, materials)
     planes, plane_problems = _find_symmetry_planes(case, mesh, bodies)
