@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from presswork import Case, run
 from presswork.examples import copy_example
 from presswork.report import write_report
 from presswork.results import Result, truncate_steps
+from presswork.view.cells import triangulate
 from tests.regression.browser import Page, chromium
 
 ATTACK = "</script><script>document.title = 'taken'</script>"
@@ -208,3 +210,26 @@ def test_page_fits_a_telephone(browser: Any, upset: Result) -> None:
     assert page.ask("() => document.documentElement.scrollWidth") <= 390
     assert not page.errors
     page.tab.close()
+
+
+def test_section_plane_lays_open_the_field_inside(page: Page, upset: Result) -> None:
+    """Of the revolved cylinder: at every corner of the cut, the value that the section has at its radius and height."""
+    page.choose("Field", "displacement_y")
+    page.choose("View", "revolved")
+    page.choose("Cut", "x")
+    page.tab.get_by_label("Place of the section plane").fill("0.7")
+    page.settle()
+    script = """() => { const { cap } = presswork.stage.scenes[0], { position, value } = cap.geometry.attributes;
+      return [cap.visible, [...position.array], [...value.array]]; }"""
+    is_shown, places, values = page.ask(script)
+    assert is_shown
+    x, y, z = np.reshape(places, (-1, 3)).T
+    step = len(upset.times) - 1
+    np.testing.assert_allclose(x, x[0], atol=1e-3)
+    net = Triangulation(*upset.points(step).T, triangulate(upset.mesh))
+    inside = LinearTriInterpolator(net, upset.scalar("displacement_y", step))(np.hypot(x, z), y).filled(np.nan)
+    known = np.isfinite(inside)
+    assert known.sum() > 300
+    assert np.quantile(np.abs(inside - values)[known], 0.99) < 0.01 * np.ptp(inside[known])
+    page.choose("Cut", "")
+    assert not page.ask("() => presswork.stage.scenes[0].cap.visible")

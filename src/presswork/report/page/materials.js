@@ -79,6 +79,15 @@ export function makeBodyMaterial({ isLit, isClosed }) {
   });
 }
 
+/** Return the material of the face that the section plane lays open: colours of the body, neither cut nor lit. */
+export function makeCapMaterial({ uniforms }) {
+  const { clip, colours, low, high, bands, isPlain, hasIsolines, plain } = uniforms, no = { value: false };
+  return new RawShaderMaterial({
+    glslVersion: GLSL3, vertexShader: BODY_VERTEX, fragmentShader: BODY_FRAGMENT, side: DoubleSide,
+    uniforms: { clip, colours, low, high, bands, isPlain, hasIsolines, plain, isClipped: no, isLit: no, isClosed: no },
+  });
+}
+
 export function makeLineMaterial(red, green, blue, opacity = 1) {
   return new RawShaderMaterial({
     glslVersion: GLSL3, vertexShader: LINE_VERTEX, fragmentShader: LINE_FRAGMENT, transparent: opacity < 1,

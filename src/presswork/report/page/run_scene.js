@@ -3,7 +3,8 @@
 import { BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineSegments, Mesh, Scene } from "./libraries/three.js";
 import { makeNormals, revolveProfile, takeRows } from "./shapes.js";
 import { MISSING } from "./unpack.js";
-import { makeBodyMaterial, makeLineMaterial, makeToolMaterial } from "./materials.js";
+import { valuesOnCut } from "./cap.js";
+import { makeBodyMaterial, makeCapMaterial, makeLineMaterial, makeToolMaterial } from "./materials.js";
 
 const IMAGES = { "": [[1, 1]], x: [[1, 1], [-1, 1]], y: [[1, 1], [1, -1]], xy: [[1, 1], [-1, 1], [1, -1], [-1, -1]] };
 const TOOL_COLOURS = [[0.36, 0.4, 0.46], [0.55, 0.4, 0.24], [0.22, 0.42, 0.52], [0.36, 0.5, 0.26]];
@@ -20,6 +21,9 @@ export class RunScene {
     this.outline = new LineSegments(new BufferGeometry(), makeLineMaterial(0.1, 0.12, 0.16));
     this.tools = [];
     for (const object of [this.body, this.lines, this.outline]) object.frustumCulled = false;
+    this.cap = new Mesh(new BufferGeometry(), makeCapMaterial(this.body.material));
+    this.cap.frustumCulled = this.cap.visible = false;
+    this.scene.add(this.cap);
     this.images = (IMAGES[run.symmetry] ?? IMAGES[""]).map(([x, y]) => {
       const image = new Group();
       image.scale.set(x, y, 1);
@@ -34,6 +38,7 @@ export class RunScene {
     const [shape, points, mesh] = await Promise.all([this.run.shape(step, isRevolved), this.run.points(step), this.run.mesh(step)]);
     this.shape = shape;
     this.mesh = mesh;
+    this.points = points;
     this.positions = shape.place(points);
     this.normals = makeNormals(shape, this.positions);
     this.drawnAs = null;
@@ -47,6 +52,7 @@ export class RunScene {
   /** Colour by values: of nodes, or of faces. */
   setValues(values, isNodal) {
     const { triangles, face, source } = this.shape, { geometry } = this.body;
+    Object.assign(this, { values, isNodal });
     if (this.drawnAs !== isNodal) {
       geometry.setIndex(isNodal ? attribute(triangles, 1) : null);
       geometry.setAttribute("position", attribute(isNodal ? this.positions : takeRows(this.positions, triangles, 3)));
@@ -59,7 +65,18 @@ export class RunScene {
     geometry.setAttribute("value", attribute(shown, 1));
   }
 
+  /** Close the body where the plane normal . place = offset cuts it, in the colours of its values; null: it is whole. */
+  setCap(normal, offset) {
+    const cut = normal && this.isShown ? this.shape.cut?.(this.points, normal, offset) : null;
+    this.cap.visible = Boolean(cut);
+    if (!cut) return;
+    this.cap.geometry.setAttribute("position", attribute(cut.corners));
+    this.cap.geometry.setAttribute("normal", attribute(new Float32Array(cut.corners.length)));
+    this.cap.geometry.setAttribute("value", attribute(valuesOnCut(cut, this.values, this.isNodal), 1));
+  }
+
   setVisible({ body, lines, tools }) {
+    this.isShown = body;
     if (lines && !this.hasLines) {
       setLines(this.lines.geometry, this.positions, this.shape.lines);
       this.hasLines = true;

@@ -2,6 +2,8 @@
 // What is drawn of a run's surface: itself, or a section revolved about its axis. A shape's nodes each stand for a node of
 // the surface, its triangles for a face, so that places and fields follow from those of the surface.
 
+import { cutRevolved } from "./cap.js";
+
 const OPEN_ANGLE = 1.5 * Math.PI; // of a body of revolution: a quarter is cut away to see the section
 const MOST_TRIANGLES = 60000;
 
@@ -76,7 +78,8 @@ export function makeRevolvedShape(mesh) {
     }
     return found;
   };
-  return { source, triangles, face, lines, place, n };
+  const cut = (points, normal, offset) => cutRevolved(mesh, sectors, points, normal, offset);
+  return { source, triangles, face, lines, place, n, cut };
 }
 
 /** Return the triangles of a tool's profile revolved like its section: positions (n, 3) and the lines of its edges. */

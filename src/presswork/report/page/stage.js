@@ -141,12 +141,17 @@ export class Stage {
 
   #setClip() {
     const { axis, part, isFlipped } = this.store.state.clip;
-    if (!axis) return this.viewer.setClip(null);
+    if (!axis) {
+      for (const i of this.shown()) this.scenes[i].setCap(null);
+      return this.viewer.setClip(null);
+    }
     const boxes = this.shown().map((i) => this.scenes[i].bounds()), i = "xyz".indexOf(axis);
     const low = Math.min(...boxes.map((box) => box.low[i])), high = Math.max(...boxes.map((box) => box.high[i]));
     const offset = low + part * (high - low), sign = isFlipped ? -1 : 1;
     this.clipAt = offset;
-    this.viewer.setClip([0, 1, 2].map((k) => (k === i ? sign : 0)), sign * offset);
+    const normal = [0, 1, 2].map((k) => (k === i ? sign : 0));
+    for (const number of this.shown()) this.scenes[number].setCap(normal, sign * offset);
+    this.viewer.setClip(normal, sign * offset);
   }
 
   // --- marks and probe ---------------------------------------------------------------------------------------------
