@@ -76,6 +76,8 @@ class Instant:
     temperature: FloatArray | None = None
     """Of bodies that conduct heat (n_points,) [degrees C]."""
     points: SolidPoints | None = None
+    laps: FloatArray | None = None
+    """1 at nodes where the surface has folded onto itself, 0 elsewhere (n_points,)."""
     evolved: Mapping[str, Sequence[FloatArray]] = field(default_factory=dict)
     """What evolution laws keep at the points, by quantity and block (n_cells, p); no rows where there is no law."""
     find_contact: Callable[[], NodalContact] | None = None

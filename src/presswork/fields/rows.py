@@ -163,6 +163,7 @@ ROWS = (
     Field("reaction_force", "N", "point", _reaction_force, components=VECTOR),
     Field("reaction_moment", "N mm", "point", _reaction_moment, components=VECTOR),
     Field("contact_force", "N", "point", _contact_force, components=VECTOR),
+    Field("lap", "1", "point", lambda now: now.laps),
     Field("springback", "mm", "point", lambda now: now.springback, components=VECTOR),
     Field("deviation", "mm", "point", lambda now: now.deviation),
     Field("nodal_temperature", "degrees C", "point", lambda now: now.temperature, label="temperature"),

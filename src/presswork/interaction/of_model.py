@@ -10,6 +10,7 @@ from presswork.body.solids import Mechanics
 from presswork.interaction.body_contact import BodyContacts
 from presswork.interaction.contract import Interaction
 from presswork.interaction.inertia import Inertia
+from presswork.interaction.laps import LapMarks
 from presswork.interaction.loads import Loads
 from presswork.interaction.plane_tools import PlaneTools
 from presswork.interaction.sheet_tools import SheetTools
@@ -37,6 +38,7 @@ class Interactions:
             self.supports,
             self.loads,
             *((self.bodies,) if model.contacts else ()),
+            *((LapMarks(model, self.bodies),) if model.remeshing is not None else ()),
             *((self.tools,) if model.plane_tools else ()),
             *((self.sheet_tools,) if self.sheet_tools else ()),
             *((self.inertia,) if self.inertia else ()),

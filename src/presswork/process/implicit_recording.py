@@ -14,6 +14,7 @@ from presswork.body.law_window import LawWindow
 from presswork.body.solids import Mechanics
 from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
+from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.formability import Formability
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
@@ -173,18 +174,22 @@ class ImplicitRecording(IncrementRecording):
         progress = self.procedure.state[Progress]
         return progress.stage - 1 if progress.fraction == 0.0 and progress.stage > 0 else progress.stage
 
-    def snapshot(self) -> Snapshot:
-        """Return the fields of the converged state."""
-        procedure, model = self.procedure, self.model
-        state = procedure.state
-        interactions = procedure.interactions
+    def _show(self) -> Instant:
+        """Return what the fields of the converged state are computed from."""
+        procedure = self.procedure
+        state, interactions = procedure.state, procedure.interactions
         forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self._stage()))
         now = procedure.mechanics.show(state, forces, interactions.bodies.traction(state))
         if procedure.heat is not None:
             now.temperature = state[HeatArrays].temperature
-        if model.analysis != "shell":
+        if self.model.analysis != "shell":
             now.reaction = state.nodes.reaction * self.reactions.mask(self.mesh, self._stage())
-        points, cells = compute_fields(now)
+        return now
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the converged state."""
+        model, state = self.model, self.procedure.state
+        points, cells = compute_fields(self._show())
         points = {**points, "displacement": self.moved(points["displacement"])}
         places = self._tool_places()
         return Snapshot(

@@ -14,11 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.fields.instant import Instant
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.implicit.epochs import new_epoch
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.laps import LapArrays, list_laps, mark_lap
 from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import join_parts, split_mesh
@@ -219,6 +221,9 @@ class RemeshedForming(ImplicitRecording):
         carrier = Carrier(before.model.mesh, position, mesh, parts)
         after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
         carry_surface(before, after, carrier)
+        for part_of, made in zip(parts, new, strict=True):
+            if made is not None:
+                mark_lap(after.state, part_of.new_points.start + made.line.laps, after.state[Progress].time)
         outcome = after.balance_at_rest()
         if isinstance(outcome, Failed):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
@@ -233,9 +238,23 @@ class RemeshedForming(ImplicitRecording):
         self._made_at = self.number
         return False
 
+    def _show(self) -> Instant:
+        """Return what the fields are computed from."""
+        now = super()._show()
+        now.laps = self.procedure.state[LapArrays].mark
+        return now
+
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what the summary tells, and how many meshes there were."""
-        return super().summary(history) | {"remeshes": self.epoch}
+        told = super().summary(history)
+        laps = list_laps(self.procedure.state, self.model.mesh)
+        begun = self.procedure.state[LapArrays].begun
+        told["warnings"] += [
+            f"the surface has folded onto itself near ({x:.4g}, {y:.4g}), first at {begun:.4g} s: a lap, a fault of "
+            "the part (field lap)"
+            for x, y in laps
+        ]
+        return told | {"remeshes": self.epoch, "laps": [{"x_mm": float(x), "y_mm": float(y)} for x, y in laps]}
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ contacts. One offset of all free nodes along their normals gives the volume back
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -72,6 +72,8 @@ class NewLine:
     """Nodes that neither a tool nor a plane holds (k,)."""
     offset: float
     """By which free nodes were moved outwards to give the volume back [mm]."""
+    laps: IndexArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    """Nodes between which loops were left out in which the line crossed itself (n,)."""
 
 
 def enclosed_volume(line: FloatArray, *, ring: bool) -> float:
@@ -122,13 +124,15 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     places = np.mod(np.concatenate(spread), len(old.points))
     points, is_free = curve.at(places), curve.is_free(places)
     points, is_free, offset = _give_volume_back(points, is_free, old)
-    fold = find_fold(list_sides(points))
+    fold, laps = find_fold(list_sides(points)), np.zeros(0, dtype=np.intp)
     if fold is not None:
         kept = _close_lap(points, fold, is_free)
+        beside = kept & (np.roll(~kept, 1) | np.roll(~kept, -1))
+        laps = np.flatnonzero(beside[kept])
         places = places[kept]
         points, is_free, offset = _give_volume_back(points[kept], is_free[kept], old)
         refuse_fold(list_sides(points))
-    return NewLine(points, places, is_free, offset)
+    return NewLine(points, places, is_free, offset, laps)
 
 
 def _fold_error(points: FloatArray, fold: tuple[int, int]) -> MeshError:

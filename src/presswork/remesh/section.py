@@ -202,6 +202,14 @@ def _join_lines(lines: Sequence[NewLine], chains: Sequence[IndexArray]) -> tuple
         np.concatenate([first + line.place for first, line in zip(firsts, lines, strict=True)]),
         np.concatenate([line.is_free for line in lines]),
         max((line.offset for line in lines), key=abs),
+        np.concatenate(
+            [
+                first + line.laps
+                for first, line in zip(
+                    np.cumsum([0, *(len(line.points) for line in lines)]).tolist(), lines, strict=False
+                )
+            ]
+        ),
     )
     after = close_loops([len(line.points) for line in lines])
     if len(lines) > 1:

@@ -13,6 +13,7 @@ from presswork.results import Result
 from presswork.view.cells import outline_cells, triangulate
 from presswork.view.crack_mark import mark_first_crack
 from presswork.view.extremes import describe_extremes, mark_extremes
+from presswork.view.lap_mark import mark_laps
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
 from presswork.view.tool_plot import draw_tools
@@ -197,7 +198,8 @@ def _label_extremes(ax: Axes, result: Result, field: str, values: FloatArray, pl
     """Mark the extremes of the values (n,) at their places (n, 2) [mm] and the first crack, say both in the title."""
     mark_extremes(ax, values, places)
     crack = mark_first_crack(ax, result, field, step)
-    title = f"{describe_step(result, step)}\n{describe_extremes(values, places)}\n{crack}"
+    faults = ", ".join(words for words in (crack, mark_laps(ax, result, step)) if words)
+    title = f"{describe_step(result, step)}\n{describe_extremes(values, places)}\n{faults}"
     ax.set_title(title.rstrip(), fontsize="medium")
 
 
