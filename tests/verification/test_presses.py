@@ -154,6 +154,25 @@ def test_explicit_solids_follow_the_crank(tmp_path: Path) -> None:
     assert 1e-6 * history["energy_spent"][-1] == pytest.approx(done.result.summary["press"][0]["energy_spent_kJ"])
 
 
+def test_explicit_solids_take_the_energy_of_a_blow(tmp_path: Path) -> None:
+    data = deepcopy(CASE) | {"procedure": "explicit", "output": {"rows": 100, "steps": 2}}
+    data["materials"]["metal"] |= {"young": "200 GPa", "density": "7850 kg/m^3"}
+    data["workpiece"]["element"] = "quad4_1pt"
+    model = build_model(Case.model_validate(data))
+    outcome = run_model(model, tmp_path / "whole", threads=1)
+    history, summary = outcome.result.history, outcome.result.summary
+    assert history["energy_spent"][-1] == pytest.approx(TAKEN, rel=2e-3)
+    assert HEIGHT - 2.0 * history["die.stroke"][-1] == pytest.approx(HEIGHT * math.exp(-STRAIN), rel=5e-3)
+    assert history["ram_speed"][0] < 5000.0
+    assert history["ram_speed"][-1] == 0.0
+    assert (np.diff(history["ram_speed"]) <= 0.0).all()
+    assert summary["press"][0]["blow"] == 1
+    assert not any("kJ are left" in warning for warning in summary["warnings"])
+    assert run_model(model, tmp_path / "part", on_increment=stop_after(23), threads=1).status == "interrupted"
+    assert run_model(model, tmp_path / "part", resume=True, threads=1).status == "completed"
+    assert_same_bits(tmp_path / "part", tmp_path / "whole")
+
+
 CUP: dict[str, Any] = {
     "title": "a cup under a crank press",
     "analysis": "stamping",

@@ -93,6 +93,17 @@ class DrivenStroke:
         return self.scale * np.array([self.drive.part_at(float(t)) for t in np.atleast_1d(since)]).reshape(since.shape)
 
 
+@dataclass(frozen=True)
+class EvenMotion:
+    """A constant velocity [mm/s]."""
+
+    velocity: float
+
+    def position(self, time: Array) -> Array:
+        """Give the way gone [mm] at times (n) [s]."""
+        return np.asarray(self.velocity * np.asarray(time, dtype=float))
+
+
 class VelocityCurve:
     """Velocity [mm/s] at times [s], straight between them and zero outside; stroke [mm]: what it must come to."""
 

@@ -15,26 +15,28 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.explicit.energy import EnergyBalance, warn_of_energies
 from presswork.explicit.input_checks import check_damping
-from presswork.explicit.motion import DrivenStroke, Motion, SmoothStroke
+from presswork.explicit.motion import DrivenStroke, EvenMotion, Motion, SmoothStroke
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids, Wall
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
-from presswork.model import ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
+from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.process.epochs import NamedArrays
 from presswork.process.limits import Watched, measure_hydrostatic_stress
 from presswork.process.peaks import find_peaks, peak_columns, peak_row
 from presswork.process.penetration import Penetration
-from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
+from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram, warn_of_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
-from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
+from presswork.process.rows import LAST_COLUMNS, STAGE, STAGE_WAY, RowRecording, RowReport, last_energies
 from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole
 
 ADDED_MASS = 2
 """Of the progress, after stage and row."""
+STEPS_OF_A_ROW = 10
+"""In each of which the ram of a blow keeps its speed."""
 EXTENTS = ("x_min", "x_max", "y_min", "y_max")
 """Of the workpiece [mm]."""
 ADVICE = {
@@ -86,9 +88,10 @@ class ExplicitImpact(RowRecording):
         impulse = [wall.impulse for wall in self.walls]
         self.solids.reset_reaction()
         to = begin + stage.duration * (row + 1) / rows
-        self.solids.run_to(
-            to, damping=self.settings.damping, target_step=self.settings.target_step, motion=_motion_of(stage, begin)
-        )
+        if stage.drive is not None and isinstance(stage.drive.motion, Blow):
+            self._strike(number, stage.drive, to)
+        else:
+            self._run_to(to, _motion_of(stage, begin))
         for i, wall in enumerate(self.walls):
             self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
         self._reaction = self.solids.reaction_impulse / (self.solids.time - time)
@@ -96,6 +99,20 @@ class ExplicitImpact(RowRecording):
         self._progress[ADDED_MASS] = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle
         return cycles, stage.duration / rows / cycles, energies
+
+    def _run_to(self, to: float, motion: Motion | None) -> None:
+        settings = self.settings
+        self.solids.run_to(to, damping=settings.damping, target_step=settings.target_step, motion=motion)
+
+    def _strike(self, number: int, drive: Drive, to: float) -> None:
+        """Run to a time [s] with a ram whose speed follows in steps from the energy that is left."""
+        for end in np.linspace(self.solids.time, to, STEPS_OF_A_ROW + 1)[1:]:
+            dt, impulse = end - self.solids.time, [wall.impulse for wall in self.walls]
+            left = max(drive.travel - float(self._progress[STAGE_WAY]), 0.0)
+            speed = min(self._find_ram_speed(drive, 0.0), left / dt)
+            self._run_to(float(end), EvenMotion(speed * drive.duration / drive.travel))  # walls have the mean velocity
+            forces = np.array([(wall.impulse - i) / dt for wall, i in zip(self.walls, impulse, strict=True)])
+            self._add_ram_work(number, forces.reshape(-1, 2), speed * dt)
 
     def _tool_forces(self) -> FloatArray:
         return self._force
@@ -272,6 +289,7 @@ class ExplicitImpact(RowRecording):
             "warnings": [
                 *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),
                 *warn_of_energies(history, advice),
+                *(warn_of_ram(self.model, history, np.ones(len(self.model.stages))) if has_ram(self.model) else ()),
             ],
         }
 

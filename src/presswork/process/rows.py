@@ -17,7 +17,8 @@ from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import DrivenStroke
-from presswork.model import FloatArray, Model, Stage
+from presswork.implicit.ram import SPENT
+from presswork.model import Blow, Drive, FloatArray, Model, Stage
 from presswork.outcome import GaveUpError
 from presswork.process.epochs import EpochRecording
 from presswork.process.press_quantities import RAM_COLUMNS, force_on_ram, has_ram, ram_at_rest
@@ -25,8 +26,9 @@ from presswork.process.recording import Row
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
-STAGE, ROW, RAM_WORK = 0, 1, -2
-"""Of the progress; the work of the ram [N mm] and the rows of a stage come last."""
+STAGE, ROW, RAM_WORK, STAGE_WORK, STAGE_WAY = 0, 1, -4, -3, -2
+"""Of the progress; the work of the ram, since the start and in the present stage [N mm], its way in that [mm], and the
+rows of a stage come last."""
 LAST_COLUMNS = ("time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent")
 
 
@@ -53,7 +55,7 @@ class RowRecording(EpochRecording, ABC):
         _core.set_threads(threads or available_threads())
         super().__init__(model)
         self.timing = Timing(*phases)
-        self._progress = np.zeros(n_progress + 1)
+        self._progress = np.zeros(n_progress + 3)
         self._progress[-1] = model.output.rows
 
     @property
@@ -106,10 +108,12 @@ class RowRecording(EpochRecording, ABC):
         started = perf_counter()
         number, row = (int(self._progress[i]) for i in (STAGE, ROW))
         stage, rows, steps = self.model.stages[number], self.model.output.rows, self.model.output.steps
+        if row == 0:
+            self._progress[[STAGE_WORK, STAGE_WAY]] = 0.0
         cycles, step, energies = self._compute_row(number, row)
-        if stage.drive is not None:
+        if stage.drive is not None and not isinstance(stage.drive.motion, Blow):
             way = stage.drive.travel * np.diff(DrivenStroke(stage.drive).position(self._times(stage, row)))
-            self._progress[RAM_WORK] += force_on_ram(self.model, number, self._tool_forces()) * float(way[0])
+            self._add_ram_work(number, self._tool_forces(), float(way[0]))
         self._progress[ROW] = row + 1
         if row + 1 == rows:
             self._progress[[STAGE, ROW]] = (number + 1, 0)
@@ -130,6 +134,19 @@ class RowRecording(EpochRecording, ABC):
     def _tool_forces(self) -> FloatArray:
         """Return the mean forces on the tools in the last row (n_tools, 2 | 3) [N]."""
 
+    def _add_ram_work(self, number: int, forces: FloatArray, way: float) -> None:
+        """Count the work of the ram of a stage on a way [mm], by the mean forces on the tools (n_tools, 2 | 3) [N]."""
+        work = force_on_ram(self.model, number, forces) * way
+        self._progress[[RAM_WORK, STAGE_WORK, STAGE_WAY]] += (work, work, way)
+
+    def _find_ram_speed(self, drive: Drive, fraction: float) -> float:
+        """Return the speed of the ram [mm/s] at a fraction of its stage's time."""
+        if not isinstance(drive.motion, Blow):
+            return drive.speed_at(drive.part_at(fraction * drive.duration))
+        spent, way = self._progress[[STAGE_WORK, STAGE_WAY]]
+        is_over = drive.motion.energy - spent <= SPENT * drive.motion.energy or way >= drive.travel * (1 - 1e-12)
+        return 0.0 if is_over else drive.motion.speed_with(drive.motion.energy - float(spent))
+
     def _times(self, stage: Stage, row: int) -> FloatArray:
         """Return when a row begins and ends, since the stage began (2,) [s]."""
         return stage.duration * np.array([row, row + 1]) / self.model.output.rows
@@ -142,9 +159,10 @@ class RowRecording(EpochRecording, ABC):
         drive = self.model.stages[number].drive
         if drive is None:
             return ram_at_rest(work)
-        speed = drive.speed_at(drive.part_at(report.fraction * drive.duration))
+        speed = self._find_ram_speed(drive, report.fraction)
+        blow = drive.motion.number if isinstance(drive.motion, Blow) else 0
         return dict(
-            zip(RAM_COLUMNS, (speed, force_on_ram(self.model, number, self._tool_forces()), work, 0), strict=True)
+            zip(RAM_COLUMNS, (speed, force_on_ram(self.model, number, self._tool_forces()), work, blow), strict=True)
         )
 
     def _ram_at_rest(self) -> Row:

@@ -132,10 +132,10 @@ def test_a_crank_shorter_than_the_way_asked_for_is_refused() -> None:
     assert 'stages.0.press = "maxi": the stroke of the press is 20 mm, too short for a ram 24 mm' in str(caught.value)
 
 
-def test_explicit_stages_take_no_blows_and_no_limits() -> None:
+def test_explicit_stages_take_one_blow_and_no_limits() -> None:
     data = change("materials.metal.density", 7.85e-9, change("procedure", "explicit", CASE))
-    with pytest.raises(CaseError, match=r'stages\.0\.press = "hammer": the explicit procedure has no blows by energy'):
-        build_model(Case.model_validate(data))
+    with pytest.raises(CaseError, match=r"stages\.0\.press\.blows = 2: in the explicit procedure a tool goes on"):
+        build_model(Case.model_validate(change("stages.0.press", {"name": "hammer", "blows": 2}, data)))
     with pytest.raises(CaseError, match="the explicit procedure has no limits of force and power"):
         build_model(Case.model_validate(change("stages.0.press", "slow", data)))
     with pytest.raises(CaseError, match=r"stages\.0\.ramp = 1\.0: a ram neither starts nor stops smoothly"):

@@ -63,11 +63,14 @@ def check_timing(timing: Timing, presses: Mapping[str, Press]) -> Iterator[Probl
             yield Problem(f"{key}.press.{k}", f"has no meaning for a press of kind {kind}", "leave it out")
 
 
-def check_in_explicit(key: str, press: Press, name: str) -> list[Problem]:
-    """Return the problem of a press in an explicit stage: there position follows from time."""
-    remedy = 'take a crank or a given speed, or procedure = "implicit"'
-    if isinstance(press, EnergyPress):
-        return [Problem(f"{key}.press", "the explicit procedure has no blows by energy", remedy, name)]
+def check_in_explicit(key: str, press: Press, given: StagePress, *, blows: bool) -> list[Problem]:
+    """Return the problem of a press in an explicit stage; blows: whether a single blow can be computed."""
+    remedy, name = 'take a crank or a given speed, or procedure = "implicit"', given.name
+    if isinstance(press, EnergyPress) and not blows:
+        return [Problem(f"{key}.press", "the explicit procedure of sheets has no blows by energy", remedy, name)]
+    if isinstance(press, EnergyPress) and given.blows > 1:
+        fault = "in the explicit procedure a tool goes on from where it is, so there is one blow"
+        return [Problem(f"{key}.press.blows", fault, 'leave it out, or set procedure = "implicit"', given.blows)]
     if isinstance(press, HydraulicPress) and (press.force or press.power):
         return [Problem(f"{key}.press", "the explicit procedure has no limits of force and power", remedy, name)]
     return []

@@ -66,7 +66,9 @@ def _check_explicit(case: schema.Case) -> list[Problem]:
     for index, stage in enumerate(case.stages):
         problems += _check_stage(f"stages.{index}", stage)
         if stage.press is not None and stage.press.name in case.presses:
-            problems += check_in_explicit(f"stages.{index}", case.presses[stage.press.name], stage.press.name)
+            problems += check_in_explicit(
+                f"stages.{index}", case.presses[stage.press.name], stage.press, blows=not stage.displacement
+            )
     problems += _check_magnitudes(case) + _check_target_step(case)
     fault = "is for the implicit procedure"
     keys = [f"solver.{key}" for key in sorted(case.solver.model_fields_set - {"displacements"})]

@@ -105,7 +105,7 @@ def _check_press(case: StampingCase, index: int, stage: StampingStage) -> list[P
         fault = "the blank itself is moved, whose work is not the ram's"
         problems.append(Problem(f"{key}.displacement", fault, "give it a stage of its own"))
     if case.procedure == "explicit":
-        problems += check_in_explicit(key, case.presses[stage.press.name], stage.press.name)
+        problems += check_in_explicit(key, case.presses[stage.press.name], stage.press, blows=False)
     return problems
 
 
