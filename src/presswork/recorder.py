@@ -142,6 +142,7 @@ def append_snapshot(path: Path, mesh: Mesh, now: Snapshot) -> None:
         tool_displacement=now.tool_displacement,
         tool_angle=now.tool_angle,
         surfaces=now.surfaces,
+        dies=now.dies,
         info=now.info,
     )
 

@@ -21,6 +21,12 @@ class Timing:
         """Add seconds that have been measured elsewhere to a phase."""
         self.seconds[phase] += seconds
 
+    def go_on_from(self, before: Timing) -> None:
+        """Count on from where another of the same phases has come."""
+        self._started = before._started
+        for phase, seconds in before.seconds.items():
+            self.seconds[phase] += seconds
+
     def shares(self) -> str:
         """Say which part of the time each phase has taken, the largest first."""
         total = self.total()

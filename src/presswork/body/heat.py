@@ -147,6 +147,6 @@ class Conduction:
         return data
 
     def mean(self, temperature: FloatArray, nodes: slice = slice(None)) -> float:
-        """Return the mean temperature of nodes, weighted by mass."""
-        mass = np.sum(self.mass, axis=0)[nodes]
+        """Return the mean temperature of nodes, weighted by mass; temperature: of all or of the first so many nodes."""
+        mass = np.sum(self.mass, axis=0)[: len(temperature)][nodes]
         return float(mass @ temperature[nodes] / mass.sum())

@@ -25,7 +25,7 @@ from presswork.interaction.heat_surface import HeatSurface, Touch
 from presswork.interaction.meshed_dies import MeshedDies, pass_on
 from presswork.interaction.of_model import Interactions
 from presswork.model import BoolArray, FloatArray, Heat, Model
-from presswork.outcome import Failed, IterationLog, Step
+from presswork.outcome import Failed, GaveUpError, IterationLog, Step
 from presswork.state import NODE, RUN, Arrays, OnNewMesh, State
 from presswork.timing import Timing
 
@@ -210,6 +210,36 @@ class HeatOfForming:
         arrays = state[HeatArrays]
         arrays.rate, arrays.die_rate = np.zeros_like(arrays.rate), np.zeros_like(arrays.die_rate)
         arrays.last_step = arrays.next_step = 0.0
+
+    def rest(self, state: State, duration: float) -> HeatArrays:
+        """Return the arrays after a time [s] in which the tools with meshes lie open without a workpiece.
+
+        Raises GaveUpError where heat finds no balance.
+        """
+        after = state.duplicate()
+        self.begin_stage(after)
+        arrays, n = after[HeatArrays], self._n_points
+        if duration == 0.0:
+            return arrays
+        mask, held = self._dies.mask.copy(), self._dies.held.copy()
+        mask[:n], held[:n] = 1, arrays.temperature
+        problem = HeatProblem(
+            points=self._dies.place(after),
+            temperature_n=_together(after),
+            dt=duration,
+            films=self._surface.find_open(after),
+            time=duration,
+            mask=mask,
+            prescribed=held,
+            counted=n,
+        )
+        self._equation.couple(np.zeros((0, 2), dtype=np.int32))
+        heat = np.zeros((2, len(KINDS)))
+        found = self._take_steps(after, problem, [], np.zeros(n), heat)
+        if isinstance(found, Failed):
+            raise GaveUpError(f"the pause between parts: {found.reason}")
+        arrays.dies, arrays.die_heat = found.temperature[n:], arrays.die_heat + heat[1]
+        return arrays
 
     def advance(self, state_n: State, trial: State, step: Step, dt: float) -> float | Failed:
         """Bring the temperatures of a trial state in equilibrium to the end of its increment of dt [s].

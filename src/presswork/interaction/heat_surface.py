@@ -116,6 +116,15 @@ class HeatSurface:
         around = self._heat.surroundings
         return SurfaceNow(touches, meetings, links, make_surroundings(around, area) if around else [])
 
+    def find_open(self, state: State) -> list[Film]:
+        """Return the surroundings of tools with meshes that no body touches."""
+        points = self._dies.place(state)
+        area = np.zeros(len(points))
+        for die in self._dies.dies:
+            area += sum_at_nodes(die.profile, measure_sides(self._model, die.profile, points), len(points))
+        around = self._heat.surroundings
+        return make_surroundings(around, area) if around else []
+
     def _find_pressure(self, t: int, areas: FloatArray, edges: IntArray, forces: ContactForces) -> FloatArray:
         """Return the pressure of a tool at the nodes of the edges that it touches (n_points,) [MPa]."""
         own, n = forces.tool == t, len(self._model.mesh.points)

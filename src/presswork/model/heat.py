@@ -168,3 +168,12 @@ class Heat:
     """Largest time step over the duration of the stage."""
     fixed_step: float | None = None
     """All steps are of this part of the stage, whatever their errors."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """Parts formed one after another, each by all stages, between tools that stay warm."""
+
+    parts: int
+    pause: float = 0.0
+    """Between parts: the tools lie open [s]."""

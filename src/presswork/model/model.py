@@ -10,7 +10,7 @@ import numpy as np
 
 from presswork.model.arrays import IntArray
 from presswork.model.contact import Body, BodyContact
-from presswork.model.heat import Heat
+from presswork.model.heat import Heat, Series
 from presswork.model.limits import Limits
 from presswork.model.material import Material
 from presswork.model.mesh import Mesh, Section
@@ -61,6 +61,8 @@ class Model:
     """Stampings: springback after the last stage and the trimming; None: the part stays as it is."""
     heat: Heat | None = None
     """Conduction of heat; None: temperatures are those of the materials' own heating."""
+    series: Series | None = None
+    """Solids with heat: parts formed one after another; None: one part."""
     limits: Limits = field(default_factory=Limits)
     remeshing: Remeshing | None = None
     """Solids in the plane or in axisymmetry: new meshes in the run; None: one mesh to the end."""

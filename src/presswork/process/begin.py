@@ -46,6 +46,10 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.impact import ExplicitImpact
 
         return ExplicitImpact(model, threads=threads)
+    if model.series is not None:
+        from presswork.process.series import SeriesForming
+
+        return SeriesForming(model, threads=threads)
     if model.remeshing is not None:
         from presswork.process.remeshing import RemeshedForming
 

@@ -26,7 +26,7 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.tool_arrays import ToolArrays
-from presswork.model import FloatArray, Model, ToolMotion
+from presswork.model import FloatArray, IntArray, Model, ToolMotion
 from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat, warn_of_tables
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_sheet
@@ -197,6 +197,7 @@ class ImplicitRecording(IncrementRecording):
             point_data=points,
             cell_data=cells,
             tools={t.name: start_profile(t) for t in model.plane_tools},
+            dies=self._show_dies(),
             tool_centre={t.name: start_centre(t) for t in model.plane_tools},
             tool_displacement={t.name: moved for t, (moved, _) in zip(model.plane_tools, places, strict=True)},
             tool_angle={t.name: angle for t, (_, angle) in zip(model.plane_tools, places, strict=True)},
@@ -206,6 +207,15 @@ class ImplicitRecording(IncrementRecording):
                 **(self._judged().to_info() if model.analysis == "shell" else {}),
             },
         )
+
+    def _show_dies(self) -> dict[str, tuple[FloatArray, IntArray, FloatArray]]:
+        """Return the meshes of tools that conduct heat, and their temperatures."""
+        heat = self.procedure.heat
+        if heat is None:
+            return {}
+        temperatures = heat.die_temperatures(self.procedure.state)
+        meshes = {die.name: die.mesh.mesh for die in heat.dies.dies}
+        return {name: (mesh.points, mesh.blocks[0].connectivity, temperatures[name]) for name, mesh in meshes.items()}
 
     def _judged(self) -> Formability:
         """What the strains of a sheet are judged by: it is of one material."""

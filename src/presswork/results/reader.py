@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from presswork.fields.formability_fields import FORMABILITY_FIELDS
 from presswork.fields.table import find_aliases, find_row, to_scalar
 from presswork.formability import Formability
-from presswork.geometry.pose import ToolPose, place_segments
+from presswork.geometry.pose import ToolPose, place_points, place_segments
 from presswork.model import FloatArray, IntArray
+from presswork.results.dies import read_dies
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
 from presswork.results.history import read_history
 from presswork.results.vtkhdf import locate_mesh, open_file, open_results, report_damage
@@ -192,6 +193,18 @@ class Result:
             centre, displacement, angle = (self._whole(file, f"presswork/tools/{tool}/{name}") for name in names)
             index = self._index(step, len(displacement))
             return ToolPose(centre, displacement[index], float(angle[index]))
+
+    def dies(self, step: int = -1) -> dict[str, tuple[FloatArray, IntArray, FloatArray]]:
+        """Return the meshes of tools that conduct heat, where they are at a saved step.
+
+        By tool: points (n, 2) [mm], cells (m, k) and temperatures (n,) [degrees C].
+        """
+        with self._open() as file:
+            found = read_dies(file, step)
+        return {
+            name: (place_points(points, self.tool_pose(name, step)), cells, values)
+            for name, (points, cells, values) in found.items()
+        }
 
     def placed_tool(self, tool: str, step: int = -1) -> FloatArray:
         """Return a tool's profile where it is at a saved step, shape (n_segments, 7) as in model.Tool."""

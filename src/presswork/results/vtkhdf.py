@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from presswork.fields.table import find_row, find_unit
 from presswork.formability import Info
 from presswork.model import ELEMENTS, FloatArray, IntArray, Mesh
+from presswork.results.dies import append_dies, truncate_dies, write_dies
 from presswork.results.vtkhdf_tools import (
     COMPRESSION,
     append_rows,
@@ -64,6 +65,7 @@ def append_step(
     tool_displacement: Mapping[str, FloatArray] | None = None,
     tool_angle: Mapping[str, float] | None = None,
     surfaces: Mapping[str, tuple[FloatArray, IntArray]] | None = None,
+    dies: Mapping[str, tuple[FloatArray, IntArray, FloatArray]] | None = None,
     info: Info | None = None,
 ) -> None:
     """Append one saved step; the first one creates the file.
@@ -75,7 +77,8 @@ def append_step(
     `tool_displacement` its displacement, shape (2,) [mm], and `tool_angle` its angle [rad]; a tool not named has not
     moved. `surfaces` holds the points (n, 3) and triangles (n, 3) of tools in space, whose displacement has shape (3,).
     `tools`, `tool_centre`, `surfaces` and `info` (title, analysis and the like, stored as attributes) are stored with
-    the first step only.
+    the first step only. `dies` holds the mesh of tools that conduct heat, where they start: points (n, 2), cells (m, k)
+    and, of this step, temperatures (n,).
     Raises OutputError if the file cannot be written, ValueError if an array has the wrong shape.
     """
     path = Path(path)
@@ -92,6 +95,7 @@ def append_step(
             if is_new:
                 _write_frame(file, info or {})
                 _write_tools(file, tools or {}, tool_centre or {}, surfaces or {})
+                write_dies(file, dies or {})
             body = find_body(file)
             if is_new or not _is_last_mesh(body, mesh):
                 _append_mesh(file, mesh)
@@ -100,6 +104,7 @@ def append_step(
             _append_time(body, time)
             _append_tool_positions(file, tool_displacement or {}, tool_angle or {})
             append_tool_steps(file)
+            append_dies(file, dies or {})
 
 
 def count_steps(path: Path | str) -> int:
@@ -361,3 +366,4 @@ def _truncate(file: h5py.File, n: int) -> None:
         tool["displacement"].resize(n, axis=0)
     steps.attrs["NSteps"] = n
     truncate_tool_blocks(file, n)
+    truncate_dies(file, n)

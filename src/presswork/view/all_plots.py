@@ -16,6 +16,7 @@ from presswork.post.springback import find_formed_step
 from presswork.results import Result, ResultError
 from presswork.view.blank_plot import plot_blank
 from presswork.view.crack_mark import find_judged_damage
+from presswork.view.die_plot import plot_dies, plot_parts
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
     find_energies,
@@ -239,7 +240,13 @@ def _plot_temperatures(result: Result, folder: Path) -> list[Path]:
         return []
     figure = bare_figure()
     plot_temperatures(result, figure.subplots())
-    return [save_picture(figure, folder / "temperature_time.png")]
+    paths = [save_picture(figure, folder / "temperature_time.png")]
+    if result.dies():
+        step = len(result.times) - 1
+        paths.append(save_picture(plot_dies(result, figure=bare_figure()), folder / f"dies_{step:03d}.png"))
+    if "part" in result.history:
+        paths.append(save_picture(plot_parts(result, bare_figure()), folder / "parts.png"))
+    return paths
 
 
 def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequence[int]) -> list[Path]:

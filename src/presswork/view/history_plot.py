@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
 from presswork.view.history_marks import mark_history
-from presswork.view.style import begin_at_zero, clean_axes, new_figure, require_matplotlib
+from presswork.view.style import begin_at_zero, break_at_parts, clean_axes, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +44,8 @@ def plot_history(
         for abscissa, ordinate in curves:
             parts = [name] if len(runs) > 1 else []
             parts += [ordinate.partition(".")[0]] if len(curves) > 1 else []
-            ax.plot(_values(history, abscissa), _values(history, ordinate), label=", ".join(parts), linewidth=1.8)
+            shown = break_at_parts(history, _values(history, ordinate))
+            ax.plot(_values(history, abscissa), shown, label=", ".join(parts), linewidth=1.8)
         drawn += curves
     ax.set_xlabel(_label(sorted({abscissa for abscissa, _ in drawn})))
     ax.set_ylabel(_label(sorted({ordinate for _, ordinate in drawn})))

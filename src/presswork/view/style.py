@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork.fields.table import describe_field
+from presswork.model import FloatArray
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
 
@@ -203,6 +205,14 @@ def create_folder(folder: Path) -> None:
         raise OutputError(f"{folder} cannot be created: its parent folder does not exist") from error
     except OSError as error:
         raise explain_write_error(error, folder, 0) from error
+
+
+def break_at_parts(history: Mapping[str, NDArray[Any]], values: NDArray[Any]) -> FloatArray:
+    """Return values by row of the history, nan where a part of a series begins: no line goes from part to part."""
+    broken = np.array(values, dtype=np.float64)
+    if "part" in history:
+        broken[1:][np.diff(np.asarray(history["part"], dtype=float)) > 0] = np.nan
+    return broken
 
 
 def clean_axes(ax: Axes) -> None:

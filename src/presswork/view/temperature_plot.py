@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.results import Result
-from presswork.view.style import clean_axes, new_figure, require_matplotlib
+from presswork.view.style import break_at_parts, clean_axes, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,18 +34,17 @@ def plot_temperatures(result: Result, ax: Axes | None = None) -> Axes:
     ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
     history = result.history
     time = np.asarray(history["time"], dtype=np.float64)
-    ax.fill_between(
-        time, history[LOW], history[HIGH], color="tab:red", alpha=0.18, linewidth=0, label="lowest, highest"
-    )
+    shown = {name: break_at_parts(history, values) for name, values in history.items() if "temperature" in name}
+    ax.fill_between(time, shown[LOW], shown[HIGH], color="tab:red", alpha=0.18, linewidth=0, label="lowest, highest")
     bodies = [name.removesuffix(f".{MEAN}") for name in history if name.endswith(f".{MEAN}")]
     for body in bodies:
-        ax.plot(time, history[f"{body}.{MEAN}"], linewidth=1.8, label=f"mean of {body}")
+        ax.plot(time, shown[f"{body}.{MEAN}"], linewidth=1.8, label=f"mean of {body}")
     if not bodies:
-        ax.plot(time, history[MEAN], color="tab:red", linewidth=1.8, label="mean")
+        ax.plot(time, shown[MEAN], color="tab:red", linewidth=1.8, label="mean")
     stages = np.asarray(history["stage"])
     for row in np.flatnonzero(stages[1:] != stages[:-1]):
         ax.axvline(time[row], color="0.6", linewidth=0.8, linestyle="--")
-    if len(np.unique(stages)) > 1:
+    if len(np.unique(stages)) > 1 and "part" not in history:
         for name in dict.fromkeys(stages.tolist()):
             middle = 0.5 * (time[stages == name][0] + time[stages == name][-1])
             ax.text(middle, 1.0, name, transform=ax.get_xaxis_transform(), ha="center", va="top", color="0.4")

@@ -96,6 +96,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         contacts=contacts,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         heat=build_heat(case, bodies, dies),
+        series=case.series.to_model() if case.series else None,
         limits=case.limits.build(),
         remeshing=case.remesh.build_all(mesh, bodies, tools) if case.remesh is not None else None,
         case_text=case.text,

@@ -8,6 +8,7 @@ from typing import Literal
 from presswork import model
 from presswork.case.errors import Problem, suggest
 from presswork.case.heat.forming import check_heat
+from presswork.case.heat.series import check_series
 from presswork.case.press.builder import check_timing
 from presswork.case.settings import check_small_displacements
 from presswork.case.solid import schema
@@ -25,7 +26,13 @@ MOST_CELLS = 20_000_000
 
 def check_references(case: schema.Case) -> list[Problem]:
     """Return the problems that show without the mesh."""
-    problems = [*check_bodies(case), *check_procedure(case), *check_remesh(case), *check_heat(case)]
+    problems = [
+        *check_bodies(case),
+        *check_procedure(case),
+        *check_remesh(case),
+        *check_heat(case),
+        *check_series(case),
+    ]
     for key, body in list_bodies(case).values():
         problems += _check_body(case, key, body)
     if case.analysis == "axisymmetric" and case.depth != 1.0:

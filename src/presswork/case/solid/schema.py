@@ -28,6 +28,7 @@ from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.errors import CaseError
 from presswork.case.heat.forming import FormingHeat
+from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
 from presswork.case.material.grain import Grain
@@ -307,6 +308,9 @@ class Case(CaseFile):
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     explicit: ExplicitSolver = Field(
         default=ExplicitSolver(), description="how the explicit procedure steps through time"
+    )
+    series: Series | None = Field(
+        default=None, description="parts formed one after another between tools that conduct heat"
     )
     remesh: Remesh | None = Field(
         default=None, description="mesh the workpiece anew where its mesh would fail; [remesh] without keys suffices"
