@@ -138,6 +138,29 @@ def test_a_run_tells_how_far_and_how_often_metal_flowed_outside_the_window(tmp_p
     assert "a strain from 0.01 to 0.2, and metal flowed up to 0.399" in warnings[0]
 
 
+def test_an_explicit_run_tells_it_too_and_over_a_resume(tmp_path: Path) -> None:
+    data = solid(-0.2) | {"procedure": "explicit"}
+    del data["solver"]
+    data["workpiece"] = data["workpiece"] | {"element": "quad4_1pt"}
+    data["materials"]["steel"] = STEEL | {"density": "7850 kg/m^3"}
+    data["stages"][0]["duration"] = 5e-4
+    model = build_model(Case.model_validate(data))
+
+    def stop(progress: Any) -> None:
+        if progress.fraction > 0.5:
+            raise KeyboardInterrupt
+
+    run_model(model, tmp_path / "whole")
+    run_model(model, tmp_path / "parts", on_increment=stop)
+    run_model(model, tmp_path / "parts", resume=True)
+    whole, parts = (json.loads((tmp_path / name / "summary.json").read_text()) for name in ("whole", "parts"))
+    told = whole["law_windows"]["steel"]
+    assert parts["law_windows"]["steel"] == told
+    assert told["rate"]["reached"][1] == pytest.approx(1.1 * 0.2 / 5e-4, rel=0.3)
+    assert told["rate"]["share_above"] > 0.5
+    assert any("1/s, and metal flowed up to" in warning for warning in whole["warnings"])
+
+
 def test_what_flowed_outside_the_window_is_counted_over_a_resumed_run_too() -> None:
     procedure = ImplicitProcedure(build_model(Case.model_validate(solid(-0.4))))
     increments = procedure.advance()

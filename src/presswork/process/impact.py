@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
+from presswork.body.law_window import LawWindow
 from presswork.explicit.energy import EnergyBalance, warn_of_energies
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.motion import DrivenStroke, EvenMotion, Motion, SmoothStroke
@@ -63,6 +64,9 @@ class ExplicitImpact(RowRecording):
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
+        self._window = LawWindow.at_rest(model.materials)
+        self._last = self.solids.equivalent_plastic_strain.copy(), self.solids.time
+        """Plastic strain and time of the last row, from which strain rates are counted."""
         self._begin_stage()
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
@@ -164,6 +168,7 @@ class ExplicitImpact(RowRecording):
 
     def row(self, report: RowReport) -> Row:
         """Return the row of the history; forces are means over it."""
+        self._note_flow()
         row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
         for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
             row |= self._measure(tool, wall, mean)
@@ -240,6 +245,20 @@ class ExplicitImpact(RowRecording):
             evolved=solids.damage,
         )
 
+    def _note_flow(self) -> None:
+        """Note strains, mean rates and temperatures of what has flowed since the last row, for laws with a window."""
+        eqps, time = self.solids.equivalent_plastic_strain.copy(), self.solids.time
+        first, (eqps_n, time_n) = 0, self._last
+        for block in self.mesh.blocks:
+            own = slice(first, first + len(block.connectivity))
+            first = own.stop
+            material, grown = self.model.materials[block.material], eqps[own] - eqps_n[own]
+            if time > time_n and material.hardening is not None and material.hardening.window is not None:
+                flows = grown > 0.0
+                values = (eqps[own][flows], grown[flows] / (time - time_n), self.solids.temperature[own][flows])
+                self._window.note(block.material, material, values)
+        self._last = eqps, time
+
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""
         solids, model = self.solids, self.model
@@ -256,11 +275,14 @@ class ExplicitImpact(RowRecording):
         )
 
     def _state_arrays(self) -> NamedArrays:
-        return {"progress": self._progress.copy(), **self.solids.dump()}
+        return {"progress": self._progress.copy(), **self._window.to_arrays(), **self.solids.dump()}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
-        self.solids.restore({name: np.asarray(values) for name, values in arrays.items()})
+        self._window.load_arrays(arrays)
+        own = self._window.to_arrays()
+        self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name not in own})
+        self._last = self.solids.equivalent_plastic_strain.copy(), self.solids.time
         self._begin_stage()
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -286,7 +308,9 @@ class ExplicitImpact(RowRecording):
             "energy": last_energies(history),
             "time_simulated": self.solids.time,
             **summarise_ram(self.model, history),
+            **self._window.summarise(self.model.materials),
             "warnings": [
+                *self._window.warnings(self.model.materials),
                 *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),
                 *warn_of_energies(history, advice),
                 *(warn_of_ram(self.model, history, np.ones(len(self.model.stages))) if has_ram(self.model) else ()),

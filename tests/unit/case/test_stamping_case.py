@@ -67,6 +67,20 @@ def test_the_density_is_that_of_a_metal_with_this_modulus() -> None:
     assert build(materials__steel__density="7850 kg/m^3").materials[0].density == pytest.approx(7.85e-9)
 
 
+def test_a_law_of_strain_rate_asks_for_the_speed_of_the_press() -> None:
+    data = changed(CUP, ("materials.steel.rate", {"law": "cowper_symonds", "D": 40, "q": 5}))
+    for stage in data["stages"]:
+        stage.pop("velocity", None)
+        stage.pop("duration", None)
+    with pytest.raises(
+        CaseError, match=r"stages.0.duration: .* depends on the strain rate, and nothing times the stage"
+    ):
+        build_model(StampingCase.model_validate(data))
+    for stage in data["stages"]:
+        stage["velocity"] = 200.0
+    assert build_model(StampingCase.model_validate(data)).materials[0].rate is not None
+
+
 def test_a_gap_lifts_the_holder_off_the_die() -> None:
     model = build(tools__holder__gap=1.1, stages__0__tools={"punch": {"stroke": 20}})
     tools = {tool.name: tool for tool in model.tools}

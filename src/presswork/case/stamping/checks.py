@@ -8,6 +8,7 @@ import itertools
 import numpy as np
 
 from presswork.case.errors import Problem, suggest
+from presswork.case.material.law_needs import check_needs
 from presswork.case.material.library import list_keys
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import check_in_explicit, check_timing
@@ -71,7 +72,7 @@ def check_names(case: StampingCase) -> list[Problem]:
             if tool not in case.tools
         ]
         problems += _check_timing(key, stage) + _check_press(case, index, stage)
-    return problems
+    return [*problems, *check_needs(case.materials, [case.blank.material], case.stages)]
 
 
 def _check_element_size(blank: RectangularBlank | CircularBlank) -> list[Problem]:
