@@ -84,7 +84,8 @@ def plot_shell(
     if field == ZONE_FIELD and values is not None:
         _add_zone_legend(figure, values)
     elif field is not None and values is not None and scaled is not None:
-        _add_colour_bar(figure, ax, values, scaled, label_field(result, field))
+        ends = values if value_range is None else np.array(value_range)
+        _add_colour_bar(figure, ax, ends, scaled, label_field(result, field))
     title = str(result.info.get("title", "")).strip()
     magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
     extremes = ""

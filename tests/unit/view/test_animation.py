@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswork import Case, run
+from presswork import Case, read_case, run
 from presswork.examples import copy_example
 from presswork.results import OutputError, Result, ResultError
 from presswork.view import animate
+from presswork.view.shell_plot import plot_shell
 
 Image = pytest.importorskip("PIL.Image")
 
@@ -67,3 +68,15 @@ def test_wrong_names_are_refused_before_anything_is_written(result: Result, tmp_
     with pytest.raises(ResultError, match="no field"):
         animate(result, tmp_path / "film.gif", "nothing")
     assert not list(tmp_path.iterdir())
+
+
+def test_colour_bar_of_a_sheet_is_that_of_all_steps(tmp_path: Path) -> None:
+    """Of a diverging field, whose bar is cut at its ends: at the start, where all is zero, too."""
+    from matplotlib.figure import Figure
+
+    settings = ["blank.element_size=10", "stages.0.tools.punch.stroke=2", "output.steps=1"]
+    path = copy_example("square_cup", tmp_path)
+    found = run(read_case(path, overrides=settings), tmp_path / "out").result
+    figure = Figure()
+    plot_shell(found, "thinning", 0, value_range=(-2.0, 5.0), figure=figure)
+    assert figure.axes[1].get_ylim() == (-2.0, 5.0)
