@@ -10,9 +10,10 @@ from presswork import Case, CaseError, build_model
 from presswork.case.description import describe
 from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import find_boundary_edges
-from presswork.outcome import StartError
+from presswork.outcome import GaveUpError, StartError
 from presswork.post import measure_die_fill
 from presswork.process import remeshing
+from presswork.process.begin import begin
 from presswork.process.remeshing import RemeshedForming
 from presswork.recorder import run_model
 from presswork.results import Result, read_history
@@ -174,6 +175,32 @@ def test_a_budget_too_small_for_thin_metal_is_refused_with_one_that_would_do():
     case = upsetting(0.2, workpiece=plate, tools=tool, remesh={"max_cells": 60})
     with pytest.raises(StartError, match=r"max_cells = 60 leaves .* cells across .*; max_cells = [0-9,]+ for three"):
         RemeshedForming(build_model(case), threads=1)
+
+
+def test_a_case_without_the_key_keeps_its_first_mesh_until_an_increment_fails():
+    """A billet under a punch that sticks turns its cells inside out; without new meshes the run ends there."""
+
+    def press(**changes):
+        case = upsetting(12.0, (6, 9), contact={"contact": "sticking"}, **changes)
+        rows = []
+        recording = begin(build_model(case), 1)
+        try:
+            for report in recording.advance():
+                rows.append(recording.row(report))
+        except GaveUpError:
+            return rows, recording, "gave_up"
+        return rows, recording, "completed"
+
+    never, _, outcome = press(remesh={"enabled": False})
+    assert outcome == "gave_up"
+    assert "remeshes" not in never[-1]
+    rows, recording, outcome = press()
+    assert outcome == "completed"
+    assert rows[-1]["remeshes"] >= 1
+    for row, alone in zip(rows, never, strict=False):
+        if row["remeshes"] == 0:
+            assert row["punch.force"] == alone["punch.force"]
+    assert abs(recording.procedure.energy_balance()["error_percent"]) < 1.0
 
 
 def test_a_run_that_gives_up_tells_why_there_is_no_other_mesh(tmp_path, monkeypatch):

@@ -42,3 +42,6 @@ class Remeshing:
     def of_body(self, name: str) -> Remeshing:
         """Return the sizes and triggers of a body."""
         return self.bodies.get(name, self)
+
+    keeps_first: bool = False
+    """Whether the first mesh stays until an increment fails on it, or a tool cuts deep into its edges."""

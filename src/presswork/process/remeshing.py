@@ -40,6 +40,8 @@ MOST_JUMP = 0.02
 """Change of a tool's force, of the largest, from which on a finer mesh is tried."""
 MOST_GIVEN_BACK = 1e-3
 """Part of the volume, lost by cells before, that one remesh gives back at most."""
+LAST_CUT = 0.25
+"""Depth of a tool in an edge, over its length, that ends a first mesh that is to stay."""
 FINER = 0.7
 """Of the size that is asked for, in such a mesh."""
 
@@ -51,16 +53,23 @@ class RemeshedForming(ImplicitRecording):
         super().__init__(model, threads=threads)
         assert model.remeshing is not None
         self.settings: Remeshing = model.remeshing
-        undeclared = find_undeclared(self.procedure.state)
-        if undeclared:
-            raise StartError(f"nothing says how {', '.join(undeclared)} would pass to a new mesh: leave out [remesh]")
         volume = self.procedure.state.cells.volume
         self._first_volumes = [sum(float(volume[i].sum()) for i in body.blocks) for body in self._bodies()]
+        self._obstacle = self._find_obstacle()
+        if self._obstacle and not self.settings.keeps_first:
+            raise StartError(f"{self._obstacle}: leave out [remesh]")
+
+    def _find_obstacle(self) -> str:
+        """Say what prevents any other mesh; empty if nothing does."""
+        undeclared = find_undeclared(self.procedure.state)
+        if undeclared:
+            return f"nothing says how {', '.join(undeclared)} would pass to a new mesh"
         try:
             for number, section in enumerate(self._sections()):
                 check_budget(section, self._settings_of(number))
         except MeshError as error:
-            raise StartError(f"{error}: leave out [remesh]") from error
+            return str(error)
+        return ""
 
     @property
     def columns(self) -> list[str]:
@@ -74,6 +83,8 @@ class RemeshedForming(ImplicitRecording):
 
     def _may_change_mesh(self, failure: str = "") -> bool:
         """Make another mesh if the present one should not go on, and go on with it; return whether there is one."""
+        if self._obstacle:
+            return False
         if failure:
             return not self._made_at == self.number > 0 and self._remesh("the next increment fails")
         found = self._reason()
@@ -83,6 +94,8 @@ class RemeshedForming(ImplicitRecording):
         """Return why the present mesh should not go on, and of which bodies."""
         if self.settings.every > 0.0 and self._passed_fraction():
             return "due", set(range(self._n_bodies))
+        if self.settings.keeps_first and self.epoch == 0:
+            return self._reason_to_leave_first()
         found: dict[int, str] = {}
         increment = self.procedure.state.nodes.increment
         for number, old in enumerate(self._sections()):
@@ -90,6 +103,15 @@ class RemeshedForming(ImplicitRecording):
             if reason is not None:
                 found[number] = reason
         return ("; ".join(dict.fromkeys(found.values())), set(found)) if found else None
+
+    def _reason_to_leave_first(self) -> tuple[str, set[int]] | None:
+        """Return why a first mesh that is to stay should not go on, and of which bodies."""
+        for number, old in enumerate(self._sections()):
+            for chain in old.chains():
+                cut = find_cut_edge(old.position[chain], old.profiles, deepest=LAST_CUT, corners_count=True)
+                if cut is not None:
+                    return cut, {number}
+        return None
 
     @staticmethod
     def _reason_of(old: OldSection, increment: FloatArray, settings: Remeshing) -> str | None:

@@ -41,10 +41,13 @@ def find_long_edge(line: FloatArray, size: SizeField) -> str | None:
     return f"an edge {ratio[worst]:.2g} times too long near ({x:.4g}, {y:.4g})"
 
 
-def find_cut_edge(line: FloatArray, profiles: Sequence[FloatArray]) -> str | None:
+def find_cut_edge(
+    line: FloatArray, profiles: Sequence[FloatArray], *, deepest: float = TOO_DEEP, corners_count: bool = False
+) -> str | None:
     """Say which edge of a closed line (n, 2) lies too deep in a tool between its nodes.
 
-    Round a sharp corner of a tool every edge does, until its node behind has passed: only its length counts there.
+    Round a sharp corner of a tool every edge does, until its node behind has passed: unless corners_count, only its
+    length counts there.
     """
     after = np.roll(line, -1, axis=0)
     middle = np.ascontiguousarray(0.5 * (line + after))
@@ -53,8 +56,8 @@ def find_cut_edge(line: FloatArray, profiles: Sequence[FloatArray]) -> str | Non
         gap, *_ = _core.touch_profile(np.ascontiguousarray(profile), middle)
         way = ProfileWay(profile)
         corners, turns = way.corners()
-        depth = np.where(gap < -TOO_DEEP * length, -gap / length, 0.0)
-        if len(corners) and (turns < 0.0).any():
+        depth = np.where(gap < -deepest * length, -gap / length, 0.0)
+        if (turns < 0.0).any() and not corners_count:
             apart, _ = cKDTree(way.at(corners[turns < 0.0])).query(middle)
             depth[apart < 0.75 * length] = 0.0
         worst = int(np.argmax(depth))

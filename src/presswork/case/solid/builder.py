@@ -24,7 +24,7 @@ from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
-from presswork.case.solid.remesh import check_places, check_sizes, check_tools
+from presswork.case.solid.remesh import build_remeshing, check_places, check_sizes, check_tools
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.cavity import check_cavity
 from presswork.case.tools.die_mesh import build_dies
@@ -98,7 +98,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         heat=build_heat(case, bodies, dies),
         series=case.series.to_model() if case.series else None,
         limits=case.limits.build(),
-        remeshing=case.remesh.build_all(mesh, bodies, tools) if case.remesh is not None else None,
+        remeshing=build_remeshing(case, mesh, bodies, tools),
         case_text=case.text,
     )
     closing = check_cavity(found)

@@ -85,6 +85,7 @@ class Remesh(BodyRemesh):
         default=0.0, ge=0, le=1, description="part of a stage after which it is meshed anew in any case; 0: never"
     )
 
+    enabled: bool = Field(default=True, description="false: the first mesh stays, whatever becomes of it")
     windows: tuple[Window, ...] = Field(default=(), description="rectangles in which cells are small")
     tools: dict[Name, Annotated[Length, Field(gt=0)]] = Field(
         default={}, description="largest edge of cells on tools by name [mm], from a few cells ahead of contact on"
@@ -119,16 +120,10 @@ class Remesh(BodyRemesh):
 
 def check_remesh(case: Case) -> list[Problem]:
     """Return the problems of a case that asks for new meshes with what cannot be carried to them."""
-    if case.remesh is None:
+    if case.remesh is None or not case.remesh.enabled:
         return []
-    remedy = "remove it, or leave out [remesh]"
-    keys = {
-        "procedure": case.procedure == "explicit",
-        "solver.inertia": case.solver.inertia > 0.0,
-        "solver.control": case.solver.control == "arc_length",
-        "solver.displacements": case.solver.displacements == "small",
-    }
-    problems = [Problem(key, "does not go together with [remesh]", remedy) for key, is_so in keys.items() if is_so]
+    remedy, found = "remove it, or leave out [remesh]", _find_obstacles(case)
+    problems = [Problem(key, "does not go together with [remesh]", remedy) for key, is_so in found.items() if is_so]
     problems += [
         Problem(f"remesh.bodies.{name}", "no such body", suggest(name, case.bodies, "bodies"))
         for name in case.remesh.bodies
@@ -139,6 +134,16 @@ def check_remesh(case: Case) -> list[Problem]:
         for name in case.remesh.tools
         if name not in case.tools
     ]
+
+
+def _find_obstacles(case: Case) -> dict[str, bool]:
+    """Return which keys of a case do not go together with new meshes."""
+    return {
+        "procedure": case.procedure == "explicit",
+        "solver.inertia": case.solver.inertia > 0.0,
+        "solver.control": case.solver.control == "arc_length",
+        "solver.displacements": case.solver.displacements == "small",
+    }
 
 
 def check_places(case: Case, mesh: model.Mesh, bodies: Sequence[model.Body]) -> list[Problem]:
@@ -159,6 +164,21 @@ def check_places(case: Case, mesh: model.Mesh, bodies: Sequence[model.Body]) -> 
             fault = "cells of several kinds cannot be meshed anew together"
             problems.append(Problem(key, fault, "give a mesh of triangles or of quadrilaterals alone"))
     return problems
+
+
+def build_remeshing(
+    case: Case, mesh: model.Mesh, bodies: Sequence[model.Body], tools: Sequence[model.Tool]
+) -> model.Remeshing | None:
+    """Return when and how finely the bodies are meshed anew; None where they never are."""
+    if case.remesh is not None:
+        return case.remesh.build_all(mesh, bodies, tools) if case.remesh.enabled else None
+    is_one = len(mesh.blocks) == 1 and mesh.blocks[0].element.startswith("quad4") and len(bodies) < 2
+    loads = ("displacement", "force", "edge_force", "pressure")
+    is_loaded = any(getattr(stage, key) for stage in case.stages for key in loads)
+    if not tools or not is_one or is_loaded or case.series is not None or any(_find_obstacles(case).values()):
+        return None
+    budget = max(Remesh().max_cells, 2 * len(mesh.blocks[0].connectivity))
+    return replace(Remesh(max_cells=budget).build_all(mesh, bodies, tools), keeps_first=True)
 
 
 def check_tools(remesh: Remesh, mesh: model.Mesh, tools: Sequence[model.Tool]) -> list[Problem]:

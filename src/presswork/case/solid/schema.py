@@ -313,7 +313,9 @@ class Case(CaseFile):
         default=None, description="parts formed one after another between tools that conduct heat"
     )
     remesh: Remesh | None = Field(
-        default=None, description="mesh the workpiece anew where its mesh would fail; [remesh] without keys suffices"
+        default=None,
+        description="mesh the workpiece anew where its mesh would fail, and how; left out: where an increment fails on "
+        "the first mesh, or a tool cuts deep into it",
     )
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Packaged forgings and extrusions on meshes that change, and closed dies drawn at random: hands off to the end."""
+
+import numpy as np
+import pytest
+
+from presswork import Case, build_model
+from presswork.examples import copy_example
+from presswork.post import measure_die_fill
+from presswork.recorder import run_model
+from presswork.results import Result
+from validation.closed_dies import FILLED, forge
+
+pytestmark = pytest.mark.validation
+
+CAVITIES = {"forging_hub": ("die", 20.4), "forging_h_section": ("die", 19.0)}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "forging_hub",
+        "forging_h_section",
+        "gear_blank",
+        "can_extrusion",
+        "combined_extrusion",
+        "piercing",
+        "upsetting_90",
+    ],
+)
+def test_example_goes_to_its_end(name, tmp_path):
+    """The end of the last stroke; volume within 1e-4 beyond the elastic part, energy within 1 %; dies full."""
+    model = build_model(Case.from_toml(str(copy_example(name, tmp_path))))
+    assert run_model(model, tmp_path / "run", threads=1).status == "completed"
+    result = Result(tmp_path / "run")
+    summary = result.summary
+    volume = summary["volume"]
+    assert summary["remeshes"] >= 4
+    assert abs(volume["change_percent"] - volume["elastic_part_percent"]) < 0.01
+    assert abs(summary["energy"]["error_percent"]) < 1.0
+    if name in CAVITIES:
+        tool, outer = CAVITIES[name]
+        assert measure_die_fill(result, tool, x_range=(0.0, outer)).filled == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("radius", [2.0, 1.0])
+def test_hub_on_a_sharper_corner_is_forged_to_full_die(radius, tmp_path):
+    """The packaged hub has 3 mm there."""
+    case = Case.from_toml(str(copy_example("forging_hub", tmp_path)))
+    changed = case.model_dump(exclude_unset=True)
+    changed["tools"]["die"]["profile"][2]["radius"] = radius
+    assert run_model(build_model(Case(**changed)), tmp_path / "run", threads=1).status == "completed"
+    result = Result(tmp_path / "run")
+    assert measure_die_fill(result, "die", x_range=(0.0, 20.4)).filled == pytest.approx(1.0)
+
+
+def test_most_closed_dies_drawn_at_random_are_filled(tmp_path):
+    """A tenth of the hundred of `python -m validation.closed_dies`."""
+    found = [forge(seed, tmp_path / f"die_{seed}") for seed in range(10)]
+    filled = np.array([die.filled for die in found])
+    assert (filled >= FILLED).sum() >= 9, [die.reason for die in found]
+    assert max(abs(die.volume) for die in found) < 5e-4
