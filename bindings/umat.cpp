@@ -50,6 +50,8 @@ void bind_umat(nb::module_& m) {
            nb::arg("plastic_strain") = 0,
            "Open the library; raises RuntimeError that says what is missing. plastic_strain: which state variable is "
            "the equivalent plastic strain, from 1, or 0.")
+      .def_static("make_gtn", &Umat::make_gtn, nb::arg("properties"),
+                  "The law of a metal with pores; properties (17) as cpp/material/gtn.hpp has them.")
       .def_ro("n_state", &Umat::n_state)
       .def(
           "update",

@@ -11,6 +11,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "material/gtn.hpp"
+
 namespace presswork {
 
 namespace {
@@ -69,6 +71,30 @@ Umat::Umat(const std::string& library, const std::vector<double>& properties, in
                                std::to_string(n_state));
   }
   properties_.insert(properties_.end(), guard, none);
+}
+
+namespace {
+
+void call_gtn(double* stress, double* statev, double* ddsdde, double*, double*, double*, double*, double*, double*,
+              double*, const double*, const double* dstran, const double*, const double* dtime, const double*,
+              const double*, const double*, const double*, const char*, const int*, const int*, const int* ntens,
+              const int*, const double* props, const int*, const double*, const double*, double* pnewdt, const double*,
+              const double*, const double*, const int*, const int*, const int*, const int*, const int*, const int*,
+              std::size_t) {
+  user_law::call<Gtn>(*ntens, stress, statev, ddsdde, dstran, *dtime, props, pnewdt);
+}
+
+}  // namespace
+
+Umat Umat::make_gtn(const std::vector<double>& properties) {
+  if (properties.size() != Gtn::n_properties) throw std::runtime_error("a law of pores has 17 properties");
+  Umat made;
+  made.n_state = Gtn::n_state;
+  made.function_ = &call_gtn;
+  made.properties_ = properties;
+  made.n_properties_ = Gtn::n_properties;
+  made.properties_.insert(made.properties_.end(), guard, none);
+  return made;
 }
 
 LawStatus Umat::call(int components, const UmatPlace& place, UmatPoint& p, double* state) const {

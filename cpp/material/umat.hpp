@@ -74,21 +74,25 @@ class Umat {
   Umat(const std::string& library, const std::vector<double>& properties, int n_state, UmatJacobian jacobian,
        bool thread_safe, int plastic_strain);
 
+  // A routine of our own that is written as one: gtn.hpp, from 4 components on. May be called from several threads.
+  static Umat make_gtn(const std::vector<double>& properties);
+
   // Of 3, 4 or 6 components. `state` has n_state values. On anything but done, the point is not to be used. One call at
   // a time unless several threads may.
   LawStatus call(int components, const UmatPlace& place, UmatPoint& point, double* state) const;
 
-  int n_state;
-  UmatJacobian jacobian;
-  bool thread_safe;    // may be called from several threads at once
-  int plastic_strain;  // which state variable is the equivalent plastic strain, from 1; 0: none
+  int n_state = 0;
+  UmatJacobian jacobian = UmatJacobian::stress_increment;
+  bool thread_safe = true;  // may be called from several threads at once
+  int plastic_strain = 1;   // which state variable is the equivalent plastic strain, from 1; 0: none
 
  private:
+  Umat() = default;
   std::shared_ptr<void> library_;
   std::shared_ptr<std::mutex> one_at_a_time_ = std::make_shared<std::mutex>();
   UmatFunction function_ = nullptr;
   std::vector<double> properties_;  // and numbers behind them that are none, so that reading too far shows
-  int n_properties_;
+  int n_properties_ = 0;
 };
 
 }  // namespace presswork

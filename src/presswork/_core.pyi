@@ -371,6 +371,12 @@ class Umat:
         Open the library; raises RuntimeError that says what is missing. plastic_strain: which state variable is the equivalent plastic strain, from 1, or 0.
         """
 
+    @staticmethod
+    def make_gtn(properties: Sequence[float]) -> Umat:
+        """
+        The law of a metal with pores; properties (17) as cpp/material/gtn.hpp has them.
+        """
+
     @property
     def n_state(self) -> int: ...
 

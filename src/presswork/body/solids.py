@@ -30,7 +30,7 @@ from presswork.law.elastic_plastic import (
     temperature_at_rest,
 )
 from presswork.law.umat import UNDEFORMED, open_umat
-from presswork.model import FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
+from presswork.model import POROSITY, FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
 from presswork.outcome import BadGuess, Step
 from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
@@ -160,6 +160,9 @@ class Mechanics:
             volume=[np.zeros(size) for size in sizes],
             hourglass=[np.zeros((size[0], 2)) for size in sizes],
         )
+        for i, history in enumerate(cells.history):
+            if (gtn := self._material(i).gtn) is not None:
+                history[..., POROSITY] = gtn.initial
         nodes = NodeArrays.at_rest(len(self._model.mesh.points), self.freedoms)
         return State(nodes, cells, LawWindow.at_rest(self._model.materials))
 

@@ -27,7 +27,7 @@ def check(
     typer.echo(describe(model))
     if isinstance(model, OneStepModel):
         return
-    if not run_user_code and any(material.umat for material in model.materials):
+    if not run_user_code and any(material.umat and not material.gtn for material in model.materials):
         typer.echo("not opened: the libraries of its materials, whose code would run; --run-user-code tries them")
         return
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from presswork.evolution.contract import EvolutionLaw, PointChange
 from presswork.evolution.of_material import BY_NAME, make_laws
 from presswork.model import FloatArray, Model
 from presswork.state import POINT, Arrays, OnNewMesh, State
+
+if TYPE_CHECKING:
+    from presswork.evolution.porosity import NonlocalPorosity
 
 
 @dataclass
@@ -38,6 +41,11 @@ class Evolution:
         is_solid = model.analysis not in ("shell", "stamping")
         by_material = [make_laws(material, is_solid=is_solid) for material in model.materials]
         self._laws = [by_material[block.material] for block in model.mesh.blocks]
+        self._porosity: NonlocalPorosity | None = None
+        if any(material.gtn for material in model.materials):
+            from presswork.evolution.porosity import NonlocalPorosity  # loads scipy, which dense metals do without
+
+            self._porosity = NonlocalPorosity(model)
 
     @property
     def names(self) -> list[str]:
@@ -68,6 +76,8 @@ class Evolution:
         for block, laws in enumerate(self._laws):
             if laws:
                 self._advance_block(block, laws, state_n, trial, dt, temperatures[block])
+        if self._porosity is not None:
+            self._porosity.advance(trial)
 
     def clip(self, state: State) -> None:
         """Bring values that were fitted on another mesh back to what their quantities can have."""

@@ -15,7 +15,7 @@ from presswork.evolution.of_material import QUANTITIES
 from presswork.fields.field import LAMINA, PLACES, TENSOR, VECTOR, Field
 from presswork.fields.instant import Instant, NodalContact
 from presswork.fields.solid_fields import effective_stress
-from presswork.model import FloatArray
+from presswork.model import GTN, POROSITY, FloatArray
 
 
 def _to_space(vectors: FloatArray | None) -> FloatArray | None:
@@ -113,7 +113,7 @@ def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:
     if not now.points.user:
         return None
     umats = [now.model.materials[block.material].umat for block in now.model.mesh.blocks]
-    numbers = [umat.n_state if umat else 0 for umat in umats]
+    numbers = [umat.n_state if umat and umat.library != GTN else 0 for umat in umats]
     parts = []
     for n, history, weight in zip(numbers, now.points.user, _weights(now), strict=True):
         mean = np.zeros((len(history), max(numbers)))
@@ -140,6 +140,16 @@ def _evolved(name: str) -> Callable[[Instant], FloatArray | None]:
         return np.concatenate(parts)
 
     return find
+
+
+def _porosity(now: Instant) -> FloatArray | None:
+    """Return the porosity; NaN in cells of dense metal."""
+    pores = [now.model.materials[block.material].gtn is not None for block in now.model.mesh.blocks]
+    if now.points is None or not now.points.user or not any(pores):
+        return None
+    each = zip(pores, now.points.user, _weights(now), strict=True)
+    parts = [(w * user[..., POROSITY]).sum(axis=1) if has else np.full(len(w), np.nan) for has, user, w in each]
+    return np.concatenate(parts)
 
 
 def _body(now: Instant) -> FloatArray | None:
@@ -175,6 +185,7 @@ ROWS = (
     Field("hydrostatic_stress", "MPa", "cell", _hydrostatic_stress),
     Field("temperature", "degrees C", "cell", _temperature),
     *(Field(q.name, q.unit, "cell", _evolved(q.name), label=q.label) for q in QUANTITIES if q.shown),
+    Field("porosity", "1", "cell", _porosity),
     Field("SDV{}", "", "cell", _state_variables, "number"),
     Field("body", "1", "cell", _body),
     Field("equivalent_plastic_strain_{}", "1", "layer", _of_layers("equivalent_plastic_strain"), "layer"),

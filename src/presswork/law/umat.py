@@ -57,6 +57,8 @@ def compile_law(source: Path, library: Path | None = None) -> Path:
 
 def open_umat(law: model.Umat) -> _core.Umat:
     """Open a UMAT; raises RuntimeError that says what its library lacks."""
+    if law.library == model.GTN:
+        return _core.Umat.make_gtn(law.props)
     return _core.Umat(
         law.library,
         law.props,

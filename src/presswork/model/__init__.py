@@ -19,6 +19,7 @@ from presswork.model.elements import (
     list_names,
 )
 from presswork.model.grain import DynamicRecrystallisation, Grain, GrainGrowth, PowerLaw, Recrystallisation
+from presswork.model.gtn import GROWN, GTN, POROSITY, Gtn
 from presswork.model.heat import (
     COLDEST,
     HOTTEST,
@@ -98,7 +99,10 @@ from presswork.model.tool import (
 __all__ = [
     "COLDEST",
     "ELEMENTS",
+    "GROWN",
+    "GTN",
     "HOTTEST",
+    "POROSITY",
     "STEFAN_BOLTZMANN",
     "ZERO_CELSIUS",
     "Analysis",
@@ -129,6 +133,7 @@ __all__ = [
     "FrictionTangent",
     "Grain",
     "GrainGrowth",
+    "Gtn",
     "Hardening",
     "Heat",
     "HeatContact",

@@ -13,6 +13,7 @@ from presswork import _core
 from presswork.formability import Formability
 from presswork.model.arrays import FloatArray
 from presswork.model.grain import Grain
+from presswork.model.gtn import Gtn
 from presswork.model.heat import Thermal
 
 UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
@@ -181,6 +182,8 @@ class Material:
     """Conduction and storage of heat; None: it conducts no heat."""
     damage: Damage | None = None
     """Criterion of fracture; None: in solids that of Cockcroft and Latham, without a critical value."""
+    gtn: Gtn | None = None
+    """Pores, of a material whose `umat` is then presswork's own; None: it is dense."""
     grain: Grain | None = None
     """Grain size in hot forming; None: it is not computed."""
     formability: Formability = field(default_factory=Formability)

@@ -9,6 +9,10 @@ from presswork import model
 
 
 def describe_material(material: model.Material) -> str:
+    if material.gtn:
+        g = material.gtn
+        elastic = f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}"
+        return f"{elastic}, pores: {g.initial:g} at the start, averaged over {g.length:g} mm"
     if material.umat:
         umat, tried = material.umat, not math.isnan(material.young)
         return f"UMAT of {umat.library}, {len(umat.props)} props, {umat.n_state} state variables; " + (

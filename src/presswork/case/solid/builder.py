@@ -140,8 +140,9 @@ def build_materials(
 def build_material(name: str, material: schema.Material) -> model.Material:
     """Return the Model's material of a table that is no UMAT."""
     thermal = material.thermal.to_thermal(material.density) if material.thermal and material.density else None
+    made = material.to_model(name)
     return replace(
-        material.to_model(name),
+        made if material.gtn is None else material.gtn.apply(made),
         density=material.density or 0.0,
         thermal=thermal,
         rolling_direction=material.find_rolling_direction(),

@@ -15,6 +15,8 @@ from presswork.case.settings import Solver
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import list_bodies
 
+PORE_HARDENING = ("linear", "swift", "ludwik", "voce", "linear_voce", "hockett_sherby", "swift_voce")
+"""Hardening laws of a metal with pores: formulas of at most six parameters."""
 BESIDE = (
     "kinematic", "rate", "heating", "young_decrease", "expansion", "young_factor", "poisson_by_temperature",
 )  # fmt: skip
@@ -32,6 +34,7 @@ def check_laws(case: schema.Case) -> list[Problem]:
                 problems += check_grain(
                     key, material.grain, knows_temperature=knows, stages=stages, procedure=procedure
                 )
+            problems += check_pores(f"materials.{name}", material) + _check_pores_in(case, name, material)
             problems += material.check_in_solids(f"materials.{name}")
             if isinstance(material.rolling_direction, tuple):
                 fault, remedy = "expected an angle from x in the plane [degrees]", "e.g. 45"
@@ -44,6 +47,39 @@ def check_laws(case: schema.Case) -> list[Problem]:
         if not isinstance(material, UmatMaterial):
             problems += check_integrator(name, material, case.solver)
     return problems + _check_umats(case)
+
+
+def check_pores(key: str, material: schema.Material) -> list[Problem]:
+    """Return the problems of pores in a metal whose other laws they do not go with; key: of the material."""
+    if material.gtn is None:
+        return []
+    beside = [name for name in (*BESIDE, "grain", "thermal") if getattr(material, name) is not None]
+    if material.yield_function.law != "von_mises":
+        beside.insert(0, "yield_function")
+    fault = "pores are for a metal of von Mises with isotropic hardening alone"
+    problems = [Problem(f"{key}.{name}", fault, "leave it out, or gtn") for name in beside]
+    if material.hardening.law not in PORE_HARDENING:
+        remedy = f"take one of {', '.join(PORE_HARDENING)}"
+        problems.append(Problem(f"{key}.hardening.law", "pores take no such law", remedy, material.hardening.law))
+    return problems
+
+
+def _check_pores_in(case: schema.Case, name: str, material: schema.Material) -> list[Problem]:
+    """Return the problems of pores with what else the case has."""
+    if material.gtn is None:
+        return []
+    problems, key = [], f"materials.{name}.gtn"
+    if case.procedure == "explicit":
+        problems.append(Problem(key, "pores are for the implicit procedure alone, so far", "compute implicitly"))
+    if case.remesh is not None:
+        problems.append(Problem(key, "does not go together with [remesh], so far", "leave one of them out"))
+    if case.heat is not None:
+        problems.append(Problem(key, "does not go together with [heat], so far", "leave one of them out"))
+    for _, (place, body) in list_bodies(case).items():
+        if body.material == name and body.element == "quad4_1pt":
+            fault = "its hourglass control needs the flow stress of a dense metal"
+            problems.append(Problem(f"{place}.element", fault, "take quad4_fbar", body.element))
+    return problems
 
 
 def check_grain(

@@ -32,6 +32,7 @@ from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
 from presswork.case.material.grain import Grain
+from presswork.case.material.gtn import Gtn
 from presswork.case.material.heating import require_density
 from presswork.case.material.library import add_library_materials, find_sheet
 from presswork.case.material.plastic import PlasticLaws
@@ -73,6 +74,7 @@ class Material(PlasticLaws):
     )
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
     thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
+    gtn: Gtn | None = Field(default=None, description="pores that soften the metal, with an internal length")
     grain: Grain | None = Field(default=None, description="grain size in hot forming")
     rolling_direction: Angle | tuple[Number, Number, Number] = Field(
         default=0.0,

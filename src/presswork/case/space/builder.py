@@ -103,6 +103,9 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
                 fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"
                 problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
         else:
+            if material.gtn is not None:
+                fault = "pores are for the plane and for axisymmetry, so far"
+                problems.append(Problem(f"materials.{name}.gtn", fault, "leave it out"))
             if material.grain is not None:
                 key, knows = f"materials.{name}", material.heating is not None
                 problems += check_grain(

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Growth of pores, averaged over a neighbourhood: the internal length of the law of cpp/material/gtn.hpp.
+
+After each increment the porosity of a point takes the mean of what its neighbours within the length R have grown by,
+with weights (1 - (d/R)^2)^2 by the distance d in the undeformed body, times their volumes now (Bazant & Pijaudier-Cabot
+1988; Tvergaard & Needleman 1995 average the same rate). Where the body ends, so does the neighbourhood.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from presswork import _core
+from presswork.model import ELEMENTS, GROWN, POROSITY, CellBlock, FloatArray, Model
+from presswork.state import State
+
+MOST = 1.0
+"""Porosity of nothing."""
+
+
+class NonlocalPorosity:
+    """Averages the growth of pores in all blocks of each material that has them."""
+
+    def __init__(self, model: Model) -> None:
+        self._groups: list[tuple[list[int], csr_array]] = []
+        for number, material in enumerate(model.materials):
+            blocks = [i for i, block in enumerate(model.mesh.blocks) if block.material == number]
+            if material.gtn is not None and blocks:
+                places = np.concatenate([place_points(model.mesh.blocks[i], model.mesh.points) for i in blocks])
+                self._groups.append((blocks, find_weights(places, material.gtn.length)))
+
+    def advance(self, trial: State) -> None:
+        """Add the mean growth of the last increment to the porosity of a converged trial state."""
+        for blocks, weights in self._groups:
+            histories = [trial.cells.history[i] for i in blocks]
+            volume = np.concatenate([trial.cells.volume[i].ravel() for i in blocks])
+            grown = np.concatenate([history[..., GROWN].ravel() for history in histories])
+            mean = (weights @ (volume * grown)) / (weights @ volume)
+            ends = np.cumsum([history[..., GROWN].size for history in histories])[:-1]
+            for history, own in zip(histories, np.split(mean, ends), strict=True):
+                porosity = history[..., POROSITY] + own.reshape(history.shape[:-1])
+                history[..., POROSITY] = np.clip(porosity, 0.0, MOST)
+
+
+def place_points(block: CellBlock, points: FloatArray) -> FloatArray:
+    """Return where the integration points of a block are, cell after cell (n, 2) [mm]."""
+    row = ELEMENTS[block.element]
+    shapes = np.asarray(_core.shapes_at_points(row.cell, row.points))
+    return np.asarray(np.einsum("qa,cak->cqk", shapes, points[block.connectivity]).reshape(-1, points.shape[1]))
+
+
+def find_weights(places: FloatArray, length: float) -> csr_array:
+    """Return the weights (n, n) of points at places (n, 2) [mm] for each other; a point has its own, 1.
+
+    >>> import numpy as np
+    >>> find_weights(np.array([[0.0, 0.0], [1.0, 0.0], [9.0, 0.0]]), 2.0).toarray()[0].round(4).tolist()
+    [1.0, 0.5625, 0.0]
+    """
+    tree = cKDTree(places)
+    pairs = tree.query_pairs(length, output_type="ndarray")
+    distance = np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1)
+    weight = (1.0 - (distance / length) ** 2) ** 2
+    n = len(places)
+    rows = np.concatenate([np.arange(n), pairs[:, 0], pairs[:, 1]])
+    columns = np.concatenate([np.arange(n), pairs[:, 1], pairs[:, 0]])
+    return csr_array((np.concatenate([np.ones(n), weight, weight]), (rows, columns)), shape=(n, n))
