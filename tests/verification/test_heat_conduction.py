@@ -80,6 +80,13 @@ def test_sheet_between_dies(time, middle) -> None:
     assert cool_sheet(16, time, tolerance=0.005) == pytest.approx(middle, abs=1.2)
 
 
+def test_defaults_err_by_no_more_than_the_theory_says() -> None:
+    """The page on heat says 8.7 K of 825 at the default tolerance, and 3.2 K at a tenth of it."""
+    exact = 75 + 825 * cool_slab(2.0 * 0.75 / 25.0, 25.0 / (7830e-12 * 650e6) * 4.0 / 0.75**2)
+    assert cool_sheet(32, 4.0) == pytest.approx(exact, abs=8.8)
+    assert cool_sheet(32, 4.0, tolerance=0.1) == pytest.approx(exact, abs=3.3)
+
+
 def test_backward_euler_is_of_first_order_in_time() -> None:
     exact = 75 + 825 * cool_slab(2.0 * 0.75 / 25.0, 25.0 / (7830e-12 * 650e6) / 0.75**2)
     steps = [0.04, 0.02, 0.01, 0.005]
