@@ -234,6 +234,13 @@ void bind_loop(nb::class_<Loop, Rest...>& c) {
           },
           nb::arg("block"), nb::arg("name"), "Damage by a criterion at the points of a block (n, points).")
       .def(
+          "set_slower",
+          [](Loop& self, double factor) {
+            for (auto& block : self.blocks) block->slower = factor;
+          },
+          nb::arg("factor"),
+          "Let the laws of shells take their rates by a time that is so many times that of the cycles from now on.")
+      .def(
           "prescribe",
           [](Loop& self, Bytes fixed, Doubles velocity) {
             const std::size_t size = std::size_t(self.nodes.n) * self.nodes.freedoms;

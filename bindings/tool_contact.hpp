@@ -84,6 +84,15 @@ NewDoubles contact_force(Loop& self) {
 }
 
 template <class Loop>
+NewDoubles force_of_tool(Loop& self, int i) {
+  tool_of(self, i);
+  double* force;
+  auto array = new_array({std::size_t(self.nodes.n), 3}, &force);
+  self.contact->add_forces_of(i, force);
+  return array;
+}
+
+template <class Loop>
 auto deepest(Loop& self, int i) {
   tool_of(self, i);
   int point = -1;
@@ -125,6 +134,8 @@ void bind_tools(nb::class_<Loop>& loop) {
             self.hanging.give_all_forces(self.nodes);
           },
           "Find the forces of tools that are new.")
+      .def("force_of_tool", &force_of_tool<Loop>, nb::arg("tool"), nb::rv_policy::move,
+           "Forces of one tool on the nodes (n_nodes, 3) [N].")
       .def("deepest", &deepest<Loop>, nb::arg("tool"),
            "Depth of the deepest point in a tool [mm], and which it is: a node, or the number of nodes + an edge.")
       .def(

@@ -30,11 +30,14 @@ struct LayerConditions {
   const T* temperature = nullptr;  // given to each layer [degrees C]; null: that of the law's start
   int point = 0;                   // in the plane
   ShellPlaces* places = nullptr;   // null but for laws from shared libraries
+  double slower = 1.0;             // by which the process takes longer than it is computed
 
+  // Time of the process, by which laws take their rates [s].
+  double law_dt() const { return dt * slower; }
   T temperature_or(double start, int layer) const { return temperature ? temperature[layer] : T(start); }
   // those of another point in the plane, of so many layers each
   LayerConditions at_point(int other, int layers) const {
-    return {dt, temperature ? temperature + other * layers : nullptr, other, places};
+    return {dt, temperature ? temperature + other * layers : nullptr, other, places, slower};
   }
 };
 
@@ -60,7 +63,7 @@ struct GeneralSheet {
   template <class T>
   T advance(T sum, T difference, T shear, const LayerConditions<T>& now, int layer, T* state) const {
     const LawInput<3, T> in{{T(0.5) * (sum + difference), T(0.5) * (sum - difference), shear},
-                            now.dt,
+                            now.law_dt(),
                             now.temperature_or(law.flow.thermal.start, layer)};
     const T xx = T(0.5) * (state[0] + state[1]), yy = T(0.5) * (state[0] - state[1]);
     T across;
@@ -80,7 +83,7 @@ struct GeneralSheet {
     for (int half = 0; half < 2; ++half) {
       for (int i = 0; i < rows(); ++i) wide[i] = widen(state[i], half);
       const Pack given = widen(degrees, half);
-      const LayerConditions<Pack> own{now.dt, &given};
+      const LayerConditions<Pack> own{now.law_dt(), &given};
       narrow(advance(widen(sum, half), widen(difference, half), widen(shear, half), own, 0, wide), half, across);
       for (int i = 0; i < rows(); ++i) narrow(wide[i], half, state[i]);
     }
@@ -112,7 +115,7 @@ struct UserSheet {
       for (int i = 0; i < kept; ++i) before[i] = state[4 + i][lane];
       lanes.history_n[lane] = before, lanes.history[lane] = before + kept;
       UmatPlace& place = lanes.place[lane];
-      place.dt = now.dt, place.point = now.point + 1, place.section_point = layer + 1;
+      place.dt = now.law_dt(), place.point = now.point + 1, place.section_point = layer + 1;
       const double strain[3] = {0.5 * (sum[lane] + difference[lane]), 0.5 * (sum[lane] - difference[lane]),
                                 shear[lane]};
       double stress[3] = {0.5 * (state[0][lane] + state[1][lane]), 0.5 * (state[0][lane] - state[1][lane]),

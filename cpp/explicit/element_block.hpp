@@ -82,9 +82,11 @@ class ElementBlock {
   }
   void advance_damage(int first, int last, double dt) {
     for (int pack = first; pack < last && !damage.empty(); ++pack)
-      damage.advance(pack, pack_state(pack), pack_temperature(pack), dt);
+      damage.advance(pack, pack_state(pack), pack_temperature(pack), slower * dt);
   }
   PointDamage<Real> damage;
+  // By how much the process takes longer than it is computed: laws take their rates by its time.
+  double slower = 1.0;
 
   // Masses first: they are part of it. owner: a name for the block.
   virtual void list_state(const std::string& owner, std::vector<StateField>& fields) = 0;

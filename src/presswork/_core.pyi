@@ -827,6 +827,11 @@ class SpaceLoop:
     def damage(self, block: int, name: str) -> NDArray[numpy.float64]:
         """Damage by a criterion at the points of a block (n, points)."""
 
+    def set_slower(self, factor: float) -> None:
+        """
+        Let the laws of shells take their rates by a time that is so many times that of the cycles from now on.
+        """
+
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """
         Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
@@ -939,6 +944,9 @@ class SpaceLoop:
 
     def start_contact(self) -> None:
         """Find the forces of tools that are new."""
+
+    def force_of_tool(self, tool: int) -> NDArray[numpy.float64]:
+        """Forces of one tool on the nodes (n_nodes, 3) [N]."""
 
     def deepest(self, tool: int) -> tuple[float, int]:
         """
@@ -1058,6 +1066,11 @@ class SpaceLoopSingle:
     def damage(self, block: int, name: str) -> NDArray[numpy.float64]:
         """Damage by a criterion at the points of a block (n, points)."""
 
+    def set_slower(self, factor: float) -> None:
+        """
+        Let the laws of shells take their rates by a time that is so many times that of the cycles from now on.
+        """
+
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """
         Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
@@ -1170,6 +1183,9 @@ class SpaceLoopSingle:
 
     def start_contact(self) -> None:
         """Find the forces of tools that are new."""
+
+    def force_of_tool(self, tool: int) -> NDArray[numpy.float64]:
+        """Forces of one tool on the nodes (n_nodes, 3) [N]."""
 
     def deepest(self, tool: int) -> tuple[float, int]:
         """
@@ -1319,6 +1335,11 @@ class PlaneLoop:
 
     def damage(self, block: int, name: str) -> NDArray[numpy.float64]:
         """Damage by a criterion at the points of a block (n, points)."""
+
+    def set_slower(self, factor: float) -> None:
+        """
+        Let the laws of shells take their rates by a time that is so many times that of the cycles from now on.
+        """
 
     def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """

@@ -175,6 +175,10 @@ class State:
                 raise ValueError(f"two owners of arrays in the State have the name {arrays.owner!r}")
             self._owned[type(arrays)] = arrays
 
+    def replace(self, arrays: Arrays) -> None:
+        """Take these arrays of an owner in place of those that there are."""
+        self._owned[type(arrays)] = arrays
+
     def __getitem__(self, kind: type[Owned]) -> Owned:
         """Return the arrays of an owner. Raises KeyError if the model does not have it."""
         return cast(Owned, self._owned[kind])

@@ -51,7 +51,7 @@ PYTHON_ROOMS = {
     "fields": {"evolution", "formability", "law", "mesh", "model"},
     "results": {"fields", "formability", "geometry", "model"},
     "body": {"evolution", "fields", "law", "mesh", "model", "outcome", "state", "timing"},
-    "interaction": {"body", "fields", "geometry", "mesh", "model", "outcome", "state"},
+    "interaction": {"body", "evolution", "fields", "geometry", "mesh", "model", "outcome", "state"},
     "implicit": {"body", "evolution", "interaction", "model", "outcome", "state", "stop", "threads", "timing"},
     "explicit": {"evolution", "law", "mesh", "model", "stop"},
     "process": {

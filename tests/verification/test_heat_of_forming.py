@@ -8,6 +8,7 @@ import pytest
 
 from presswork.case import build_model
 from presswork.case.solid.schema import Case
+from presswork.evolution.points import EvolvedArrays
 from presswork.implicit.energy import Work
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
@@ -321,3 +322,25 @@ def test_a_meshed_die_is_a_half_space(time, hot, cold) -> None:
     assert gained == pytest.approx(-lost, rel=1e-8)
     assert arrays.die_heat[1] == pytest.approx(-arrays.heat[2], rel=1e-9)
     assert abs(gained - arrays.die_heat.sum()) < 1e-8 * gained
+
+
+def test_phases_follow_the_temperatures_of_a_solid() -> None:
+    """A cylinder that is cooled: martensite by Koistinen and Marburger at its temperature, hardness by Maynier."""
+    heat = {"temperature": 20, "conductance": "5 kW/(m^2*K)"}
+    punch = {"profile": [[0, 15], [40, 15]], "contact": "frictionless", "heat": heat}
+    done = compute(
+        law={"transformation": {"steel": "22MnB5"}, "thermal": {"conductivity": 300, "specific_heat": "586 J/(kg*K)"}},
+        tools={"punch": punch},
+        heat={"initial_temperature": 900, "surroundings": {"ambient": 20, "coefficient": "2000 W/(m^2*K)"}},
+        stages=[{"name": "press", "duration": 40, "tools": {"punch": {"stroke": 0.1, "direction": [0, -1]}}}],
+        max_increment=0.002,
+    )
+    values = done.state[EvolvedArrays].values
+    warm = done.heat.at_points(done.state, 0)
+    assert warm.max() < 300.0
+    diffused = sum(values[name][0] for name in ("ferrite", "pearlite", "bainite"))
+    wanted = (1.0 - diffused) * (1.0 - np.exp(-0.011 * (408.98 - warm)))
+    assert values["martensite"][0] == pytest.approx(wanted, abs=1e-4)
+    assert values["martensite"][0].min() > 0.5
+    assert values["cooling_rate"][0].min() > 20.0
+    assert 350 < values["hardness"][0].min() < values["hardness"][0].max() < 500

@@ -352,17 +352,19 @@ ContactEnergies ToolContact::energies(double dt) const {
 }
 
 void ToolContact::add_forces(double* to) const {
-  for (int t = 0; t < static_cast<int>(tools.size()); ++t) {
-    for (int node = 0; node < n_nodes_; ++node) {
-      const double pressed = value(t, node, &Touching::pressed), squeezed = value(t, node, &Touching::squeezed);
-      if (!(pressed > 0.0 || squeezed > 0.0)) continue;
-      const Touching& p = pairs_[t].packs[node / width];
-      const int lane = node % width;
-      const double normal = stiffness(t, node) * pressed + squeezed + p.viscous[lane];
-      for (int i = 0; i < 3; ++i) to[3 * std::size_t(node) + i] += normal * p.normal[i][lane] + p.shear[i][lane];
-    }
-    edges_.add_forces(t, tools[t].grip, to);
+  for (int t = 0; t < static_cast<int>(tools.size()); ++t) add_forces_of(t, to);
+}
+
+void ToolContact::add_forces_of(int t, double* to) const {
+  for (int node = 0; node < n_nodes_; ++node) {
+    const double pressed = value(t, node, &Touching::pressed), squeezed = value(t, node, &Touching::squeezed);
+    if (!(pressed > 0.0 || squeezed > 0.0)) continue;
+    const Touching& p = pairs_[t].packs[node / width];
+    const int lane = node % width;
+    const double normal = stiffness(t, node) * pressed + squeezed + p.viscous[lane];
+    for (int i = 0; i < 3; ++i) to[3 * std::size_t(node) + i] += normal * p.normal[i][lane] + p.shear[i][lane];
   }
+  edges_.add_forces(t, tools[t].grip, to);
 }
 
 }  // namespace presswork::explicit_dynamics

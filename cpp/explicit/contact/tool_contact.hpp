@@ -90,6 +90,8 @@ class ToolContact {
   ContactEnergies energies(double dt) const;
   // Forces of the tools on the nodes (n_nodes, 3) [N], added.
   void add_forces(double* force) const;
+  // Those of one tool.
+  void add_forces_of(int tool, double* force) const;
   // Depth of the deepest point in a tool, and which it is: a node, or n_nodes + edge.
   template <class View>
   double deepest(int tool, const View& sheet, int& point) const;

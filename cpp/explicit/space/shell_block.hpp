@@ -96,6 +96,7 @@ class ShellBlock final : public SheetBlock<Real> {
       P room[each];
       if (nodes.room) gather_room<each>(nodes, this->pack_nodes(pack), room);
       LayerConditions<P> now{dt, this->pack_temperature(pack)};
+      now.slower = this->slower;
       if constexpr (std::is_same_v<Law, UserSheet>) now.places = place_shells(time, pack, x, places);
       Kind::advance(law, section_, now, x, v, w, nodes.room ? room : nullptr, this->pack_state(pack), nodal);
       Real* to[lanes];

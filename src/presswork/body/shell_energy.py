@@ -14,7 +14,7 @@ from presswork.body.shell_arrays import ShellArrays
 from presswork.body.thermoelastic import find_temperature
 from presswork.law.elastic_plastic import plastic_work_density, present_young
 from presswork.law.umat import SheetLaw, SheetUmat
-from presswork.model import Model
+from presswork.model import FloatArray, Model
 from presswork.state import State
 
 STORED, LOST = 6, 7
@@ -50,6 +50,20 @@ def plastic_work(model: Model, laws: list[SheetLaw], state_n: State, trial: Stat
     Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
     """
     total = 0.0
+    for i, (block, work) in enumerate(
+        zip(model.mesh.blocks, plastic_work_at_layers(model, laws, state_n, trial, dt), strict=True)
+    ):
+        total += float(work.sum())
+        if block.element == "shell4_1pt":
+            total += float((trial[ShellArrays].internal[i] - state_n[ShellArrays].internal[i])[:, LOST].sum())
+    return total
+
+
+def plastic_work_at_layers(
+    model: Model, laws: list[SheetLaw], state_n: State, trial: State, dt: float
+) -> list[FloatArray]:
+    """Return the plastic work of one increment at the layers of each block (n_cells, q, k) [N mm], as plastic_work."""
+    found = []
     for i, block in enumerate(model.mesh.blocks):
         material, after = model.materials[block.material], trial.cells.history[i]
         before = state_n.cells.history[i]
@@ -67,7 +81,5 @@ def plastic_work(model: Model, laws: list[SheetLaw], state_n: State, trial: Stat
                 (state_n.cells.temperature[i], trial.cells.temperature[i]),
             )
         )
-        total += float((work.reshape(trial.cells.eqps[i].shape) * trial.cells.volume[i]).sum())
-        if block.element == "shell4_1pt":
-            total += float((trial[ShellArrays].internal[i] - state_n[ShellArrays].internal[i])[:, LOST].sum())
-    return total
+        found.append((work.reshape(trial.cells.eqps[i].shape) * trial.cells.volume[i]).reshape(after.shape[:3]))
+    return found

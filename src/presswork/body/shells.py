@@ -12,7 +12,7 @@ from presswork import _core
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
 from presswork.body.shell_arrays import ShellArrays
-from presswork.body.shell_energy import elastic_energy, plastic_work
+from presswork.body.shell_energy import elastic_energy, plastic_work, plastic_work_at_layers
 from presswork.evolution.points import find_evolved
 from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant
@@ -353,6 +353,14 @@ class ShellMechanics:
     def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
         """Return the plastic work of one increment over dt [s] [N mm]."""
         return plastic_work(self._model, self._laws, state_n, trial, dt)
+
+    def layer_heights(self, block: int) -> FloatArray:
+        """Return the heights of a block's layers in [-1, 1], from the bottom up."""
+        return self._rules[block][0]
+
+    def plastic_work_at_layers(self, state_n: State, trial: State, dt: float) -> list[FloatArray]:
+        """Return the plastic work of an increment at the layers of each block (n_cells, q, k) [N mm]."""
+        return plastic_work_at_layers(self._model, self._laws, state_n, trial, dt)
 
 
 def _arrays_of(state: State, block: int) -> list[FloatArray]:

@@ -3,16 +3,26 @@
 
 from __future__ import annotations
 
-from presswork.evolution import damage, grain
+from presswork.evolution import damage, grain, phases
 from presswork.evolution.contract import EvolutionLaw, Quantity
 from presswork.model import Material
 
-QUANTITIES: tuple[Quantity, ...] = (*damage.QUANTITIES.values(), *grain.QUANTITIES.values())
+QUANTITIES: tuple[Quantity, ...] = (
+    *damage.QUANTITIES.values(),
+    *grain.QUANTITIES.values(),
+    *phases.QUANTITIES,
+)
 """The quantities of all laws: each is a field."""
 BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 
 
 def make_laws(material: Material, *, is_solid: bool) -> tuple[EvolutionLaw, ...]:
-    """Return the evolution laws of a material in solids or in a sheet."""
+    """Return the evolution laws of a material in solids or in a sheet; a sheet's phases are where its temperatures are
+    (interaction/heat_of_sheet.py).
+    """
     laws: tuple[EvolutionLaw, ...] = damage.make_damage(material.damage, material.umat, is_solid=is_solid)
-    return laws if material.grain is None else (*laws, grain.GrainLaw(material.grain))
+    if material.grain is not None:
+        laws = (*laws, grain.GrainLaw(material.grain))
+    if is_solid and material.transformation is not None:
+        laws = (*laws, phases.PhaseLaw(material.transformation))
+    return laws

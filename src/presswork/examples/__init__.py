@@ -29,7 +29,7 @@ def copy_example(name: str, target_dir: str | Path) -> Path:
     case = tomllib.loads((_FOLDER / f"{name}.toml").read_text("utf-8"))
     tools, mesh = case.get("tools", {}), case.get("workpiece", {}).get("mesh", {})
     files: list[str] = [f"{name}.toml", *(tool["profile_file"] for tool in tools.values() if "profile_file" in tool)]
-    files += [mesh["path"]] if "path" in mesh else []
+    files += [part["path"] for part in (mesh, *tools.values()) if "path" in part]
     there = [folder / file for file in files if (folder / file).exists()]
     if there:
         raise CaseError(

@@ -142,6 +142,10 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
         points[self._elements[first : first + len(points)] - first] = inside
         return SolidState(points[..., :6], points[..., 6])
 
+    def set_slower(self, factor: float) -> None:
+        """Let laws of shells take their rates by a time so many times that of the cycles from now on."""
+        self._loop.set_slower(factor)
+
     def trial_force(self, increment: npt.ArrayLike) -> Array:
         """Give the internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed."""
         return self._by_node(self._loop.trial_force(self._shaped(increment, "increment")[self._nodes]))

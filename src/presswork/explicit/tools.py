@@ -200,6 +200,13 @@ class ToolsOfRun:
         out[self._nodes] = inside
         return out
 
+    def force_of(self, tool: RigidTool) -> Array:
+        """Return the forces of one tool on the nodes (n_nodes, 3) [N]."""
+        inside: Array = self._loop.force_of_tool(tool.number)
+        out = np.empty_like(inside)
+        out[self._nodes] = inside
+        return out
+
     def _prepare_tools(self, velocity_scale: Array) -> None:
         if self.tools and (self.dt > self._contact_step or self._new_tools):
             self._contact_step = max(self.dt, self._contact_step)

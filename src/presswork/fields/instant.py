@@ -74,7 +74,10 @@ class Instant:
     deviation: FloatArray | None = None
     """Distance from the shape that the part had in its tools (n_points,) [mm]."""
     temperature: FloatArray | None = None
-    """Of bodies that conduct heat (n_points,) [degrees C]."""
+    """Of bodies that conduct heat (n_points,) [degrees C]; of a sheet the mean through its thickness."""
+    heated: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Of a sheet that conducts heat: temperatures at bottom, middle and top, phases, hardness and cooling rate by the
+    names of their fields (n_points,)."""
     points: SolidPoints | None = None
     laps: FloatArray | None = None
     """1 at nodes where the surface has folded onto itself, 0 elsewhere (n_points,)."""

@@ -101,8 +101,18 @@ def _hydrostatic_stress(now: Instant) -> FloatArray | None:
 
 def _temperature(now: Instant) -> FloatArray | None:
     if (nodal := now.temperature) is not None:
-        return np.concatenate([nodal[block.connectivity].mean(axis=1) for block in now.model.mesh.blocks])
+        return _in_cells(now, nodal)
     return now.sheet.get("temperature") if now.points is None else now.points.temperature
+
+
+def _temperature_of_layers(now: Instant) -> Mapping[str, FloatArray] | None:
+    found = {place: now.heated[f"temperature_{place}"] for place in PLACES if f"temperature_{place}" in now.heated}
+    return {place: _in_cells(now, nodal) for place, nodal in found.items()} or None
+
+
+def _in_cells(now: Instant, nodal: FloatArray) -> FloatArray:
+    """Return the means of the cells (n_cells,) of nodal values."""
+    return np.concatenate([nodal[block.connectivity].mean(axis=1) for block in now.model.mesh.blocks])
 
 
 def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:
@@ -123,9 +133,14 @@ def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:
 
 
 def _evolved(name: str) -> Callable[[Instant], FloatArray | None]:
-    """Return what finds a quantity of evolution laws: the mean of a solid's points, the largest of a sheet's layers."""
+    """Return what finds a quantity of evolution laws: the mean of a solid's points, the largest of a sheet's layers.
+
+    Those of a sheet that conducts heat are at the nodes: the mean of the cell.
+    """
 
     def find(now: Instant) -> FloatArray | None:
+        if name in now.heated:
+            return _in_cells(now, now.heated[name])
         if name not in now.evolved:
             return None
         blocks = now.evolved[name]
@@ -186,6 +201,7 @@ ROWS = (
     Field("temperature", "degrees C", "cell", _temperature),
     *(Field(q.name, q.unit, "cell", _evolved(q.name), label=q.label) for q in QUANTITIES if q.shown),
     Field("porosity", "1", "cell", _porosity),
+    Field("temperature_{}", "degrees C", "layer", _temperature_of_layers, "layer"),
     Field("SDV{}", "", "cell", _state_variables, "number"),
     Field("body", "1", "cell", _body),
     Field("equivalent_plastic_strain_{}", "1", "layer", _of_layers("equivalent_plastic_strain"), "layer"),

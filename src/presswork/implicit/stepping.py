@@ -13,11 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswork import _core
+from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics, make_mechanics
 from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
 from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
 from presswork.implicit.heat_of_forming import MOST_PASSES, HeatOfForming
+from presswork.implicit.heat_of_stamping import HeatOfStamping
 from presswork.implicit.held import check_held, check_pushed
 from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
@@ -87,8 +89,11 @@ class ImplicitProcedure:
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
         self.ram = Ram(model)
         self.heat: HeatOfForming | None = None
+        self.sheet_heat: HeatOfStamping | None = None
         if model.heat is not None and isinstance(self.mechanics, Mechanics):
             self.heat = HeatOfForming(model, self.mechanics, self.interactions, self.timing, threads)
+        elif model.heat is not None and isinstance(self.mechanics, ShellMechanics):
+            self.sheet_heat = HeatOfStamping(model, self.mechanics)
         self.evolution = Evolution(model)
         self.state = self.at_rest()
         self._start, self._lets_go, self._to_rest = self.state, False, False
@@ -111,6 +116,9 @@ class ImplicitProcedure:
         if self.heat is not None:
             state.add(self.heat.at_rest())
             self.heat.spread(state)
+        if self.sheet_heat is not None:
+            state.add(self.sheet_heat.at_rest())
+            self.sheet_heat.spread(state)
         keep_temperatures(self.model, state)
         if self.evolution.names:
             state.add(self.evolution.at_rest(state))
@@ -258,6 +266,9 @@ class ImplicitProcedure:
     ) -> tuple[State, Converged | Failed]:
         """Try an increment, from the last one scaled or from where the sheet is (from_rest)."""
         state_n, trial = self._start, self._start.duplicate()
+        if self.model.stages[stage].dwell is not None:  # heat alone flows
+            trial.nodes.increment = np.zeros_like(trial.nodes.increment)
+            return trial, Converged(IterationLog())
         last = state_n[Progress].last_size
         ratio = (fraction - fraction_n) / last if last > 0 and not from_rest else 0.0
         step = self._step(stage, fraction_n, fraction)
@@ -320,6 +331,8 @@ class ImplicitProcedure:
         trial[Work].thermal_work += find_thermal_work(self.model, state_n, trial)
         if self.ram.is_needed:
             self.ram.commit(state_n, trial, step)
+        if self.sheet_heat is not None:
+            self.sheet_heat.advance(state_n, trial, step)
         self.evolution.advance(state_n, trial, step.dt, self._temperatures(state_n, trial))
         p = trial[Progress]
         p.time += step.dt
@@ -355,6 +368,8 @@ class ImplicitProcedure:
                 found.append((before.reshape(shape), after.reshape(shape)))
             elif self.heat is not None:
                 found.append((self.heat.at_points(state_n, block), self.heat.at_points(trial, block)))
+            elif self.sheet_heat is not None:
+                found.append((self.sheet_heat.at_points(state_n, block), self.sheet_heat.at_points(trial, block)))
             else:
                 found.append(None)
         return found

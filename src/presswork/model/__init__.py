@@ -71,6 +71,7 @@ from presswork.model.settings import (
 from presswork.model.sheet import Refinement, Springback, TrimLine
 from presswork.model.stage import (
     BodyForce,
+    Dwell,
     EdgeForce,
     FaceForce,
     FacePressure,
@@ -95,13 +96,16 @@ from presswork.model.tool import (
     ToolKind,
     Triangulation,
 )
+from presswork.model.transformation import ELEMENTS_OF_STEEL, PHASES, Transformation
 
 __all__ = [
     "COLDEST",
     "ELEMENTS",
+    "ELEMENTS_OF_STEEL",
     "GROWN",
     "GTN",
     "HOTTEST",
+    "PHASES",
     "POROSITY",
     "STEFAN_BOLTZMANN",
     "ZERO_CELSIUS",
@@ -120,6 +124,7 @@ __all__ = [
     "Displacements",
     "Drawbead",
     "Drive",
+    "Dwell",
     "DynamicRecrystallisation",
     "EdgeForce",
     "ElementName",
@@ -190,6 +195,7 @@ __all__ = [
     "ToolHeat",
     "ToolKind",
     "ToolMotion",
+    "Transformation",
     "Triangulation",
     "TrimLine",
     "Umat",

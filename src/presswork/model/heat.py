@@ -168,6 +168,8 @@ class Heat:
     """Largest time step over the duration of the stage."""
     fixed_step: float | None = None
     """All steps are of this part of the stage, whatever their errors."""
+    levels: int = 5
+    """Of a sheet: equally spaced temperatures through its thickness, on both faces and between."""
 
 
 @dataclass(frozen=True)

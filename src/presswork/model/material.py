@@ -15,6 +15,7 @@ from presswork.model.arrays import FloatArray
 from presswork.model.grain import Grain
 from presswork.model.gtn import Gtn
 from presswork.model.heat import Thermal
+from presswork.model.transformation import Transformation
 
 UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
 
@@ -186,5 +187,7 @@ class Material:
     """Pores, of a material whose `umat` is then presswork's own; None: it is dense."""
     grain: Grain | None = None
     """Grain size in hot forming; None: it is not computed."""
+    transformation: Transformation | None = None
+    """What austenite becomes on cooling; None: nothing is computed."""
     formability: Formability = field(default_factory=Formability)
     """Forming limit that the strains of a sheet are compared with."""

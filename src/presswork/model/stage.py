@@ -139,6 +139,16 @@ class ToolMotion:
 
 
 @dataclass(frozen=True)
+class Dwell:
+    """A stage of a stamping in which nothing moves, and heat alone flows."""
+
+    in_tools: bool
+    """Whether the tools lie on the sheet as the stage before has left them; otherwise it is in the air."""
+    pressure: float | None = None
+    """Pressure of the tools where they touch [MPa]; None: that of the end of the stage before."""
+
+
+@dataclass(frozen=True)
 class Stage:
     """A part of the process in which every motion and load grows in proportion to the part that is done."""
 
@@ -166,6 +176,16 @@ class Stage:
     heat: HeatStage | None = None
     drive: Drive | None = None
     """The ram that moves the tools, from which time follows; None: all moves evenly in time."""
+    process_time: float | None = None
+    """Of a stamping: how long the stage takes in the press [s], by which heat flows and rates are taken; None: the
+    duration."""
+    dwell: Dwell | None = None
+    """Of a stamping: heat alone flows."""
+
+    @property
+    def slower(self) -> float:
+        """By how much the stage takes longer in the press than it is computed."""
+        return 1.0 if self.process_time is None else self.process_time / self.duration
 
     def time_between(self, start: float, end: float) -> float:
         """Return the time between two parts of the stage [s]; an estimate where the course of a stage decides."""

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.heat import Conduction
+from presswork.interaction.heat_of_sheet import KINDS as SHEET_KINDS
+from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.model import FloatArray, Model
 from presswork.process.recording import Row
 
@@ -34,6 +36,34 @@ def measure_heat(
         "heat_stored": stored,
         **{f"heat_{kind}": float(value) for kind, value in zip(kinds, heat, strict=True)},
     }
+
+
+def columns_of_sheet(sheet: HeatOfSheet, arrays: SheetHeatArrays) -> list[str]:
+    """Return the columns of history.csv of a sheet's heat."""
+    phases = ["martensite_min", "martensite_mean"] if sheet.has_phases else []
+    return [*heat_columns(SHEET_KINDS), *(f"{name}.temperature_max" for name in sheet.hottest(arrays)), *phases]
+
+
+def measure_sheet_heat(sheet: HeatOfSheet, arrays: SheetHeatArrays) -> Row:
+    """Return what `columns_of_sheet` names."""
+    conduction = sheet.conduction
+    found: Row = {
+        "temperature_min": float(arrays.temperature.min()),
+        "temperature_mean": conduction.mean(arrays.temperature),
+        "temperature_max": float(arrays.temperature.max()),
+        "heat_stored": sheet.stored(arrays),
+        **{f"heat_{kind}": float(value) for kind, value in zip(SHEET_KINDS, arrays.heat, strict=True)},
+        **{f"{name}.temperature_max": degrees for name, degrees in sheet.hottest(arrays).items()},
+    }
+    if sheet.has_phases:
+        martensite = arrays.fractions[3]
+        found |= {"martensite_min": float(martensite.min()), "martensite_mean": conduction.mean(martensite)}
+    return found
+
+
+def summarise_sheet_heat(sheet: HeatOfSheet, arrays: SheetHeatArrays) -> dict[str, float]:
+    """Return heat stored and come in [J], and what is missing between them over the largest."""
+    return summarise_heat(sheet.stored(arrays), SHEET_KINDS, arrays.heat)
 
 
 def summarise_heat(stored: float, kinds: Sequence[str], heat: FloatArray) -> dict[str, float]:

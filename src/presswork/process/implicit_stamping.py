@@ -22,9 +22,11 @@ from presswork.fields.table import compute_fields
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.heat_of_sheet import SheetHeatArrays
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SheetToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
+from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
@@ -54,7 +56,7 @@ from presswork.process.stamping_tools import (
     tool_text,
     way_of,
 )
-from presswork.process.transfer import SheetState, sheet_of_implicit
+from presswork.process.transfer import SheetState, keep_heated, sheet_of_implicit
 
 CLOCK_TIMES = 1000
 """Of each stage, at which the smooth motion is tabulated."""
@@ -70,13 +72,14 @@ def make_shell_model(model: Model) -> Model:
     stages = tuple(
         Stage(
             name=stage.name,
-            duration=stage.duration,
-            clock=None if stage.drive is not None else _clock(stage),
+            duration=stage.duration * stage.slower,
+            clock=None if stage.drive is not None or stage.dwell is not None else _clock(stage),
             drive=_drive_what_is_modelled(model, stage),
             tool_motion={name: motion for name, motion in stage.tool_motion.items() if name not in pushes}
             | {name: ToolMotion(push=of_stages[number]) for name, of_stages in pushes.items()},
             bead_share={name: of_stages[number] for name, of_stages in shares.items()},
             prescribed=stage.prescribed,
+            dwell=stage.dwell,
         )
         for number, stage in enumerate(model.stages)
     )
@@ -92,6 +95,7 @@ def make_shell_model(model: Model) -> Model:
         tools=model.tools,
         beads=model.beads,
         rolling_direction=model.rolling_direction,
+        heat=model.heat,
     )
 
 
@@ -101,9 +105,9 @@ def _drive_what_is_modelled(model: Model, stage: Stage) -> Drive | None:
 
 
 def _clock(stage: Stage) -> FloatArray:
-    """Return when which part of the stage's way has been gone, as in the explicit procedure (n, 2)."""
+    """Return when, in the press, which part of the stage's way has been gone, as in the explicit procedure (n, 2)."""
     times = np.linspace(0.0, stage.duration, CLOCK_TIMES + 1)
-    return np.column_stack([stroke_of(stage).position(times), times])
+    return np.column_stack([stroke_of(stage).position(times), stage.slower * times])
 
 
 def _push_by_stage(model: Model, tool: Tool) -> list[Push]:
@@ -130,6 +134,8 @@ class ImplicitStamping(IncrementRecording):
         """Of history.csv."""
         first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
         first += peak_columns(find_evolved(self.procedure.state))
+        if (heat := self.procedure.sheet_heat) is not None:
+            first += columns_of_sheet(heat.sheet, self.procedure.state[SheetHeatArrays])
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         return [*first, *ram, *self.reactions.columns, *ENERGIES, "energy_error_percent"]
 
@@ -174,10 +180,15 @@ class ImplicitStamping(IncrementRecording):
             **self._bead_columns(),
             **(measure_ram(self.model, state, self._stage()) if RamArrays in state else {}),
             **peak_row(find_evolved(state)),
+            **self._measure_heat(),
             **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
         }
+
+    def _measure_heat(self) -> Row:
+        heat = self.procedure.sheet_heat
+        return measure_sheet_heat(heat.sheet, self.procedure.state[SheetHeatArrays]) if heat else {}
 
     def _stage(self) -> int:
         """Return the stage that the converged state belongs to."""
@@ -191,6 +202,9 @@ class ImplicitStamping(IncrementRecording):
         now.tool_force, now.judged = np.zeros_like(self.mesh.points), self._judged
         if SheetToolArrays in state:
             now.tool_force = state[SheetToolArrays].force.sum(axis=0)
+        if (heat := self.procedure.sheet_heat) is not None:
+            arrays = state[SheetHeatArrays]
+            now.temperature, now.heated = heat.sheet.mean_at_nodes(arrays), heat.sheet.fields(arrays)
         return now
 
     def snapshot(self, now: Instant | None = None) -> Snapshot:
@@ -227,7 +241,7 @@ class ImplicitStamping(IncrementRecording):
 
     def sheet(self) -> SheetState:
         """Return the converged state of the sheet."""
-        return sheet_of_implicit(self.procedure)
+        return replace(sheet_of_implicit(self.procedure), heated=keep_heated(self.show()))
 
     @property
     def time(self) -> float:
@@ -246,6 +260,7 @@ class ImplicitStamping(IncrementRecording):
             **bead_columns(self.model, [0.0] * len(self.model.beads)),
             **(ram_at_rest(state[RamArrays].work) if RamArrays in state else {}),
             **peak_row(find_evolved(self.procedure.state)),
+            **self._measure_heat(),
             **self.reactions.nothing(),
             **energies,
             "energy_error_percent": balance["error_percent"],
@@ -272,12 +287,15 @@ class ImplicitStamping(IncrementRecording):
         if abs(energy["inertia_work"]) > 1e-2 * WORTH_A_WARNING * internal:
             part = f"inertia took {100.0 * abs(energy['inertia_work']) / internal:.3g} % of the internal energy"
             warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
+        heat = self.procedure.sheet_heat
+        warnings += warn_of_tables(self.model, history) if heat else []
         return {
             **self._count_work(),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
             "time_simulated": state[Progress].time,
             **summarise_ram(self.model, history),
+            **({"heat": summarise_sheet_heat(heat.sheet, state[SheetHeatArrays])} if heat else {}),
             "formability": verdict.to_summary(),
             "linear_solver": self.procedure.equilibrium.solver.name,
             "warnings": [*warnings, *self._warn_of_ram(history), *verdict.warnings()],

@@ -29,6 +29,8 @@ from presswork.timing import Timing
 STAGE, ROW, RAM_WORK, STAGE_WORK, STAGE_WAY = 0, 1, -4, -3, -2
 """Of the progress; the work of the ram, since the start and in the present stage [N mm], its way in that [mm], and the
 rows of a stage come last."""
+DWELL_SHARE = 0.05
+"""Of the time that forming takes to compute: what a dwell counts as in the progress display."""
 LAST_COLUMNS = ("time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent")
 
 
@@ -187,7 +189,7 @@ class RowRecording(EpochRecording, ABC):
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed, counted in stage durations."""
         stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
-        return remaining_in_rows([s.duration for s in self.model.stages], stage, row, self.model.output.rows)
+        return remaining_in_rows(weigh_stages(self.model.stages), stage, row, self.model.output.rows)
 
     @property
     def number(self) -> int:
@@ -213,9 +215,24 @@ class RowRecording(EpochRecording, ABC):
         }
 
 
+def process_time(stages: Sequence[Stage], time: float) -> float:
+    """Return the time in the press [s] by the time that is computed [s]."""
+    past = 0.0
+    for stage in stages:
+        past += min(max(time, 0.0), stage.duration) * stage.slower
+        time -= stage.duration
+    return past
+
+
 def last_energies(history: Mapping[str, NDArray[Any]]) -> dict[str, float]:
     """Return the ENERGIES at the end of a history [N mm]; none of an empty one."""
     return {e: float(history[f"{e}_energy"][-1]) for e in ENERGIES} if len(history["time"]) else {}
+
+
+def weigh_stages(stages: Sequence[Stage]) -> list[float]:
+    """Return the durations of the stages [s], of a dwell the share of what is formed that it costs."""
+    formed = sum(stage.duration for stage in stages if stage.dwell is None) or 1.0
+    return [stage.duration if stage.dwell is None else DWELL_SHARE * formed for stage in stages]
 
 
 def remaining_in_rows(durations: Sequence[float], stage: int, row: int, rows: int) -> float:

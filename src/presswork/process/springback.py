@@ -12,7 +12,7 @@ walls and flange move.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -40,12 +40,14 @@ from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.limits import Watched
 from presswork.process.recording import Meta, Report, Row, Snapshot
 from presswork.process.stamping import ExplicitStamping
-from presswork.process.transfer import TransferError, begin_with
+from presswork.process.transfer import TEMPERATURE, TransferError, begin_with
 from presswork.process.trim import Cut, TrimError, explain_beside, trim_sheet
 
 TRIM, NAME, DEVIATION = "trim", "springback", "deviation"
 FORMING, FORMED, ELASTIC = "forming.", "formed", "elastic"
 """Names in a checkpoint: the prefix of the formed part, and what _Released keeps."""
+HEATED = "heated."
+"""Prefix in a checkpoint of SheetState.heated."""
 ELEMENTS: dict[int, ShellElement] = {3: "shell3_mitc_plus", 4: "shell4_mitc_plus"}
 """By number of nodes."""
 SYMMETRY = tuple(tuple(i in held for i in range(6)) for held in ((0, 4, 5), (1, 3, 5)))
@@ -135,6 +137,8 @@ class _Released:
     """Displacement when it was released (n_points, 3) [mm]."""
     elastic: float
     """Energy stored then [N mm]."""
+    heated: Mapping[str, FloatArray] = field(default_factory=dict)
+    """As of SheetState."""
 
 
 class ReleasedStamping(EpochRecording):
@@ -180,7 +184,7 @@ class ReleasedStamping(EpochRecording):
             raise GaveUpError(f"springback cannot begin: {error}") from error
         self._begin_epoch(mesh)
         elastic = implicit.mechanics.elastic_energy(implicit.state)
-        return _Released(implicit, cut, state.position - mesh.points, elastic)
+        return _Released(implicit, cut, state.position - mesh.points, elastic, state.heated)
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed; springback counts as a small one."""
@@ -273,6 +277,7 @@ class ReleasedStamping(EpochRecording):
         snapshot = self.forming.snapshot(now)
         now = self._released.implicit.mechanics.show(self._released.implicit.state)
         now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
+        now.heated, now.temperature = self._released.heated, self._released.heated.get(TEMPERATURE)
         if self.model.springback is not None:
             now.springback, now.deviation = self._moved(), self._deviation()
         points, cells = compute_fields(now)
@@ -293,14 +298,18 @@ class ReleasedStamping(EpochRecording):
 
     def _epoch_arrays(self) -> NamedArrays:
         released = self._released
-        return {} if released is None else {FORMED: released.formed, ELASTIC: np.array(released.elastic)}
+        if released is None:
+            return {}
+        heated = {f"{HEATED}{name}": values for name, values in released.heated.items()}
+        return {FORMED: released.formed, ELASTIC: np.array(released.elastic), **heated}
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         if not self.epoch:
             self._released = None
             return
         implicit = ImplicitProcedure(make_springback_model(self.model, self.model.mesh), threads=self._threads)
-        self._released = _Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]))
+        heated = {name.removeprefix(HEATED): v for name, v in epoch.items() if name.startswith(HEATED)}
+        self._released = _Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]), heated)
 
     def _state_arrays(self) -> NamedArrays:
         parts = {FORMING: self.forming.to_arrays()}

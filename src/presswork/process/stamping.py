@@ -30,6 +30,8 @@ from presswork.law.umat import open_sheet_law
 from presswork.mesh.split import SplitMesh
 from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
 from presswork.process.epochs import NamedArrays
+from presswork.process.explicit_heat import ExplicitHeat, names_of_heat
+from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.process.peaks import find_peaks, peak_row
@@ -37,9 +39,9 @@ from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_r
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
-from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies
+from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies, process_time
 from presswork.process.stamping_tools import StampingTools, cut_surfaces, describe_stamping, mean_speeds
-from presswork.process.transfer import SheetState, sheet_of_explicit
+from presswork.process.transfer import SheetState, keep_heated, sheet_of_explicit
 
 CYCLES, ADDED_MASS, SHELL_CYCLES = range(2, 5)
 """Of the progress, after stage and row."""
@@ -74,6 +76,7 @@ class ExplicitStamping(RowRecording):
             self._scale_mass(self.settings.target_step)
         check_damping(self.settings.damping, self._longest_step())
         self.tools = StampingTools(model, self.shells)
+        self.heat = ExplicitHeat(model, self.shells, self.tools.at_work) if model.heat else None
         self._begin_stage()
         self.shells.find_contact()
 
@@ -111,6 +114,10 @@ class ExplicitStamping(RowRecording):
             self._refine(self.model.refinement)
         n_shells = len(self._cells)
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
+        if self.heat is not None:
+            self.heat.begin_row()
+        if stage.dwell is not None:
+            return self._compute_dwell(stage, end - begin)
         n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
         self.shells.dt = (end - begin) / n
         every, most = max(1, n // SAMPLES), max(1, ELEMENT_CYCLES_A_CALL // n_shells)
@@ -121,11 +128,27 @@ class ExplicitStamping(RowRecording):
             for speeds in np.split(part, range(most, len(part), most)):
                 self.shells.advance(len(speeds), velocity_scale=speeds, damping=self.settings.damping)
             self.tools.sample()
+            if self.heat is not None:
+                self.heat.sample()
             stop.look()
         self._reaction = self.shells.reaction_impulse / (end - begin)
         energies = self._energies(stage, end)
         self._progress[[CYCLES, SHELL_CYCLES]] += (n, n * n_shells)
+        if self.heat is not None:
+            self.heat.advance(stage.slower * (end - begin), None)
         return n, self.shells.dt, energies
+
+    def _compute_dwell(self, stage: Stage, dt: float) -> tuple[int, float, EnergyBalance]:
+        """Let heat alone flow for a row of dt [s]; shells and tools stay as they are."""
+        assert self.heat is not None
+        assert stage.dwell is not None
+        self.tools.begin_row()
+        self.tools.sample()
+        self._seconds_n = self.shells.seconds
+        self._reaction = np.zeros_like(self._reaction)
+        self.heat.advance(dt, stage.dwell)
+        self.shells.time += dt
+        return 0, dt, self.shells.energies(damping=self.settings.damping, velocity_scale=0.0)
 
     def _add_time(self, started: float) -> None:
         """Share out the time since `started`, by what the shells' clock said then and says now."""
@@ -186,8 +209,11 @@ class ExplicitStamping(RowRecording):
 
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe."""
+        number = int(self._progress[STAGE])
         self._prescribe(self.shells)
-        self.tools.begin_stage(int(self._progress[STAGE]))
+        self.tools.begin_stage(number)
+        if number < len(self.model.stages):
+            self.shells.set_slower(self.model.stages[number].slower)
 
     def _energies(self, stage: Stage, time: float) -> EnergyBalance:
         """Return the energies; the next half step goes on with the present speed."""
@@ -204,6 +230,8 @@ class ExplicitStamping(RowRecording):
         first += [*(RAM_COLUMNS if has_ram(self.model) else ()), *self.reactions.columns]
         first += [f"{law.name}_max" for law in self._damage_laws]
         first += ["shells"] if self.model.refinement else []
+        if self.heat is not None:
+            first += ["process_time", *columns_of_sheet(self.heat.sheet, self.heat.arrays)]
         return [*first, *LAST_COLUMNS]
 
     def begin_log(self) -> str:
@@ -233,8 +261,14 @@ class ExplicitStamping(RowRecording):
             **self._measure_reactions(),
             **peak_row(self._evolved()),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
+            **(self._measure_heat() if self.heat else {}),
             **self._end_row(report),
         }
+
+    def _measure_heat(self) -> Row:
+        assert self.heat is not None
+        past = process_time(self.model.stages, self.shells.time)
+        return {"process_time": past, **measure_sheet_heat(self.heat.sheet, self.heat.arrays)}
 
     def _measure_reactions(self) -> Row:
         """Return the means over the last row."""
@@ -253,6 +287,7 @@ class ExplicitStamping(RowRecording):
             find_sheet=self._cell_fields,
             evolved=self._evolved(),
             judged=self._judged,
+            **(self.heat.show() if self.heat else {}),
         )
 
     def snapshot(self, now: Instant | None = None) -> Snapshot:
@@ -302,7 +337,7 @@ class ExplicitStamping(RowRecording):
 
     def sheet(self) -> SheetState:
         """Return the present state of the sheet."""
-        return sheet_of_explicit(self.shells)
+        return replace(sheet_of_explicit(self.shells), heated=keep_heated(self.show()))
 
     @property
     def time(self) -> float:
@@ -335,11 +370,15 @@ class ExplicitStamping(RowRecording):
         self._make_again()
 
     def _state_arrays(self) -> NamedArrays:
-        return {"progress": self._progress.copy(), **self.shells.dump()}
+        heat = self.heat.dump() if self.heat else {}
+        return {"progress": self._progress.copy(), **self.shells.dump(), **heat}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
-        self.shells.restore({name: np.asarray(values) for name, values in arrays.items()})
+        heated = names_of_heat(arrays)
+        self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name not in heated})
+        if self.heat is not None:
+            self.heat.restore(arrays)
         self._begin_stage()
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -360,11 +399,13 @@ class ExplicitStamping(RowRecording):
             "energy": last_energies(history),
             "time_simulated": shells.time,
             **summarise_ram(self.model, history),
+            **({"heat": summarise_sheet_heat(self.heat.sheet, self.heat.arrays)} if self.heat else {}),
             "formability": verdict.to_summary(),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
                 *warn_of_holders(self.model, history, float(fields["thickness"].max())),
                 *warn_of_energies(history),
                 *verdict.warnings(),
+                *(warn_of_tables(self.model, history) if self.heat else ()),
             ],
         }

@@ -62,6 +62,11 @@ class StampingTools:
         self._restraint = np.zeros(len(model.beads))
         self._samples = 0
 
+    @property
+    def at_work(self) -> list[RigidTool]:
+        """The tools in the order of the model's."""
+        return self._tools
+
     def placed(self) -> list[PlacedTool]:
         """Return the tools where they stand."""
         return [PlacedTool(s, tool.position) for s, tool in zip(self._surfaces, self._tools, strict=True)]

@@ -25,6 +25,7 @@ from presswork.body.shells import ShellFailed, ShellMechanics, lay_directors
 from presswork.evolution.points import EvolvedArrays, find_evolved
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells, Precision
+from presswork.fields.instant import Instant
 from presswork.implicit.energy import Work
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
@@ -35,6 +36,8 @@ from presswork.mesh.thickness_rule import thickness_rule
 from presswork.mesh.topology import is_triangle, with_four_nodes
 from presswork.model import CellBlock, FloatArray, IntArray, Section
 
+TEMPERATURE = "temperature"
+"""Name of the mean temperature in SheetState.heated."""
 CENTRE = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]]) / 4.0
 """Slopes of the shape functions at the centre (2, 4)."""
 
@@ -59,6 +62,8 @@ class SheetBlock:
     """What the law keeps (n_cells, q, k, n_history)."""
     evolved: Mapping[str, FloatArray] = field(default_factory=dict)
     """What evolution laws keep, by quantity (n_cells, q, k)."""
+    temperature: FloatArray | None = None
+    """Given to the layers (n_cells, q, k) [degrees C]; None: that of the law's start."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +74,13 @@ class SheetState:
     """Of the nodes (n_points, 3) [mm]."""
     blocks: tuple[SheetBlock, ...]
     """Quadrilaterals, then triangles: those that there are."""
+    heated: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Fields at the nodes of a sheet that conducts heat (n_points,), as of Instant; `temperature` is the mean."""
+
+
+def keep_heated(now: Instant) -> dict[str, FloatArray]:
+    """Return what SheetState keeps of the heat of an instant."""
+    return {} if now.temperature is None else {**now.heated, TEMPERATURE: now.temperature}
 
 
 def sheet_of_explicit(shells: ExplicitShells) -> SheetState:
@@ -79,6 +91,7 @@ def sheet_of_explicit(shells: ExplicitShells) -> SheetState:
     axis = law_axes(shells)[:, None]
     stress, thickness = shells.released()
     thickness, layers, damage = thickness[:, None], (stress, shells.history_at_points), shells.damage
+    degrees = shells.given_temperature
     blocks = []
     three = is_triangle(shells.connectivity)
     for n_nodes, own in ((4, ~three), (3, three)):
@@ -86,7 +99,8 @@ def sheet_of_explicit(shells: ExplicitShells) -> SheetState:
             stress, history = (values[own] if n_nodes == 4 else values[own][:, :1] for values in layers)
             cells = shells.connectivity[own][:, :n_nodes]
             evolved = {name: v[own] if n_nodes == 4 else v[own][:, :1] for name, v in damage.items()}
-            blocks.append(SheetBlock(cells, axis[own], thickness[own], stress, history, evolved))
+            given = None if degrees is None else degrees[own] if n_nodes == 4 else degrees[own][:, :1]
+            blocks.append(SheetBlock(cells, axis[own], thickness[own], stress, history, evolved, given))
     return SheetState(shells.position, tuple(blocks))
 
 
@@ -106,8 +120,9 @@ def sheet_of_implicit(procedure: ImplicitProcedure) -> SheetState:
         axis = _unit((direction[..., :1] * along - direction[..., 1:] * across).mean(axis=2))
         stress = state.cells.stress[i].reshape(*history.shape[:3], 3)
         evolved = {name: of[i].reshape(history.shape[:3]) for name, of in find_evolved(state).items()}
-        thickness = state[ShellArrays].thickness[i]
-        blocks.append(SheetBlock(block.connectivity, axis, thickness, stress, history, evolved))
+        thickness, given = state[ShellArrays].thickness[i], state.cells.temperature[i]
+        degrees = given.reshape(history.shape[:3]) if given.size else None
+        blocks.append(SheetBlock(block.connectivity, axis, thickness, stress, history, evolved, degrees))
     return SheetState(points, tuple(blocks))
 
 
@@ -158,6 +173,8 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         state.cells.eqps[i].reshape(cells, q, k)[:] = state.cells.history[i][..., 0]
         for name, values in block.evolved.items():
             state[EvolvedArrays].values[name][i][:] = _at_points(values, q).reshape(cells, q * k)
+        if state.cells.temperature[i].size and block.temperature is not None:
+            state.cells.temperature[i].reshape(cells, q, k)[:] = _at_points(block.temperature, q)
 
     trial = state.duplicate()
     force = mechanics.evaluate(state, trial, np.zeros_like(state.nodes.displacement), with_stiffness=False)
@@ -200,6 +217,9 @@ def carry_to_explicit(
         np.concatenate([_at_points(block.stress, q) for block in sheet.blocks]),
         np.concatenate([_at_points(block.history, q) for block in sheet.blocks]),
     )
+    degrees = [_at_points(block.temperature, q) for block in sheet.blocks if block.temperature is not None]
+    if degrees:
+        shells.given_temperature = np.concatenate(degrees)
     return shells
 
 

@@ -58,6 +58,10 @@ class TrimmedSheet:
     cut: Cut
 
 
+EVOLVED = "evolved "
+"""Prefix of the names of evolution laws' quantities among those of a block."""
+
+
 class TrimError(Exception):
     """A line that a sheet cannot be cut along."""
 
@@ -122,7 +126,8 @@ def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[int, ShellElement]) ->
 def _cut_state(state: SheetState, cut: CutMesh, elements: Mapping[int, ShellElement]) -> SheetState:
     """Return the state after a cut."""
     blocks = tuple(_cut_block(state, cells, elements) for cells in cut.cells)
-    return SheetState(cut.weights @ state.position, blocks)
+    heated = {name: np.asarray(cut.weights @ values) for name, values in state.heated.items()}
+    return SheetState(cut.weights @ state.position, blocks, heated)
 
 
 def _cut_block(state: SheetState, cells: CutCells, elements: Mapping[int, ShellElement]) -> SheetBlock:
@@ -134,21 +139,23 @@ def _cut_block(state: SheetState, cells: CutCells, elements: Mapping[int, ShellE
         own = cells.parent[:, 0] == number
         parent = cells.parent[own, 1]
         nearest = _nearest_points(block, places[own], elements)
-        taken = [
-            values[parent[:, None], nearest] for values in (block.axis, block.thickness, block.stress, block.history)
-        ]
-        damage = {name: values[parent[:, None], nearest] for name, values in block.evolved.items()}
+        taken = {name: values[parent[:, None], nearest] for name, values in _values_of(block).items()}
         if found is None:
-            room = [np.empty((len(own), *values.shape[1:])) for values in taken]
-            evolved = {name: np.empty((len(own), *values.shape[1:])) for name, values in damage.items()}
-            axis, thickness, stress, history = room
-            found = SheetBlock(cells.connectivity, axis, thickness, stress, history, evolved)
-        for name, values in damage.items():
-            found.evolved[name][own] = values
-        for target, values in zip((found.axis, found.thickness, found.stress, found.history), taken, strict=True):
-            target[own] = values
+            room = {name: np.empty((len(own), *values.shape[1:])) for name, values in taken.items()}
+            evolved = {name.removeprefix(EVOLVED): v for name, v in room.items() if name.startswith(EVOLVED)}
+            plain = {name: v for name, v in room.items() if not name.startswith(EVOLVED)}
+            found = SheetBlock(cells.connectivity, evolved=evolved, **plain)
+        for name, target in _values_of(found).items():
+            target[own] = taken[name]
     assert found is not None
     return found
+
+
+def _values_of(block: SheetBlock) -> dict[str, FloatArray]:
+    """Return what a block has at its points, by name."""
+    found = {"axis": block.axis, "thickness": block.thickness, "stress": block.stress, "history": block.history}
+    found |= {f"{EVOLVED}{name}": values for name, values in block.evolved.items()}
+    return found if block.temperature is None else found | {"temperature": block.temperature}
 
 
 def _nearest_points(block: SheetBlock, places: FloatArray, elements: Mapping[int, ShellElement]) -> IndexArray:

@@ -50,6 +50,8 @@ ONESTEP_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "
 SPRINGBACK_FIELDS = ("springback", "deviation")
 """Displacement of springback; distance from the shape in the tools."""
 MICROSTRUCTURE = ("grain_size", "recrystallised_fraction")
+HEATED_FIELDS = ("temperature", "martensite", "hardness")
+"""Of a sheet with a temperature, and of one that transforms."""
 TEMPERATURE = "temperature"
 """Field of a solid that plastic work heats."""
 NODAL_TEMPERATURE = "nodal_temperature"
@@ -159,7 +161,8 @@ def default_fields(result: Result) -> Sequence[str]:
     """Return the fields that plot_all draws of such a result."""
     more = [*find_judged_damage(result), *(name for name in MICROSTRUCTURE if name in result.field_names)]
     if result.is_stamping:
-        return (*STAMPING_FIELDS, *(name for name in SPRINGBACK_FIELDS if name in result.field_names), *more)
+        others = (*SPRINGBACK_FIELDS, *HEATED_FIELDS)
+        return (*STAMPING_FIELDS, *(name for name in others if name in result.field_names), *more)
     if result.is_onestep:
         return ONESTEP_FIELDS
     if result.is_shell:

@@ -14,6 +14,9 @@ from presswork.view.style import break_at_parts, clean_axes, new_figure, require
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+NARROW = 0.12
+"""Part of the time that a stage's name needs to lie."""
+PROCESS_TIME = "process_time"
 MEAN, LOW, HIGH = "temperature_mean", "temperature_min", "temperature_max"
 
 
@@ -29,11 +32,14 @@ def find_widest_step(result: Result) -> int:
 
 
 def plot_temperatures(result: Result, ax: Axes | None = None) -> Axes:
-    """Draw the mean temperature [degrees C] over time [s] between the lowest and the highest, stage by stage."""
+    """Draw the mean temperature [degrees C] over time [s] between the lowest and the highest, stage by stage.
+
+    Time is that of the process, where the computation has another.
+    """
     require_matplotlib()
     ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
     history = result.history
-    time = np.asarray(history["time"], dtype=np.float64)
+    time = np.asarray(history[PROCESS_TIME if PROCESS_TIME in history else "time"], dtype=np.float64)
     shown = {name: break_at_parts(history, values) for name, values in history.items() if "temperature" in name}
     ax.fill_between(time, shown[LOW], shown[HIGH], color="tab:red", alpha=0.18, linewidth=0, label="lowest, highest")
     bodies = [name.removesuffix(f".{MEAN}") for name in history if name.endswith(f".{MEAN}")]
@@ -46,8 +52,18 @@ def plot_temperatures(result: Result, ax: Axes | None = None) -> Axes:
         ax.axvline(time[row], color="0.6", linewidth=0.8, linestyle="--")
     if len(np.unique(stages)) > 1 and "part" not in history:
         for name in dict.fromkeys(stages.tolist()):
-            middle = 0.5 * (time[stages == name][0] + time[stages == name][-1])
-            ax.text(middle, 1.0, name, transform=ax.get_xaxis_transform(), ha="center", va="top", color="0.4")
+            first, last = time[stages == name][[0, -1]]
+            upright = last - first < NARROW * time[-1]
+            ax.text(
+                0.5 * (first + last),
+                1.0,
+                name,
+                transform=ax.get_xaxis_transform(),
+                ha="center",
+                va="top",
+                rotation="vertical" if upright else "horizontal",
+                color="0.4",
+            )
     ax.set_xlabel("time [s]")
     ax.set_ylabel("temperature [degrees C]")
     ax.set_title(str(result.info.get("title", "")))

@@ -39,6 +39,8 @@ def describe_material(material: model.Material) -> str:
             parts += [f"{softens}, starts at {h.start:g}"]
         if h.heat_capacity is not None:
             parts += [f"heated by {h.plastic_fraction:g} of its plastic work"]
+    if material.transformation:
+        parts += [_describe_transformation(material.transformation)]
     if material.damage:
         d = material.damage
         numbers = [f"{name} = {value:g}" for name, value in d.parameters.items()]
@@ -98,3 +100,13 @@ def _describe_hardening(hardening: model.Hardening) -> str:
                 f"{p['voce_share']:g} x ({p['saturation_stress']:g} - {voce})) MPa"
             )
     return f"{hardening.law} hardening: " + ", ".join(f"{name} = {value:g}" for name, value in p.items())
+
+
+def _describe_transformation(steel: model.Transformation) -> str:
+    """Name the temperatures at which phases begin to form."""
+    if not steel.composition:
+        return f"martensite from {steel.martensite_start:.0f} °C on"
+    return (
+        f"transforms on cooling: ferrite from {steel.ferrite_start:.0f}, pearlite from {steel.pearlite_start:.0f}, "
+        f"bainite from {steel.bainite_start:.0f}, martensite from {steel.martensite_start:.0f} °C on"
+    )

@@ -8,13 +8,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from presswork.case.description.heat import describe_heat_of_forming
 from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.description.press import describe_drive
 from presswork.case.stamping.clashes import find_closing_stroke
 from presswork.geometry.tool_radius import find_least_radius
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.flange import find_held_area
-from presswork.model import ExplicitSheet, FloatArray, Model, Stage, SweptProfile, Tool, Triangulation
+from presswork.model import Dwell, ExplicitSheet, FloatArray, Model, Stage, SweptProfile, Tool, Triangulation
 
 EDGE = 5.0
 """Elements along an edge of a tool from which on its radius counts."""
@@ -54,6 +55,9 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     for each in problem.materials:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
     yield f"forming limit: {describe_forming_limit(material)}"
+    if problem.heat is not None:
+        yield from describe_heat_of_forming(problem, problem.heat)
+        yield f"heat of the sheet: {problem.heat.levels} temperatures through the thickness of every node"
     yield f"ironing: {_describe_ironing(problem)}"
     for tool in problem.tools:
         yield f"tool {tool.name}: {_describe_tool(tool)}"
@@ -68,8 +72,12 @@ def describe_stamping(problem: Model) -> Iterator[str]:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)
         yield f"support: {support.node_set} held in {', '.join(names)}"
     for number, stage in enumerate(problem.stages, 1):
+        if stage.dwell is not None:
+            yield f'stage {number} "{stage.name}": {_describe_dwell(stage.dwell)} for {stage.duration:.4g} s'
+            continue
         how = f", {stage.ramp:.3g} s to start and to stop" if stage.drive is None else ""
-        yield f'stage {number} "{stage.name}", {stage.duration:.4g} s{how}:'
+        press = f", {stage.process_time:.4g} s in the press" if stage.process_time is not None else ""
+        yield f'stage {number} "{stage.name}", {stage.duration:.4g} s{how}{press}:'
         yield from (f"  {line}" for line in _describe_stage(problem, stage))
     for line in problem.trim:
         low, high = line.polygon.min(axis=0), line.polygon.max(axis=0)
@@ -87,7 +95,7 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
     assert isinstance(explicit, ExplicitSheet)
     step = explicit.target_step or explicit.safety * WAVE * shortest * finest / speed
-    cycles = sum(stage.duration for stage in problem.stages) / step
+    cycles = sum(stage.duration for stage in problem.stages if stage.dwell is None) / step
     how = "by mass scaling" if explicit.target_step else "without mass scaling"
     seconds = cycles * len(problem.cells) * SECONDS
     split = f", up to {1 / finest**2:g} times as long where all is split" if problem.refinement else ""
@@ -95,6 +103,16 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, {time}"
     if cycles > MANY_CYCLES:
         yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
+
+
+def _describe_dwell(dwell: Dwell) -> str:
+    """Say where the sheet rests."""
+    if not dwell.in_tools:
+        return "heat alone, in air,"
+    pressure = (
+        "as the stage before has left them" if dwell.pressure is None else f"that press with {dwell.pressure:g} MPa"
+    )
+    return f"heat alone, between tools {pressure},"
 
 
 def _describe_closing(problem: Model) -> Iterator[str]:

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.heat.quantities import HeatTransferByPressure, Temperature, to_array
+from presswork.case.material.transformation import check_austenite
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.part import Part
 from presswork.case.solid.workpiece import MeshFile
@@ -210,6 +211,9 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
         if melting is not None and start >= melting:
             fault_text = f"not below the melting temperature of {part.material}, {melting:g} degrees C"
             yield Problem(key, fault_text, "lower it", start)
+        steel = getattr(material, "transformation", None)
+        if steel is not None:
+            yield from check_austenite(steel, key, start)
     for index, stage in enumerate(case.stages):
         if stage.velocity is None and stage.press is None and "duration" not in stage.model_fields_set:
             remedy = "add it, in seconds, or velocity, or press"
@@ -229,6 +233,9 @@ def _check_no_heat(case: schema.Case) -> Iterator[Problem]:
     keys = [f"tools.{name}.heat" for name, tool in case.tools.items() if tool.heat is not None]
     keys += [f"contacts.{name}.heat" for name, contact in case.contacts.items() if contact.heat is not None]
     keys += [f"materials.{name}.thermal" for name, m in case.materials.items() if _gives_thermal(m)]
+    keys += [
+        f"materials.{name}.transformation" for name, m in case.materials.items() if getattr(m, "transformation", None)
+    ]
     keys += ["workpiece.initial_temperature"] if case.workpiece.initial_temperature is not None else []
     keys += [f"bodies.{n}.initial_temperature" for n, b in case.bodies.items() if b.initial_temperature is not None]
     for key in keys:

@@ -11,7 +11,7 @@ from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.part import Part
 
-TIMING = ("duration", "velocity", "press")
+TIMING = ("duration", "velocity", "press", "process_time", "dwell")
 """Keys any of which times a stage."""
 
 

@@ -145,6 +145,7 @@ def build_material(name: str, material: schema.Material) -> model.Material:
         made if material.gtn is None else material.gtn.apply(made),
         density=material.density or 0.0,
         thermal=thermal,
+        transformation=material.transformation.to_model() if material.transformation else None,
         rolling_direction=material.find_rolling_direction(),
         grain=material.grain.to_model() if material.grain else None,
     )

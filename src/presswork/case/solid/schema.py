@@ -36,6 +36,7 @@ from presswork.case.material.gtn import Gtn
 from presswork.case.material.heating import require_density
 from presswork.case.material.library import add_library_materials, find_sheet
 from presswork.case.material.plastic import PlasticLaws
+from presswork.case.material.transformation import Transformation
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
@@ -76,6 +77,9 @@ class Material(PlasticLaws):
     thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
     gtn: Gtn | None = Field(default=None, description="pores that soften the metal, with an internal length")
     grain: Grain | None = Field(default=None, description="grain size in hot forming")
+    transformation: Transformation | None = Field(
+        default=None, description="what its austenite becomes on cooling, with [heat]"
+    )
     rolling_direction: Angle | tuple[Number, Number, Number] = Field(
         default=0.0,
         description="x of the yield function at the start: its angle from x in the plane of x and y [degrees], "

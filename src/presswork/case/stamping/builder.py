@@ -30,6 +30,7 @@ from presswork.case.stamping.checks import (
     explain_too_many,
 )
 from presswork.case.stamping.clashes import check_clashes
+from presswork.case.stamping.heat import add_heat, build_sheet_heat, check_sheet_heat
 from presswork.case.stamping.place import build_tools, find_way
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage
@@ -55,6 +56,7 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
     run_user_code: try the shared libraries that it names.
     """
     _stop_at(check_names(case) + check_bead_stages(case), case)
+    _stop_at(check_sheet_heat(case), case)
     _stop_at(check_tools(case) + check_ways(case), case)
     stages, problems = _build_stages(case)
     _stop_at(problems, case)
@@ -74,6 +76,7 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
     trim, problems = _build_trim(case, mesh)
     _stop_at(problems, case)
     blank = case.blank
+    sheets = build_sheets(case.materials, blank.material, blank.thickness, case.source, run_user_code)
     angle = radians(blank.rolling_direction)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
     supports = [
@@ -86,7 +89,7 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
         analysis="stamping",
         mesh=mesh,
         rolling_direction=(cos(angle), sin(angle), 0.0),
-        materials=build_sheets(case.materials, case.blank.material, case.blank.thickness, case.source, run_user_code),
+        materials=tuple(add_heat(sheet, case) for sheet in sheets),
         tools=tools,
         symmetry=symmetry,
         supports=(*supports, *(entry.build(name) for name, entry in case.boundary.items())),
@@ -98,6 +101,7 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
         trim=trim,
         springback=model.Springback(**case.springback.model_dump()) if case.springback else None,
         refinement=model.Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
+        heat=build_sheet_heat(case),
         limits=case.limits.build(),
         case_text=case.text,
     )
@@ -217,7 +221,9 @@ def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
     moved = [action.stroke for action in stage.tools.values() if action.stroke is not None]
     moved += [e.value for e in stage.displacement]
     farthest = max((abs(m) for m in moved), default=0.0)
-    if stage.duration is not None:
+    if stage.dwell is not None:
+        duration, ramp = stage.dwell.duration, RAMP * stage.dwell.duration
+    elif stage.duration is not None:
         duration = stage.duration
         ramp = RAMP * duration if stage.ramp is None else stage.ramp
     else:
@@ -246,4 +252,6 @@ def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
         tool_motion=motions,
         bead_share={name: np.array([[0.0, share]]) for name, share in shares.items()},
         prescribed=tuple(model.PrescribedDisplacement(*entry) for entry in prescribed),  # type: ignore[arg-type]
+        process_time=stage.process_time,
+        dwell=stage.dwell.to_model() if stage.dwell else None,
     )

@@ -72,7 +72,7 @@ def check_names(case: StampingCase) -> list[Problem]:
             if tool not in case.tools
         ]
         problems += _check_timing(key, stage) + _check_press(case, index, stage)
-    return [*problems, *check_needs(case.materials, [case.blank.material], case.stages)]
+    return [*problems, *check_needs(case.materials, [case.blank.material], case.stages, heated=case.heat is not None)]
 
 
 def _check_element_size(blank: RectangularBlank | CircularBlank) -> list[Problem]:
@@ -112,6 +112,8 @@ def _check_press(case: StampingCase, index: int, stage: StampingStage) -> list[P
 
 def _check_timing(key: str, stage: StampingStage) -> list[Problem]:
     """Return the problems of a stage's motions in time."""
+    if stage.dwell is not None:
+        return []
     strokes = [abs(a.stroke) for a in stage.tools.values() if a.stroke]
     farthest = max([*strokes, *(abs(e.value) for e in stage.displacement)], default=0.0)
     problems = []

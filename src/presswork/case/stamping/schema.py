@@ -11,8 +11,10 @@ from pydantic.config import JsonDict
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
 from presswork.case.material.library import add_library_materials
+from presswork.case.material.transformation import Transformation
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
@@ -22,6 +24,7 @@ from presswork.case.shell.material import HeavyShellMaterial
 from presswork.case.shell.schema import ShellBoundary, ShellDisplacement
 from presswork.case.stamping.bead import Bead
 from presswork.case.stamping.blank import Blank
+from presswork.case.stamping.heat import Dwell, StampingHeat
 from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.stamping.tools import Tool
 from presswork.case.units import Force, Length, LineForce, Number, Rate, Time, Velocity, fault
@@ -38,6 +41,11 @@ Whole = Annotated[int, Field(strict=True, ge=1)]
 
 class StampingMaterial(HeavyShellMaterial):
     """A sheet material that has a density in every case."""
+
+    thermal: Thermal | None = Field(default=None, description="what it conducts and stores, with [heat]")
+    transformation: Transformation | None = Field(
+        default=None, description="what its austenite becomes on cooling, with [heat]"
+    )
 
     @model_validator(mode="after")
     def _check_young(self) -> Self:
@@ -98,6 +106,13 @@ class StampingStage(Part):
     ramp: Time | None = Field(
         default=None, gt=0, description="time of the smooth start and of the smooth end [s]; without it: a tenth"
     )
+    process_time: Time | None = Field(
+        default=None,
+        gt=0,
+        description="how long the stage takes in the press [s], by which heat flows and strain rates are taken, "
+        "while explicit dynamics drives the tools faster; without it: as long as it is computed",
+    )
+    dwell: Dwell | None = Field(default=None, description="nothing moves, and heat alone flows")
 
     @model_validator(mode="after")
     def _check_one_way_of_timing(self) -> Self:
@@ -105,6 +120,8 @@ class StampingStage(Part):
             raise fault("velocity and duration both time the stage", "give one of them", key="duration")
         if self.press is not None and self.ramp is not None:
             raise fault("a press neither starts nor stops smoothly", "leave it out", key="ramp")
+        if self.press is not None and self.process_time is not None:
+            raise fault("the press gives the time", "leave it out", key="process_time")
         return self
 
     def find_timing(self, number: int) -> Timing:
@@ -283,6 +300,9 @@ class StampingCase(CaseFile):
     )
     implicit: Implicit = Field(default=Implicit(), description="how the implicit procedure goes and iterates")
     output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")
+    heat: StampingHeat | None = Field(
+        default=None, description="heat of the blank, its tools and surroundings; without it: no heat is conducted"
+    )
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 
     @model_validator(mode="before")

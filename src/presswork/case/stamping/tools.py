@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from presswork.case.heat.forming import ToolHeat
 from presswork.case.part import Part
 from presswork.case.units import Length, Number, Point, Point3, fault
 from presswork.model import ToolKind
@@ -29,6 +30,9 @@ class _Tool(Part):
     )
     gap: Length | None = Field(
         default=None, gt=0, description="holder: distance of its face from the die's [mm]; without it: the thickness"
+    )
+    heat: ToolHeat | None = Field(
+        default=None, description="its temperature and conductance, with [heat]; without it: no heat passes into it"
     )
 
     @model_validator(mode="after")

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Heat of a sheet between tools in implicit increments: after each converged one heat flows over its time
+(interaction/heat_of_sheet.py), and the layers take the temperatures that it leads to.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork import _core
+from presswork.body.sheet_heat import LayerMap
+from presswork.body.shell_arrays import ShellArrays
+from presswork.body.shells import ShellMechanics
+from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays, SheetInstant
+from presswork.interaction.tool_arrays import SheetToolArrays
+from presswork.model import FloatArray, Model
+from presswork.outcome import Step
+from presswork.state import State
+
+
+class HeatOfStamping:
+    """Conducts heat in the shells of a stamping."""
+
+    def __init__(self, model: Model, mechanics: ShellMechanics) -> None:
+        assert model.heat is not None
+        self._model, self._mechanics, self.sheet = model, mechanics, HeatOfSheet(model)
+        heights, levels = mechanics.layer_heights(0), model.heat.levels
+        self._maps = [
+            LayerMap(
+                block.connectivity,
+                np.asarray(_core.shell_shape(block.element)[0]),
+                heights,
+                levels,
+                len(model.mesh.points),
+            )
+            for block in model.mesh.blocks
+        ]
+        self._positions = np.array([tool.position for tool in model.sheet_tools]).reshape(-1, 3)
+
+    def at_rest(self) -> SheetHeatArrays:
+        """Return the temperatures at the start."""
+        return self.sheet.at_rest()
+
+    def spread(self, state: State) -> None:
+        """Give the layers of a State their temperatures."""
+        for block, given in enumerate(state.cells.temperature):
+            if given.size:
+                state.cells.temperature[block] = self.at_points(state, block)
+
+    def at_points(self, state: State, block: int) -> FloatArray:
+        """Return the temperatures of a block's layers (n_cells, q k) [degrees C]."""
+        found = self._maps[block].to_layers(state[SheetHeatArrays].temperature)
+        return found.reshape(len(found), -1)
+
+    def advance(self, state_n: State, trial: State, step: Step) -> None:
+        """Bring the temperatures of a converged trial state to the end of its increment.
+
+        Raises GaveUpError if there is no balance of heat.
+        """
+        tools, tools_n = trial[SheetToolArrays], state_n[SheetToolArrays]
+        moved = tools.displacement - tools_n.displacement
+        plastic = np.zeros_like(trial[SheetHeatArrays].temperature)
+        for layers, work in zip(
+            self._maps, self._mechanics.plastic_work_at_layers(state_n, trial, step.dt), strict=True
+        ):
+            plastic += layers.to_levels(work)
+        now = SheetInstant(
+            self._model.mesh.points + trial.nodes.displacement[:, :3],
+            np.concatenate([thickness.mean(axis=1) for thickness in trial[ShellArrays].thickness]),
+            self._positions + tools.displacement,
+            tools.force,
+            trial.nodes.increment[None, :, :3] - moved[:, None],
+            plastic,
+        )
+        found = self.sheet.advance(state_n[SheetHeatArrays], now, step.dt, self._model.stages[step.stage].dwell)
+        trial.replace(found)
+        self.spread(trial)
