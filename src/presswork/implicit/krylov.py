@@ -8,7 +8,7 @@ depend on the threads of a library.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csr_matrix
+import scipy
 
 from presswork.model import FloatArray, IntArray
 
@@ -24,7 +24,7 @@ def solve_iteratively(
     symmetric: only one triangle of the matrix is stored.
     """
     n = len(rhs)
-    matrix = csr_matrix((data, indices, indptr), shape=(n, n))
+    matrix = scipy.sparse.csr_matrix((data, indices, indptr), shape=(n, n))
     diagonal = matrix.diagonal()
     if not (diagonal > 0.0).all():
         return None
