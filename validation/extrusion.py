@@ -288,12 +288,16 @@ def draw(path: str, runs: dict[tuple[float, float], Steady]) -> None:
 
 
 def write_packaged_billets(folder: Path) -> None:
-    """Write the billets of the packaged examples extrusion_cone and extrusion_curved."""
+    """Write the billets of the packaged examples of PACKAGED."""
     for name, die in PACKAGED.items():
         print(f"{name}: the billet's upper end is at y = {write_billet(folder / f'{name}.inp', die, 12, 25.0):.4f} mm")
 
 
-PACKAGED = {"extrusion_cone": cone(15.0, fillet=3.0, land=2.0), "extrusion_curved": curve(8.0, land=2.0)}
+PACKAGED = {
+    "extrusion_cone": cone(15.0, fillet=3.0, land=2.0),
+    "extrusion_curved": curve(8.0, land=2.0),
+    "warm_extrusion": Die(10.0, 7.5, 15.0, 0.0, 3.0, 2.0),
+}
 
 
 def main() -> None:
