@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.hpp"
 #include "assembly/assembler.hpp"
+#include "assembly/krylov.hpp"
 
 namespace presswork::bindings {
 
@@ -90,6 +91,23 @@ void bind_assembly(nb::module_& m) {
   bind_assembler<2>(m, "Assembler", "Sparsity pattern and scatter of element arrays, two freedoms a node.");
   bind_assembler<3>(m, "SpaceAssembler", "The same with three freedoms a node.");
   bind_assembler<6>(m, "ShellAssembler", "The same with six freedoms a node, rotations in the nodes' frames.");
+  m.def(
+      "solve_iteratively",
+      [](Ints indptr, Ints indices, Doubles data, Doubles rhs, bool symmetric, double tolerance,
+         int most_iterations) -> std::optional<NewDoubles> {
+        require(indptr.size() == rhs.size() + 1 && indices.size() == data.size(),
+                "indptr (n + 1), indices and data (nnz), rhs (n)");
+        double* x;
+        auto result = new_array({rhs.size()}, &x);
+        const SparseMatrix matrix{static_cast<int>(rhs.size()), indptr.data(), indices.data(), data.data(), symmetric};
+        if (!solve_iteratively(matrix, rhs.data(), tolerance, most_iterations, x)) return std::nullopt;
+        return result;
+      },
+      nb::arg("indptr"), nb::arg("indices"), nb::arg("data"), nb::arg("rhs"), nb::kw_only(), nb::arg("symmetric"),
+      nb::arg("tolerance"), nb::arg("most_iterations"),
+      "Solution (n,) of a sparse system by conjugate gradients to a residual of tolerance times that of rhs; None if "
+      "it "
+      "is far.\n\nsymmetric: only one triangle is stored.");
 }
 
 }  // namespace presswork::bindings

@@ -716,6 +716,13 @@ class ShellAssembler:
     def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
         """Prescribe the masked freedoms in the matrix and the right-hand side."""
 
+def solve_iteratively(indptr: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], indices: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, symmetric: bool, tolerance: float, most_iterations: int) -> NDArray[numpy.float64] | None:
+    """
+    Solution (n,) of a sparse system by conjugate gradients to a residual of tolerance times that of rhs; None if it is far.
+
+    symmetric: only one triangle is stored.
+    """
+
 class Energies:
     """Energies of an explicit run [N mm]."""
 

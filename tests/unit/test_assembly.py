@@ -123,3 +123,29 @@ def test_couplings_widen_the_pattern_for_blocks_between_cells_that_share_no_node
 def test_couplings_must_be_nodes() -> None:
     with pytest.raises(ValueError, match="node indices"):
         _core.Assembler(N, [TRIANGLES, QUADS], True, np.array([[0, N]], dtype=np.int32))
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_iterations_find_the_solution_or_say_that_it_is_far(symmetric) -> None:
+    rng = np.random.default_rng(2)
+    dense = rng.uniform(-1.0, 1.0, (30, 30)) * (rng.random((30, 30)) < 0.2)
+    dense = 0.5 * (dense + dense.T) if symmetric else dense
+    np.fill_diagonal(dense, 1.2 * np.abs(dense).sum(axis=1) + 1.0)
+    rhs = rng.standard_normal(30)
+
+    def solve(matrix: np.ndarray, most_iterations: int) -> np.ndarray | None:
+        stored = sp.csr_matrix(np.triu(matrix) if symmetric else matrix)
+        return _core.solve_iteratively(
+            stored.indptr,
+            stored.indices,
+            stored.data,
+            rhs,
+            symmetric=symmetric,
+            tolerance=1e-12,
+            most_iterations=most_iterations,
+        )
+
+    assert solve(dense, 80) == pytest.approx(np.linalg.solve(dense, rhs), rel=1e-10, abs=1e-12)
+    assert solve(dense, 2) is None
+    dense[3, 3] = -1.0
+    assert solve(dense, 80) is None, "the preconditioner needs a positive diagonal"

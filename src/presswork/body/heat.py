@@ -18,26 +18,28 @@ class Enthalpy:
     """Heat content of a unit of mass by temperature: the integral of the specific heat, and latent heat."""
 
     def __init__(self, thermal: Thermal) -> None:
-        self._temperature, self._value = thermal.specific_heat.T
-        widths = np.diff(self._temperature)
-        steps = 0.5 * widths * (self._value[1:] + self._value[:-1])
-        self._content = np.concatenate([[0.0], np.cumsum(steps)])
+        rows, values = thermal.specific_heat.T
+        widths = np.diff(rows)
+        content = np.concatenate([[0.0], np.cumsum(0.5 * widths * (values[1:] + values[:-1]))])
+        self._rows = rows
+        # of what begins at each row, after what lies below all of them
+        self._slope = np.concatenate([[0.0], np.diff(values) / widths, [0.0]])
+        self._start_of, self._value, self._content = (np.insert(v, 0, v[0]) for v in (rows, values, content))
         self._latent = thermal.latent_heat
         self._start, self._end = thermal.transformation
 
     def find(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the heat content [mm2/s2], zero at the first row of the table, and its derivative [mm2/(s2 K)]."""
-        rows, values = self._temperature, self._value
-        row = np.clip(np.searchsorted(rows, temperature, side="right") - 1, 0, len(rows) - 1)
-        specific = np.interp(temperature, rows, values)
-        content = self._content[row] + 0.5 * (values[row] + specific) * (temperature - rows[row])
-        below = temperature < rows[0]
-        content = np.where(below, values[0] * (temperature - rows[0]), content)
+        row = np.searchsorted(self._rows, temperature, side="right")
+        above = temperature - self._start_of[row]
+        value = self._value[row]
+        specific = value + self._slope[row] * above
+        content = self._content[row] + 0.5 * (value + specific) * above
         if self._latent:
             part = (temperature - self._start) / (self._end - self._start)
             content = content + self._latent * np.clip(part, 0.0, 1.0)
             specific = specific + np.where((part > 0) & (part < 1), self._latent / (self._end - self._start), 0.0)
-        return np.asarray(content), np.asarray(specific)
+        return content, specific
 
 
 class PointShapes:
@@ -95,6 +97,8 @@ class Conduction:
     def couple(self, couplings: IntArray) -> None:
         """Let the matrix hold these pairs of nodes (n, 2) beside those of the cells."""
         self.assembler = _core.ScalarAssembler(self.n_points, self._connectivity, self.symmetric, couplings)
+        rows = np.repeat(np.arange(self.n_points), np.diff(self.assembler.indptr))
+        self._diagonal = np.flatnonzero(self.assembler.indices == rows)
 
     def _lump(self, points: FloatArray) -> list[FloatArray]:
         masses = []
@@ -140,10 +144,8 @@ class Conduction:
         """
         data = np.zeros(len(self.assembler.indices))
         self.assembler.assemble_matrix(self._conduction, self._turned, self._frames, data)
-        nodes = np.arange(self.n_points, dtype=np.int32)
-        every = np.concatenate([np.column_stack([nodes, nodes]), pairs]).astype(np.int32)
-        values = np.concatenate([diagonal, blocks]).reshape(-1, 1, 1)
-        self.assembler.add_blocks(every, values, self._turned, self._frames, data)
+        data[self._diagonal] += diagonal
+        self.assembler.add_blocks(pairs, blocks.reshape(-1, 1, 1), self._turned, self._frames, data)
         return data
 
     def mean(self, temperature: FloatArray, nodes: slice = slice(None)) -> float:

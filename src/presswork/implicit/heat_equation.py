@@ -15,8 +15,8 @@ from time import perf_counter
 
 import numpy as np
 
+from presswork import _core
 from presswork.body.heat import Conduction
-from presswork.implicit.krylov import solve_iteratively
 from presswork.implicit.linear_solver import LinearSolver, SolverError, make_solver
 from presswork.interaction.heat_films import Film, HeatFlow
 from presswork.model import FloatArray, IntArray, MaskArray, Model
@@ -28,6 +28,8 @@ RESIDUAL = 1e-11
 """Largest out-of-balance over the sum of all heat flows."""
 INEXACT = 1e-7
 """Residual of a correction found by iterations, over what is out of balance."""
+MOST_INNER = 80
+"""Such iterations beyond which factors are cheaper."""
 CORRECTION = 1e-10
 """Largest correction [K] over the largest temperature: nothing smaller is worth an iteration."""
 PRESCRIBED = "prescribed"
@@ -167,8 +169,14 @@ class HeatEquation:
         started = perf_counter()
         if self._iterative:
             assembler, symmetric = self.conduction.assembler, self.conduction.symmetric
-            change = solve_iteratively(
-                assembler.indptr, assembler.indices, data, rhs, symmetric=symmetric, tolerance=INEXACT
+            change = _core.solve_iteratively(
+                assembler.indptr,
+                assembler.indices,
+                data,
+                rhs,
+                symmetric=symmetric,
+                tolerance=INEXACT,
+                most_iterations=MOST_INNER,
             )
             self._timing.add("solve", started)
             if change is not None:

@@ -107,6 +107,7 @@ class HeatOfForming:
         self._sources = HeatSources(model, model.heat, cells, interactions, self._surface)
         self._shapes = PointShapes(model.mesh)
         self._n_points = len(model.mesh.points)
+        self._skin = np.unique(model.mesh.boundary_edges)  # nodes that a tool may touch
         usual = min(stage.duration for stage in model.stages) * model.solver.max_increment
         self._columns = {
             name: Column(*tool.steel, usual) for name, tool in model.heat.tools.items() if tool.steel is not None
@@ -290,7 +291,7 @@ class HeatOfForming:
         done, part = 0.0, min(dt, now.next_step or FIRST_PART * dt)
         while True:
             part = dt - done if done + part > dt * (1 - 1e-9) else min(part, 0.5 * (dt - done) + 0.5 * part)
-            chilled = self._chill(touches, now.columns, rubbed, part)
+            columns, chilled = self._chill(touches, now.columns, rubbed, part)
             at_tools: list[Film] = [
                 ToolFilm(t.heat.temperature, t.nodes, t.area, t.conductance)
                 for t in touches
@@ -312,7 +313,8 @@ class HeatOfForming:
                 continue
             done += part
             heat += part * _count(found)
-            columns = self._warm_up(now.columns, chilled, found.temperature, part)
+            for t, film in chilled.items():
+                columns[t, film.nodes] = film.finish(found.temperature)
             rate = (found.temperature - now.temperature) / part
             cut_short = part < now.next_step and factor >= 1.0
             wanted = max(part * factor, now.next_step) if cut_short else part * factor
@@ -338,27 +340,25 @@ class HeatOfForming:
         arrays.columns = found.columns
         arrays.last_step, arrays.next_step = found.last_step, found.next_step
 
-    def _chill(self, touches: list[Touch], columns: FloatArray, rubbed: FloatArray, dt: float) -> dict[int, ColumnFilm]:
-        """Return the films of the tools that warm up, over a time step of dt [s]; rubbed: (n_points,) [N mm/s]."""
-        films = {}
-        for touch in touches:
-            column = self._columns.get(self._model.plane_tools[touch.tool].name)
-            if column is not None:
-                own, flux = columns[touch.tool, touch.nodes], rubbed[touch.nodes] / touch.area
-                films[touch.tool] = ColumnFilm(column, touch.nodes, touch.area, touch.conductance, own, flux, dt)
-        return films
+    def _chill(
+        self, touches: list[Touch], columns: FloatArray, rubbed: FloatArray, dt: float
+    ) -> tuple[FloatArray, dict[int, ColumnFilm]]:
+        """Return the columns after a time step of dt [s] without a flux, and the films of tools that warm up.
 
-    def _warm_up(
-        self, columns: FloatArray, chilled: Mapping[int, ColumnFilm], temperature: FloatArray, dt: float
-    ) -> FloatArray:
-        """Return the columns after a time step: of nodes that touch nothing heat only spreads."""
-        after = columns.copy()
-        for t, tool in enumerate(self._model.plane_tools if self._columns else ()):
-            if tool.name in self._columns:
-                after[t], _ = self._columns[tool.name].step(columns[t], dt)
-            if t in chilled:
-                after[t, chilled[t].nodes] = chilled[t].finish(temperature)
-        return after
+        rubbed: (n_points,) [N mm/s].
+        """
+        still, films = columns.copy(), {}
+        touched = {touch.tool: touch for touch in touches}
+        for t, tool in enumerate(self._model.plane_tools):
+            column, touch = self._columns.get(tool.name), touched.get(t)
+            if column is None:
+                continue
+            still[t, self._skin], answer = column.step(columns[t, self._skin], dt)
+            if touch is not None:
+                flux = rubbed[touch.nodes] / touch.area
+                own = still[t, touch.nodes]
+                films[t] = ColumnFilm(column, touch.nodes, touch.area, touch.conductance, own, answer, flux)
+        return still, films
 
 
 def _together(state: State) -> FloatArray:

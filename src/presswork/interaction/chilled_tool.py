@@ -13,7 +13,6 @@ which stands in the equation of the workpiece's node: both temperatures are thos
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from presswork.body.heat import sum_at_nodes
 from presswork.interaction.heat_films import HeatFlow
@@ -30,24 +29,19 @@ class Column:
 
     def __init__(self, conductivity: float, capacity: float, dt: float) -> None:
         """Take conductivity [N/(s K)], heat capacity of a volume [N/(mm2 K)] and a usual time step [s]."""
-        self._width = FIRST * np.sqrt(conductivity / capacity * dt) * GROWTH ** np.arange(CELLS)
-        self._between = 2 * conductivity / (self._width[1:] + self._width[:-1])
-        self._capacity = capacity * self._width
-        self.surface = float(self._width[0] / (2 * conductivity))
+        width = FIRST * np.sqrt(conductivity / capacity * dt) * GROWTH ** np.arange(CELLS)
+        between = 2 * conductivity / (width[1:] + width[:-1])
+        difference = np.diff(np.eye(CELLS), axis=0)
+        self._conduction = difference.T @ (between[:, None] * difference)
+        self._capacity = capacity * width
+        self.surface = float(width[0] / (2 * conductivity))
         """Resistance from the surface to the first temperature [mm s K/N]."""
 
     def step(self, temperature: FloatArray, dt: float) -> tuple[FloatArray, FloatArray]:
         """Return the temperatures after dt [s] without a flux (n, CELLS), and what a flux of 1 adds (CELLS,)."""
-        bands = np.zeros((2, CELLS))
-        bands[1] = self._capacity / dt
-        bands[1, :-1] += self._between
-        bands[1, 1:] += self._between
-        bands[0, 1:] = -self._between
-        unit = np.zeros(CELLS)
-        unit[0] = 1.0
-        rhs = np.column_stack([(self._capacity / dt)[:, None] * temperature.T, unit])
-        found = scipy.linalg.solveh_banded(bands, rhs)
-        return np.ascontiguousarray(found[:, :-1].T), found[:, -1]
+        storage = self._capacity / dt
+        answers = np.linalg.inv(np.diag(storage) + self._conduction)  # of each cell to a flux into each
+        return np.einsum("ij,nj->ni", answers, storage * temperature), answers[:, 0]
 
     def content(self, temperature: FloatArray) -> FloatArray:
         """Return the heat of columns (n, CELLS) over an area of 1 mm2 (n,) [N/mm]."""
@@ -65,17 +59,17 @@ class ColumnFilm:
         nodes: IntArray,
         area: FloatArray,
         conductance: FloatArray,
-        temperature: FloatArray,
+        still: FloatArray,
+        answer: FloatArray,
         rubbed: FloatArray,
-        dt: float,
     ) -> None:
-        """Take nodes in contact (n,), their areas [mm2] and conductances [N/(mm s K)], and their columns (n, CELLS).
+        """Take nodes in contact (n,), their areas [mm2] and conductances [N/(mm s K)].
 
+        still, answer: what Column.step returns of the nodes' columns;
         rubbed: friction heat that goes into the tool (n,) [N/(mm s)].
         """
-        still, self._answer = column.step(temperature, dt)
-        self._still = still + rubbed[:, None] * self._answer
-        resistance = 1.0 / np.maximum(conductance, 1e-12) + column.surface + self._answer[0]
+        self._answer, self._still = answer, still + rubbed[:, None] * answer
+        resistance = 1.0 / np.maximum(conductance, 1e-12) + column.surface + answer[0]
         self.nodes, self._area, self._through = nodes, area, 1.0 / resistance
 
     def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:

@@ -122,7 +122,8 @@ class RadiationFilm:
         """Return the flow."""
         kelvin = temperature + ZERO_CELSIUS
         ambient = read_at(self._entry.ambient, time) + ZERO_CELSIUS
-        return HeatFlow(-self._factor * (kelvin**4 - ambient**4), 4 * self._factor * kelvin**3)
+        cube = kelvin * kelvin * kelvin
+        return HeatFlow(-self._factor * (cube * kelvin - ambient**4), 4 * self._factor * cube)
 
 
 class ToolFilm:

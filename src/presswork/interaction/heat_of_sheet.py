@@ -201,7 +201,7 @@ class HeatOfSheet:
         while time < dt * (1 - 1e-12):
             left = int(np.ceil((dt - time) / size * (1 - 1e-9)))
             part = (dt - time) / left
-            chilled = self._chill(faces, columns, dt, part)
+            still, chilled = self._chill(faces, columns, dt, part)
             films = [*self._touching(faces.touches, chilled), *surfaces]
             found = self.conduction.step(temperature, fractions, part, films, made)
             if found is None or found.error > 2.0 * self._heat.tolerance:
@@ -209,7 +209,10 @@ class HeatOfSheet:
                 if size < SMALLEST * dt:
                     raise GaveUpError(f"no balance of heat in a time step of {part:.2e} s")
                 continue
-            columns = self._warm_up(columns, faces.touches, chilled, found.temperature, part)
+            for touch, film in zip(faces.touches, chilled, strict=True):
+                if film is not None:
+                    still[touch.tool, touch.nodes] = film.finish(found.temperature[touch.level])
+            columns = still
             passed = (temperature > HARDNESS_AT) & (found.temperature <= HARDNESS_AT)
             cooling = np.where(passed, (temperature - found.temperature) / part, cooling)
             temperature, fractions, time = found.temperature, found.fractions, time + part
@@ -281,17 +284,27 @@ class HeatOfSheet:
         (own,) = self._heat.effusivity
         return own / (own + tool.effusivity)
 
-    def _chill(self, faces: _Faces, columns: FloatArray, dt: float, part: float) -> list[ColumnFilm | None]:
-        """Return the films of touches of tools that warm up over a part [s] of an increment of dt [s]."""
+    def _chill(
+        self, faces: _Faces, columns: FloatArray, dt: float, part: float
+    ) -> tuple[FloatArray, list[ColumnFilm | None]]:
+        """Return the columns after a part [s] of an increment of dt [s] without a flux, and the film of each touch.
+
+        A film is None where the tool stays as warm as it is.
+        """
+        still, answers = columns.copy(), {}
+        for t, column in enumerate(self._columns):
+            if column is not None:
+                still[t], answers[t] = column.step(columns[t], part)
         films: list[ColumnFilm | None] = []
         for touch in faces.touches:
             column = self._columns[touch.tool]
             if column is None:
                 films.append(None)
                 continue
-            own, flux = columns[touch.tool, touch.nodes], faces.rubbed[touch.tool, touch.nodes] / (touch.area * dt)
-            films.append(ColumnFilm(column, touch.nodes, touch.area, touch.conductance, own, flux, part))
-        return films
+            own, flux = still[touch.tool, touch.nodes], faces.rubbed[touch.tool, touch.nodes] / (touch.area * dt)
+            answer = answers[touch.tool]
+            films.append(ColumnFilm(column, touch.nodes, touch.area, touch.conductance, own, answer, flux))
+        return still, films
 
     def _touching(self, touches: Sequence[_Touch], chilled: Sequence[ColumnFilm | None]) -> list[_OnFace]:
         """Return the films of all touches."""
@@ -302,23 +315,3 @@ class HeatOfSheet:
             film = warm or ToolFilm(tool.temperature, touch.nodes, touch.area, touch.conductance)
             films.append((film, touch.level))
         return [_OnFace(film, level) for film, level in films]
-
-    def _warm_up(
-        self,
-        columns: FloatArray,
-        touches: Sequence[_Touch],
-        chilled: Sequence[ColumnFilm | None],
-        temperature: FloatArray,
-        dt: float,
-    ) -> FloatArray:
-        """Return the columns after a time step: of nodes that touch nothing heat only spreads."""
-        if not len(columns):
-            return columns
-        after = columns.copy()
-        for t, column in enumerate(self._columns):
-            if column is not None:
-                after[t], _ = column.step(columns[t], dt)
-        for touch, film in zip(touches, chilled, strict=True):
-            if film is not None:
-                after[touch.tool, touch.nodes] = film.finish(temperature[touch.level])
-        return after
