@@ -261,10 +261,17 @@ struct Solver {
   Mask<T> iterate(Mask<T> open) {
     T from_xi[N], from_dp = dp, step_xi[N], step_dp(0.0), length(1.0), from_merit(1e300);
     for (int i = 0; i < N; ++i) from_xi[i] = xi[i], step_xi[i] = T(0.0);
+    [[maybe_unused]] Mask<T> was_apart = open;
     for (int iteration = 0;; ++iteration) {
       evaluate_residual();
       const T size = larger(flow.stress, T(molten) * elastic.young);
-      open = both(open, invert(merit < T(tolerance * tolerance) * size * size));
+      const auto apart = invert(merit < T(tolerance * tolerance) * size * size);
+      if constexpr (std::is_same_v<T, double> || std::is_same_v<T, Pack>) {
+        open = both(open, apart);
+      } else {  // derivatives by dual numbers are one step behind the values
+        open = both(open, invert(both(invert(apart), invert(was_apart))));
+        was_apart = apart;
+      }
       if (!any(open) || iteration == max_iterations) return open;
       // 1. lanes that came down enough get a new direction, the others a shorter step along the old one
       auto down = merit < (T(1.0) - T(2e-4) * length) * from_merit;
@@ -331,8 +338,31 @@ struct Solver {
     T stiffness = along_gradient(push), over = f_trial - flow_n, high = over / stiffness;
     flow_law.evaluate(p_n, high, flow_n, dt, temperature, highest);
     dp = select(plastic, high * over / (over + highest.stress - flow_n), T(0.0));
+    if (flow_law.hot.active()) return start_hot(shifted, f_trial, flow_n, stiffness, high, push, plastic);
     auto near = both(plastic, f_trial < T(1.3) * flow_n);
     for (int i = 0; i < N; ++i) xi[i] = select(near, shifted[i] - dp * push[i], xi[i]);
+  }
+
+  // A flow stress that rises from next to nothing with a power of the rate is far from its chord: here the equation
+  // f_trial - stiffness dp = flow is solved between 0 and `high`, by Newton's method and halving of logarithms.
+  void start_hot(const T shifted[N], T f_trial, T flow_n, T stiffness, T high, const T push[N], Mask<T> plastic) {
+    T low(0.0), x = select(plastic, dp, T(1e-300));
+    Flow::Point<T> point;
+    for (int k = 0; k < 12; ++k) {
+      flow_law.evaluate(p_n, x, flow_n, dt, temperature, point);
+      const T excess = f_trial - stiffness * x - point.stress;
+      const auto below = excess > T(0.0);
+      low = select(below, x, low), high = select(below, high, x);
+      const T next = x + excess / (stiffness + point.by_dp), halved = larger(square_root(low * high), T(0.01) * high);
+      x = select(both(plastic, both(next > low, next < high)), next, select(plastic, halved, x));
+    }
+    flow_law.evaluate(p_n, x, flow_n, dt, temperature, point);
+    dp = select(plastic, x, T(0.0));
+    const T ratio = point.stress / larger(f_trial, T(1e-300));
+    for (int i = 0; i < N; ++i) {
+      const T along = N > 3 ? shifted[i] - dp * push[i] : shifted[i] * ratio;
+      xi[i] = select(plastic, along, xi[i]);
+    }
   }
 };
 

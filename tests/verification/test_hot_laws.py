@@ -7,6 +7,7 @@ rate of the last increment.
 
 from __future__ import annotations
 
+import copy
 import json
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from presswork.body.law_window import LawWindow
 from presswork.case import Case, ShellCase, build_model
 from presswork.case.space.schema import SpaceCase
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.law.elastic_plastic import make_plane_law, make_sheet_law, make_solid_law
 from presswork.recorder import run_model
 
 YOUNG, TEMPERATURE, DURATION = 100e3, 1100.0, 0.1
@@ -106,6 +108,27 @@ def test_a_hot_bar_bears_the_stress_of_its_strain_rate_and_temperature(family: s
     assert float(cells.rate[0].max()) == pytest.approx(rate, rel=2e-3)  # elastic strain grows besides
     assert abs(stress) == pytest.approx(flow_stress(p, float(cells.rate[0].max())), rel=1e-7)
     assert max(len(r.log) for r in reports[1:]) <= 6
+
+
+@pytest.mark.parametrize("m", [0.05, 0.3])
+@pytest.mark.parametrize(("make", "size"), [(make_sheet_law, 3), (make_plane_law, 4), (make_solid_law, 6)])
+def test_a_power_of_the_rate_finds_its_stress_for_any_size_and_time_of_a_step(make: Any, size: int, m: float) -> None:
+    """A flow stress that rises from next to nothing: strains of 1e-7 to 3 %, in 1e-8 to 1 s."""
+    data = solid(0.1)
+    data["materials"]["steel"] = copy.deepcopy(STEEL)
+    data["materials"]["steel"]["hardening"] |= {"rate_window": [1e-10, 1e6], "m": m}
+    law = make(build_model(Case.model_validate(data)).materials[0])
+    n, random = 100, np.random.default_rng(1)
+    for dt in (1e-8, 1e-4, 1.0):
+        stress, history = np.zeros((n, size)), np.zeros((n, law.history_size))
+        for _ in range(20):
+            change = 10 ** random.uniform(-7, -1.5, (n, 1)) * random.standard_normal((n, size))
+            if size > 3:
+                change[:, :3] -= 0.999 * change[:, :3].mean(axis=1, keepdims=True)
+            stress, history, _, _, failed = law.update(
+                change, stress, history, dt=dt, temperature=np.full(n, TEMPERATURE)
+            )
+            assert not failed.any()
 
 
 def test_a_bar_pressed_ten_times_as_fast_is_stronger_by_the_exponent_of_rate() -> None:
