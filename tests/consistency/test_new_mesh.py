@@ -27,6 +27,7 @@ REFUSED = {
     "drawbeads": "sheets are refined, not remeshed",
     "fading_loads": "of shells",
     "shells": "of shells",
+    "sheet_heat": "sheets are refined, not remeshed",
     "sheet_tools": "of shells",
     "inertia": "the key solver.inertia is refused with [remesh]",
 }
