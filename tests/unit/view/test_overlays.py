@@ -72,10 +72,10 @@ def test_axes_begin_at_zero_where_nothing_lies_below() -> None:
 
 
 def test_zero_is_the_middle_of_a_diverging_field() -> None:
-    scaled = _scale(np.array([-2.0, 5.0, np.nan]), diverging=True)
+    scaled = _scale(np.array([-2.0, 5.0, np.nan]), None, diverging=True)
     assert scaled.get_clim() == (-5.0, 5.0)
     assert scaled.get_cmap().name == DIVERGING_COLOURS
-    assert _scale(np.array([2.0, 5.0]), diverging=False).get_clim() == (2.0, 5.0)
+    assert _scale(np.array([2.0, 5.0]), None, diverging=False).get_clim() == (2.0, 5.0)
 
 
 def test_two_runs_share_every_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
