@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from presswork.body.heat import Enthalpy, sum_at_nodes
 from presswork.evolution.kinetics import Kinetics

@@ -159,8 +159,10 @@ def _evolved(name: str) -> Callable[[Instant], FloatArray | None]:
 
 def _porosity(now: Instant) -> FloatArray | None:
     """Return the porosity; NaN in cells of dense metal."""
+    if now.points is None or not now.points.user:
+        return None
     pores = [now.model.materials[block.material].gtn is not None for block in now.model.mesh.blocks]
-    if now.points is None or not now.points.user or not any(pores):
+    if not any(pores):
         return None
     each = zip(pores, now.points.user, _weights(now), strict=True)
     parts = [(w * user[..., POROSITY]).sum(axis=1) if has else np.full(len(w), np.nan) for has, user, w in each]
