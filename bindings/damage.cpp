@@ -65,7 +65,8 @@ void bind_damage(nb::module_& m) {
           "__init__",
           [](Damage* self, DamageCriterion criterion, const std::map<std::string, double>& parameters) {
             Damage made;
-            require(make_damage(criterion, parameters, made), "the parameters are not those of the criterion");
+            require(make_alternative(static_cast<int>(criterion), parameters, made.law),
+                    "the parameters are not those of the criterion");
             new (self) Damage(made);
           },
           nb::arg("criterion"), nb::arg("parameters"))

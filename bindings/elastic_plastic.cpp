@@ -194,7 +194,7 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
                                   ? make_hardening(hardening, std::move(parameters), law.flow.hardening, made.data)
                                   : make_hot_hardening(hardening, std::move(parameters), law.flow.hot, made.data);
             require(fits, "the parameters are not those of the hardening law");
-            require(make_rate(rate, rate_parameters, law.flow.rate),
+            require(make_alternative(static_cast<int>(rate), rate_parameters, law.flow.rate.law),
                     "rate_parameters are not those of the law: see parameter_names");
             if (chaboche) law.kinematic = *chaboche;
             if (yoshida_uemori) law.kinematic = *yoshida_uemori;

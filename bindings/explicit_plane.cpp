@@ -64,7 +64,7 @@ void bind_law(nb::module_& m) {
              double start, double reference, double melting, double exponent, double heating) {
             auto table = std::make_shared<const HardeningTable>(mises.view.hardening);
             AdiabaticMises made{mises.view, {}, {{reference, melting, exponent}, start, heating}, table->view()};
-            require(make_rate(rate, parameters, made.rate),
+            require(make_alternative(static_cast<int>(rate), parameters, made.rate.law),
                     "rate_parameters are not those of the law: see parameter_names");
             new (self) Law{made, mises.data};
             self->data.push_back(std::move(table));

@@ -10,9 +10,6 @@
 //                     plastic strain rate, T* from 0 at `reference` to 1 at `melting`  (Johnson & Cook 1985)
 #pragma once
 
-#include <map>
-#include <string>
-
 #include "tensor/choice.hpp"
 #include "tensor/pack.hpp"
 
@@ -151,21 +148,5 @@ struct Damage {
 
 // Which of Damage::Law; its values are named in the bindings, from the structs.
 enum class DamageCriterion : int {};
-
-// A criterion from its parameters by name, as `fields` has them. False where one is missing or there are others.
-inline bool make_damage(DamageCriterion which, const std::map<std::string, double>& parameters, Damage& made) {
-  bool fits = false;
-  for_each_alternative<Damage::Law>([&](std::size_t index, auto law) {
-    if (static_cast<int>(index) != static_cast<int>(which)) return;
-    std::size_t found = 0, wanted = 0;
-    law.fields([&](const char* name, double& value) {
-      ++wanted;
-      if (const auto given = parameters.find(name); given != parameters.end()) value = given->second, ++found;
-    });
-    fits = found == wanted && found == parameters.size();
-    made.law = law;
-  });
-  return fits;
-}
 
 }  // namespace presswork

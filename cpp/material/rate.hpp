@@ -7,9 +7,6 @@
 //   logarithmic      1 + C ln(1 + r / r0); smooth from rest
 #pragma once
 
-#include <map>
-#include <string>
-
 #include "tensor/choice.hpp"
 #include "tensor/dual.hpp"
 #include "tensor/pack.hpp"
@@ -100,21 +97,5 @@ struct Rate {
 
 // Which of Rate::Law; its values are named in the bindings, from the structs.
 enum class RateLaw : int {};
-
-// A rate law from its parameters by name, as `fields` has them. False where one is missing or there are others.
-inline bool make_rate(RateLaw which, const std::map<std::string, double>& parameters, Rate& made) {
-  bool fits = false;
-  for_each_alternative<Rate::Law>([&](std::size_t index, auto law) {
-    if (static_cast<int>(index) != static_cast<int>(which)) return;
-    std::size_t found = 0, wanted = 0;
-    law.fields([&](const char* name, double& value) {
-      ++wanted;
-      if (const auto given = parameters.find(name); given != parameters.end()) value = given->second, ++found;
-    });
-    fits = found == wanted && found == parameters.size();
-    made.law = law;
-  });
-  return fits;
-}
 
 }  // namespace presswork

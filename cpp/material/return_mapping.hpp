@@ -6,7 +6,7 @@
 //   S (xi + back(xi, dp) - trial) + dp n(xi) = 0       n = d f/d xi, S the elastic compliance          N equations
 //   f(xi) - flow(p + dp, dp/dt, temperature) = 0       temperature + k f(xi) dp where heated           1 equation
 //
-// (flow: hardening x rate x softening, or one law of all three: hot_hardening.hpp)
+// (flow: flow.hpp)
 // by Newton with backtracking on psi = |r|^2 (both residuals as stresses), from the trial stress scaled to the yield
 // surface and the dp of a hardening curve straightened to its chord. Five to seven evaluations do for trial stresses of
 // 1 to 200 times the yield stress with exponent 8. Every lane of a pack goes through the same iterations; a lane that
@@ -14,145 +14,12 @@
 // exponents).
 #pragma once
 
-#include "material/hot_hardening.hpp"
+#include "material/elasticity.hpp"
+#include "material/flow.hpp"
 #include "material/kinematic.hpp"
 #include "material/law.hpp"
-#include "material/rate.hpp"
-#include "material/tabulated_hardening.hpp"
-#include "material/thermal.hpp"
 
 namespace presswork {
-
-// Isotropic elasticity in N components; the moduli may differ from lane to lane.
-template <int N, class T>
-struct Elasticity {
-  T young, flexibility = T(1.0) / young;
-  T shear;                 // modulus
-  T plane, poisson;        // modulus in plane stress without strain across
-  T spread;                // Lame's first
-  T one_plus, twice_plus;  // 1 + poisson, 2 (1 + poisson)
-
-  Elasticity(T young, double nu)
-      : young(young),
-        shear(young * T(0.5 / (1.0 + nu))),
-        plane(young * T(1.0 / (1.0 - nu * nu))),
-        poisson(nu),
-        spread(young * T(nu / ((1.0 + nu) * (1.0 - 2.0 * nu)))),
-        one_plus(1.0 + nu),
-        twice_plus(2.0 * (1.0 + nu)) {}
-  Elasticity(T young, T nu)
-    requires(!std::is_same_v<T, double>)
-      : young(young),
-        shear(young * T(0.5) / (T(1.0) + nu)),
-        plane(young / (T(1.0) - nu * nu)),
-        poisson(nu),
-        spread(young * nu / ((T(1.0) + nu) * (T(1.0) - T(2.0) * nu))),
-        one_plus(T(1.0) + nu),
-        twice_plus(T(2.0) * (T(1.0) + nu)) {}
-
-  void stiffness(const T strain[N], T stress[N]) const {
-    if constexpr (N == 3) {
-      stress[0] = plane * (strain[0] + poisson * strain[1]);
-      stress[1] = plane * (strain[1] + poisson * strain[0]);
-      stress[2] = shear * strain[2];
-    } else {
-      T mean = spread * (strain[0] + strain[1] + strain[2]);
-      for (int i = 0; i < 3; ++i) stress[i] = T(2.0) * shear * strain[i] + mean;
-      for (int i = 3; i < N; ++i) stress[i] = shear * strain[i];
-    }
-  }
-  void matrix(T (*stress)[N]) const {
-    for (int j = 0; j < N; ++j) {
-      T unit[N], column[N];
-      for (int i = 0; i < N; ++i) unit[i] = T(i == j ? 1.0 : 0.0);
-      stiffness(unit, column);
-      for (int i = 0; i < N; ++i) stress[i][j] = column[i];
-    }
-  }
-  void compliance(const T stress[N], T strain[N]) const {
-    constexpr int normal = N == 3 ? 2 : 3;
-    T sum(0.0);
-    for (int i = 0; i < normal; ++i) sum += stress[i];
-    for (int i = 0; i < normal; ++i) strain[i] = flexibility * (one_plus * stress[i] - poisson * sum);
-    for (int i = normal; i < N; ++i) strain[i] = flexibility * twice_plus * stress[i];
-  }
-};
-
-// A law of flow: what the solver needs besides the yield function.
-struct Flow {
-  Hardening hardening;
-  Rate rate;
-  Thermal thermal;
-  HotHardening hot;  // where it is active: in place of hardening, rate and softening
-  // in place of the formula, for packs of doubles; the explicit loop's
-  bool tabulated = false;
-  TabulatedHardening table = {};
-
-  template <class T>
-  struct Point {
-    T stress, by_dp, by_value;  // flow stress, and its slopes by dp and by the value of the yield function, which heats
-  };
-
-  // Flow stress at p_n + dp over the time dt, from the temperature of the start; value: of the yield function.
-  template <class T>
-  void evaluate(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
-    if (hot.active()) return evaluate_hot(p_n, dp, value, dt, temperature, out);
-    out.by_value = T(0.0);
-    harden(p_n + dp, out.stress, out.by_dp);
-    if (rate.active()) {
-      T factor, slope;
-      rate.evaluate(dp * T(1.0 / dt), factor, slope);
-      out.by_dp = out.by_dp * factor + out.stress * slope * T(1.0 / dt);
-      out.stress = out.stress * factor;
-    }
-    if (!thermal.softening.active()) return;
-    const auto soft = thermal.softening.at(temperature + T(thermal.heating) * value * dp);
-    const T steepness = out.stress * soft.slope * T(thermal.heating);
-    out.by_dp = out.by_dp * soft.factor + steepness * value;
-    out.by_value = steepness * dp;
-    out.stress = out.stress * soft.factor;
-  }
-  template <class T>
-  void evaluate_hot(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
-    HotPoint<T> point;
-    const T heating(thermal.heating);
-    hot.evaluate(p_n + dp, dp * T(1.0 / dt), temperature + heating * value * dp, point);
-    out.stress = point.stress;
-    out.by_dp = point.by_strain + point.by_rate * T(1.0 / dt) + point.by_temperature * heating * value;
-    out.by_value = point.by_temperature * heating * dp;
-  }
-  bool depends_on_rate() const { return rate.active() || hot.active(); }
-  // By the formula, or from the table.
-  template <class T>
-  void harden(T p, T& flow, T& slope) const {
-    if constexpr (std::is_same_v<T, Pack>)
-      if (tabulated) return table.evaluate(p, flow, slope);
-    hardening.evaluate(p, flow, slope);
-  }
-  // At rest and without a rise.
-  template <class T>
-  void at_rest(T p, T temperature, T& flow, T& slope) const {
-    if (hot.active()) return at_rate(p, T(0.0), temperature, flow, slope);
-    harden(p, flow, slope);
-    if (!thermal.softening.active()) return;
-    const T factor = thermal.softening.at(temperature).factor;
-    flow = flow * factor, slope = slope * factor;
-  }
-  // At a constant rate and without a rise.
-  template <class T>
-  void at_rate(T p, T plastic_rate, T temperature, T& flow, T& slope) const {
-    if (hot.active()) {
-      HotPoint<T> point;
-      hot.evaluate(p, plastic_rate, temperature, point);
-      flow = point.stress, slope = point.by_strain;
-      return;
-    }
-    T factor, unused;
-    at_rest(p, temperature, flow, slope);
-    rate.evaluate(plastic_rate, factor, unused);
-    flow = flow * factor, slope = slope * factor;
-  }
-};
 
 namespace return_mapping {
 
@@ -301,6 +168,45 @@ struct Solver {
     }
   }
 
+  // As `iterate`, for a flow stress with corners in dp, the ends of a window, on which Newton's method for both
+  // equations can come to stand: xi of a given dp by the first equation, and dp by the second between bounds.
+  Mask<T> iterate_nested(Mask<T> open) {
+    constexpr int most_inside = 12;
+    T low(0.0), high(0.0), x(0.0);
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
+      Factors<N, T> A;
+      T y[N];
+      for (int inside = 0; inside < (iteration == 0 ? 0 : most_inside); ++inside) {
+        evaluate_residual();
+        linearise(A, y);
+        T step[N];
+        for (int i = 0; i < N; ++i) step[i] = -residual[i];
+        A.solve(step);
+        for (int i = 0; i < N; ++i) xi[i] += select(open, step[i], T(0.0));
+      }
+      evaluate_residual();
+      if (iteration > 0) {
+        const T size = larger(flow.stress, T(molten) * elastic.young);
+        open = both(open, invert(merit < T(tolerance * tolerance) * size * size));
+        if (!any(open)) return open;
+      }
+      linearise(A, y);
+      if (iteration == 0) {
+        yield.evaluate(trial, terms);
+        high = T(10.0) * terms.value / larger(excess_along(y), T(1e-3) * elastic.young);
+        x = T(0.01) * high;
+        for (int i = 0; i < N; ++i) xi[i] = select(open, trial[i], xi[i]);
+      } else {
+        const auto below = excess > T(0.0);
+        low = select(below, dp, low), high = select(below, high, dp);
+        const T next = dp + excess / (excess_along(y) + flow.by_dp);
+        x = select(both(next > low, next < high), next, larger(square_root(low * high), T(0.01) * high));
+      }
+      dp = select(open, x, dp);
+    }
+    return open;
+  }
+
   // d stress/d strain: dxi and ddp of the two equations linearised; C where the lane is elastic
   void consistent_tangent(Mask<T> plastic, T (*tangent)[N]) const {
     Factors<N, T> A;
@@ -412,6 +318,7 @@ Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Fl
   // 3. return
   s.start(shifted, f_trial, flow_n.stress, plastic);
   auto open = s.iterate(plastic);
+  if (flow_law.hot.active() && any(open)) open = s.iterate_nested(open);
   auto moved = both(plastic, invert(open)), kept = either(open, invert(finite));
   // 4. accept
   for (int i = 0; i < N; ++i) {

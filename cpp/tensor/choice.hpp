@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -22,6 +24,24 @@ void for_each_alternative(F&& f) {
   [&]<std::size_t... i>(std::index_sequence<i...>) {
     (f(i, std::variant_alternative_t<i, Variant>{}), ...);
   }(std::make_index_sequence<std::variant_size_v<Variant>>{});
+}
+
+// Makes the alternative of a number from its parameters by name, as its `fields` has them. False where one is missing
+// or there are others.
+template <class Variant>
+bool make_alternative(int which, const std::map<std::string, double>& parameters, Variant& made) {
+  bool fits = false;
+  for_each_alternative<Variant>([&](std::size_t index, auto chosen) {
+    if (which != static_cast<int>(index)) return;
+    std::size_t found = 0, wanted = 0;
+    chosen.fields([&](const char* name, double& value) {
+      ++wanted;
+      if (const auto given = parameters.find(name); given != parameters.end()) value = given->second, ++found;
+    });
+    fits = found == wanted && found == parameters.size();
+    made = chosen;
+  });
+  return fits;
 }
 
 }  // namespace presswork

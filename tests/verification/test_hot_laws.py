@@ -110,25 +110,51 @@ def test_a_hot_bar_bears_the_stress_of_its_strain_rate_and_temperature(family: s
     assert max(len(r.log) for r in reports[1:]) <= 6
 
 
+@pytest.mark.parametrize("window", [[1e-10, 1e6], [1e-4, 100.0]])
 @pytest.mark.parametrize("m", [0.05, 0.3])
 @pytest.mark.parametrize(("make", "size"), [(make_sheet_law, 3), (make_plane_law, 4), (make_solid_law, 6)])
-def test_a_power_of_the_rate_finds_its_stress_for_any_size_and_time_of_a_step(make: Any, size: int, m: float) -> None:
-    """A flow stress that rises from next to nothing: strains of 1e-7 to 3 %, in 1e-8 to 1 s."""
+def test_a_power_of_the_rate_finds_its_stress_for_any_size_and_time_of_a_step(
+    make: Any, size: int, m: float, window: list[float]
+) -> None:
+    """A flow stress that rises from next to nothing, or has corners at the ends of its window of rates.
+
+    Strains of 1e-9 to 3 %, in 1e-8 to 1 s.
+    """
     data = solid(0.1)
     data["materials"]["steel"] = copy.deepcopy(STEEL)
-    data["materials"]["steel"]["hardening"] |= {"rate_window": [1e-10, 1e6], "m": m}
+    data["materials"]["steel"]["hardening"] |= {"rate_window": window, "m": m}
     law = make(build_model(Case.model_validate(data)).materials[0])
     n, random = 100, np.random.default_rng(1)
-    for dt in (1e-8, 1e-4, 1.0):
+    for dt in (1e-8, 1.2e-5, 1e-4, 1.0):
         stress, history = np.zeros((n, size)), np.zeros((n, law.history_size))
         for _ in range(20):
-            change = 10 ** random.uniform(-7, -1.5, (n, 1)) * random.standard_normal((n, size))
+            change = 10 ** random.uniform(-9, -1.5, (n, 1)) * random.standard_normal((n, size))
             if size > 3:
                 change[:, :3] -= 0.999 * change[:, :3].mean(axis=1, keepdims=True)
             stress, history, _, _, failed = law.update(
                 change, stress, history, dt=dt, temperature=np.full(n, TEMPERATURE)
             )
             assert not failed.any()
+
+
+def test_a_step_across_the_corner_at_the_end_of_the_window_of_rates_finds_its_stress() -> None:
+    """Newton's method for all unknowns at once goes back and forth across this corner."""
+    data = solid(0.1)
+    hardening = {
+        "law": "norton_hoff", "K": 20, "e0": 0.01, "n": 0.2, "m": 0.12, "beta": 3000,
+        "rate_window": [1e-4, 100], "temperature_window": [500, 1100], "strain_window": [0, 1],
+    }  # fmt: skip
+    data["materials"]["steel"] = STEEL | {"hardening": hardening}
+    law = make_sheet_law(build_model(Case.model_validate(data)).materials[0])
+    change = np.array([[2.2169721272856995e-06, 3.0922620677912505e-06, 2.9292530978584857e-06]])
+    stress_n = np.array([[-27.60680983448456, -30.592555186528703, -6.092681497798113]])
+    history_n = np.array([[1.1222476132356686e-10]])
+    stress, history, _, _, failed = law.update(change, stress_n, history_n, dt=1e-6, temperature=np.array([950.0]))
+    assert not failed.any()
+    growth = history[0, 0] - history_n[0, 0]
+    x, y, xy = stress[0]
+    expected = 20 * (0.01 + history[0, 0]) ** 0.2 * min(max(growth / 1e-6, 1e-4), 100) ** 0.12 * np.exp(3000 / 1223.15)
+    assert np.sqrt(x * x - x * y + y * y + 3 * xy * xy) == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_bar_pressed_ten_times_as_fast_is_stronger_by_the_exponent_of_rate() -> None:

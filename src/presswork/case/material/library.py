@@ -14,9 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationInfo
+
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.sheet import NamedLaws, check_sheet_material
 from presswork.case.reader import read_toml
+from presswork.case.units import fault
 
 FOLDER = Path(__file__).parents[2] / "material" / "data"
 
@@ -57,6 +60,21 @@ def find_sheet(name: str, folder: Path | None = None) -> NamedSheet:
         problem = Problem("", f"`{name}` is no material of the library", remedy)
         raise CaseError([problem], "materials")
     return read_sheet(FOLDER / f"{name}.toml")
+
+
+def take_named(data: object, info: ValidationInfo) -> NamedSheet | None:
+    """Read the material that a table's key `library` names, from the folder of its case file on; None without one.
+
+    Raises PydanticCustomError at the key.
+    """
+    if not (isinstance(data, dict) and isinstance(data.get("library"), str)):
+        return None
+    source = info.context.get("source") if isinstance(info.context, dict) else None
+    try:
+        return find_sheet(data["library"], Path(source).parent if source else None)
+    except CaseError as error:
+        said = "; ".join(f"{problem}" for problem in error.problems)
+        raise fault(said, "`presswork materials` lists the library", key="library") from None
 
 
 def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import logging
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import Discriminator, Field, GetJsonSchemaHandler, Tag, ValidationInfo, model_validator
@@ -12,9 +11,8 @@ from pydantic.config import JsonDict
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
-from presswork.case.errors import CaseError
 from presswork.case.material.heating import HEAVIEST, LIGHTEST, require_density
-from presswork.case.material.library import find_sheet
+from presswork.case.material.library import take_named
 from presswork.case.material.sheet import SheetLaws
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.units import Density, fault
@@ -41,14 +39,9 @@ class ShellMaterial(SheetLaws):
     def _take_from_library(cls, data: Any, info: ValidationInfo) -> Any:
         if isinstance(data, dict) and "umat" in data:
             raise fault("one step takes no UMAT", "give young, poisson and hardening", key="umat")
-        if not (isinstance(data, dict) and isinstance(data.get("library"), str)):
+        sheet = take_named(data, info)
+        if sheet is None:
             return data
-        source = info.context.get("source") if isinstance(info.context, dict) else None
-        try:
-            sheet = find_sheet(data["library"], Path(source).parent if source else None)
-        except CaseError as error:
-            said = "; ".join(f"{problem}" for problem in error.problems)
-            raise fault(said, "`presswork materials` lists the library", key="library") from None
         taken = sheet.material.model_dump(exclude={"density", "thermal"} - set(cls.model_fields))
         limit = taken["forming_limit"]
         if data.get("kinematic") is not None and "forming_limit" not in data and limit and limit["law"] in COMPUTED:

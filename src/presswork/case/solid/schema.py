@@ -8,7 +8,6 @@ A tool is in tool.py; solver and output settings are in settings.py, hardening l
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -26,7 +25,6 @@ from pydantic_core import CoreSchema
 
 from presswork import model
 from presswork.case.case_file import CaseFile
-from presswork.case.errors import CaseError
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
@@ -34,7 +32,7 @@ from presswork.case.limits import Limits
 from presswork.case.material.grain import Grain
 from presswork.case.material.gtn import Gtn
 from presswork.case.material.heating import require_density
-from presswork.case.material.library import add_library_materials, find_sheet
+from presswork.case.material.library import add_library_materials, take_named
 from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.transformation import Transformation
 from presswork.case.material.umat import UmatMaterial, kind_of_material
@@ -90,15 +88,8 @@ class Material(PlasticLaws):
     @model_validator(mode="before")
     @classmethod
     def _take_from_library(cls, data: Any, info: ValidationInfo) -> Any:
-        if not (isinstance(data, dict) and isinstance(data.get("library"), str)):
-            return data
-        source = info.context.get("source") if isinstance(info.context, dict) else None
-        try:
-            named = find_sheet(data["library"], Path(source).parent if source else None)
-        except CaseError as error:
-            said = "; ".join(f"{problem}" for problem in error.problems)
-            raise fault(said, "`presswork materials` lists the library", key="library") from None
-        return {**named.material.list_laws("density", "thermal"), **data}
+        named = take_named(data, info)
+        return {**named.material.list_laws("density", "thermal"), **data} if named else data
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
