@@ -23,19 +23,24 @@ _TRIANGLES = {
 
 
 def outline_cells(mesh: ResultMesh, points: FloatArray) -> list[FloatArray]:
-    """Return every cell's outline, shape (n_outline, 2) each; edges with a mid-side node are drawn as its parabola."""
+    """Return every cell's outline, shape (n_outline, 2 or 3) each, as outline_blocks does."""
+    return [outline for block in outline_blocks(mesh, points) for outline in block]
+
+
+def outline_blocks(mesh: ResultMesh, points: FloatArray) -> list[FloatArray]:
+    """Return the cells' outlines, (n_cells, n_outline, 2 or 3) a block; edges with a mid-side node as its parabola."""
     outlines: list[FloatArray] = []
     for block in mesh.blocks:
         corners = count_corners(block.connectivity)
         start = points[block.connectivity[:, :corners]]
         if block.connectivity.shape[1] == corners:
-            outlines.extend(start)
+            outlines.append(start)
             continue
         end, middle = np.roll(start, -1, axis=1), points[block.connectivity[:, corners : 2 * corners]]
         s = np.linspace(0.0, 1.0, _POINTS_PER_CURVED_EDGE, endpoint=False)[:, None]
         first, mid, last = (1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)
         curves = start[:, :, None] * first + middle[:, :, None] * mid + end[:, :, None] * last
-        outlines.extend(curves.reshape(len(curves), -1, 2))
+        outlines.append(curves.reshape(len(curves), -1, points.shape[1]))
     return outlines
 
 

@@ -13,9 +13,10 @@ from presswork.model import FloatArray
 from presswork.post import find_skin
 from presswork.post.section import cut_tool
 from presswork.results import Result, ResultMesh
-from presswork.view.cells import outline_cells
+from presswork.view.cells import outline_blocks
 from presswork.view.crack_mark import describe_first_crack, find_first_crack
 from presswork.view.extremes import describe_extremes
+from presswork.view.faces import draw_faces
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, ZONE_COLOURS, describe_step, label_field, new_figure, require_matplotlib
 
@@ -56,8 +57,6 @@ def plot_shell(
     what is shown [mm], by default of the body.
     """
     require_matplotlib()
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
     figure = new_figure(7.0, 5.2) if figure is None else figure
     ax: Axes3D = figure.add_subplot(projection="3d")
     ax.set_proj_type("ortho")
@@ -65,22 +64,19 @@ def plot_shell(
     mesh, moved = result.mesh_at(step), result.points(step)
     points = mesh.points + scale * (moved - mesh.points)
     skin, owner = find_skin(mesh)
-    outlines = outline_cells(skin, points)
+    outlines = outline_blocks(skin, points)
+    n_faces = sum(len(block) for block in outlines)
     values = None if field is None else _face_values(result, field, step, skin, owner)
     scaled = None if values is None else _scale(values, value_range, diverging=field in DIVERGING)
     colours = _colours(values, outlines, scaled, by_zone=field == ZONE_FIELD)
-    width = float(np.clip(10.0 / np.sqrt(len(outlines)), 0.04, 0.6)) if show_edges else 0.0
-    low, high = points.min(axis=0), points.max(axis=0)
-    for x, y in IMAGES[mirror]:
-        sign = (x, y, 1)
-        faces = Poly3DCollection([o * sign for o in outlines], facecolors=colours, linewidths=width)
-        faces.set_edgecolor((0.1, 0.1, 0.1, 0.7) if show_edges else colours)
-        ax.add_collection3d(faces)
-        low, high = np.minimum(low, (points * sign).min(axis=0)), np.maximum(high, (points * sign).max(axis=0))
+    width = float(np.clip(10.0 / np.sqrt(n_faces), 0.04, 0.6)) if show_edges else 0.0
+    signs = [(x, y, 1) for x, y in IMAGES[mirror]]
+    low = np.min([(points * sign).min(axis=0) for sign in signs], axis=0)
+    high = np.max([(points * sign).max(axis=0) for sign in signs], axis=0)
     low, high = (low, high) if frame is None else frame
-    if result.surfaces:
-        _draw_tools(ax, result, step, low, high)
     frame_axes(ax, low, high)
+    blocks = [block * sign for sign in signs for block in outlines]
+    draw_faces(ax, blocks, np.tile(colours, (len(signs), 1)), width, _cut_tools(result, step, low, high))
     if field == ZONE_FIELD and values is not None:
         _add_zone_legend(figure, values)
     elif field is not None and values is not None and scaled is not None:
@@ -90,7 +86,7 @@ def plot_shell(
     magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
     extremes = ""
     if values is not None and field != ZONE_FIELD:
-        extremes = describe_extremes(values, np.array([outline.mean(axis=0) for outline in outlines]))
+        extremes = describe_extremes(values, np.concatenate([block.mean(axis=1) for block in outlines]))
     crack = find_first_crack(result, field) if field else None
     said = describe_first_crack(crack).replace(" (x)", "") if crack else ""
     lines = (title, describe_step(result, step) + magnified, extremes, said)
@@ -111,19 +107,18 @@ def _scale(values: FloatArray, value_range: tuple[float, float] | None, *, diver
     return ScalarMappable(Normalize(low, high if high > low else low + 1.0), COLOURS)
 
 
-def _draw_tools(ax: Axes3D, result: Result, step: int, low: FloatArray, high: FloatArray) -> None:
-    """Draw where the planes through the middle of the sheet's frame cut the tools."""
-    from mpl_toolkits.mplot3d.art3d import Line3DCollection
-
+def _cut_tools(result: Result, step: int, low: FloatArray, high: FloatArray) -> list[tuple[FloatArray, str]]:
+    """Return lines (n, 2, 3) and colours where planes through the middle of the sheet's frame cut the tools."""
     margin = 0.15 * float((high - low).max())
+    found = []
     for grey, tool in zip(_TOOL_GREYS, result.surfaces, strict=False):
         for angle in np.radians(_TOOL_SECTIONS):
             lines = cut_tool(result, tool, float(angle), step)
             space = np.concatenate([lines[..., :1] * (np.cos(angle), np.sin(angle)), lines[..., 1:]], axis=2)
             kept = _clip(space, low - margin, high + margin)
-            if len(kept) == 0:  # a strip's tools do not reach this plane
-                continue
-            ax.add_collection3d(Line3DCollection(kept, colors=grey, linewidths=0.9))
+            if len(kept):  # a strip's tools do not reach every plane
+                found.append((kept, grey))
+    return found
 
 
 def _clip(lines: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
@@ -150,30 +145,25 @@ def _face_values(
 def _colours(
     values: FloatArray | None, outlines: list[FloatArray], scaled: ScalarMappable | None, *, by_zone: bool
 ) -> FloatArray:
-    """Return one colour per cell, darker where the sheet turns away from the light."""
+    """Return red, green, blue and opacity of each face, darker where it turns away from the light."""
     from matplotlib.colors import to_rgba_array
 
     if values is None or scaled is None:
-        colours = np.tile([0.82, 0.87, 0.93, 1.0], (len(outlines), 1))
+        colours = np.tile([0.82, 0.87, 0.93, 1.0], (sum(len(block) for block in outlines), 1))
     elif by_zone:
         colours = to_rgba_array(ZONE_COLOURS)[values.astype(int)]
     else:
         colours = np.array(scaled.to_rgba(values), dtype=np.float64)
-    normals = _normals(outlines)
+    normals = np.concatenate([_normals(block) for block in outlines])
     light = _LIGHT / np.linalg.norm(_LIGHT)
     colours[:, :3] *= (0.72 + 0.28 * np.abs(normals @ light))[:, None]
     return colours
 
 
-def _normals(outlines: list[FloatArray]) -> FloatArray:
-    """Return the unit normal of each outline (k, 3), k its own."""
-    corners = np.array([len(o) for o in outlines])
-    normals = np.zeros((len(outlines), 3))
-    for count in np.unique(corners):
-        those = np.flatnonzero(corners == count)
-        o = np.stack([outlines[i] for i in those])
-        o = o - o.mean(axis=1, keepdims=True)
-        normals[those] = np.cross(o, np.roll(o, -1, axis=1)).sum(axis=1)
+def _normals(outlines: FloatArray) -> FloatArray:
+    """Return the unit normal of each outline (n, k, 3)."""
+    around = outlines - outlines.mean(axis=1, keepdims=True)
+    normals = np.cross(around, np.roll(around, -1, axis=1)).sum(axis=1)
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
 
 
