@@ -317,6 +317,9 @@ class _Run:
             raise OutputError(f"{self.folder / RESULTS} was deleted or changed {BY_OTHERS}")
         history = read_history(self.folder / HISTORY)
         found = recording.summary(history)
+        warnings = [*self.watch.warnings(), *found["warnings"]]
+        for warning in warnings:
+            self.log.warning("warning: %s", warning)
         write_summary(
             self.folder / SUMMARY,
             {
@@ -330,6 +333,6 @@ class _Run:
                 "machine": platform.machine(),
                 **found,
                 **self.watch.summary(history),
-                "warnings": [*self.watch.warnings(), *found["warnings"]],
+                "warnings": warnings,
             },
         )

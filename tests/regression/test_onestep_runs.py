@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from presswork.case import CaseError
+from presswork.case.onestep.schema import OneStepCase
 from presswork.cli import app
 from presswork.results import Result
 from tests.problems.one_step import cup_profile, fan, revolve
@@ -247,3 +249,26 @@ def test_missing_thickness_is_named(part):
     assert done.exit_code == 2
     assert "--thickness" in done.output
     assert "--material" not in done.output
+
+
+@pytest.mark.parametrize(
+    ("material", "key"),
+    [
+        ({"damage": {"critical": 0.3}}, "damage"),
+        ({"library": "dc04", "damage": {"critical": 0.3}}, "damage"),
+        ({"library": "dc04", "rate": {"law": "cowper_symonds", "D": 40, "q": 5}}, "rate"),
+    ],
+)
+def test_what_one_step_cannot_use_is_refused(part, material, key):
+    """Beside a material of the library, too, whose own keys that it cannot use are not heeded."""
+    steel = {"young": 206e3, "poisson": 0.3, "hardening": {"law": "swift", "K": 565, "e0": 0.007, "n": 0.26}}
+    data = {
+        "title": "cup",
+        "analysis": "onestep",
+        "part": {"path": str(part)},
+        "blank": {"material": "steel", "thickness": 0.8},
+        "materials": {"steel": material if "library" in material else steel | material},
+    }
+    with pytest.raises(CaseError, match="one step knows no") as error:
+        OneStepCase.from_data(data)
+    assert [problem.key for problem in error.value.problems] == [f"materials.steel.{key}"]

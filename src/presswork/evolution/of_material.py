@@ -20,9 +20,15 @@ def make_laws(material: Material, *, is_solid: bool) -> tuple[EvolutionLaw, ...]
     """Return the evolution laws of a material in solids or in a sheet; a sheet's phases are where its temperatures are
     (interaction/heat_of_sheet.py).
     """
-    laws: tuple[EvolutionLaw, ...] = damage.make_damage(material.damage, material.umat, is_solid=is_solid)
+    of_damage = damage.make_damage(material.damage, material.umat, is_solid=is_solid)
+    return (*of_damage, *make_other_laws(material, is_solid=is_solid))
+
+
+def make_other_laws(material: Material, *, is_solid: bool) -> tuple[EvolutionLaw, ...]:
+    """Return those of the laws that are not damage."""
+    laws: tuple[EvolutionLaw, ...] = ()
     if material.grain is not None:
-        laws = (*laws, grain.GrainLaw(material.grain))
+        laws = (grain.GrainLaw(material.grain),)
     if is_solid and material.transformation is not None:
         laws = (*laws, phases.PhaseLaw(material.transformation))
     return laws

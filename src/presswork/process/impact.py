@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
-from presswork.body.law_window import LawWindow
 from presswork.explicit.energy import EnergyBalance, warn_of_energies
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.motion import DrivenStroke, EvenMotion, Motion, SmoothStroke
@@ -31,6 +30,7 @@ from presswork.process.penetration import Penetration
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram, warn_of_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
+from presswork.process.row_history import BlockPoints, RowHistory
 from presswork.process.rows import LAST_COLUMNS, STAGE, STAGE_WAY, RowRecording, RowReport, last_energies
 from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole
 
@@ -64,9 +64,8 @@ class ExplicitImpact(RowRecording):
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
-        self._window = LawWindow.at_rest(model.materials)
-        self._last = self.solids.equivalent_plastic_strain.copy(), self.solids.time
-        """Plastic strain and time of the last row, from which strain rates are counted."""
+        self.points = RowHistory(model.materials, [b.material for b in model.mesh.blocks], is_solid=True)
+        self.points.start(self._find_points())
         self._begin_stage()
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
@@ -90,6 +89,7 @@ class ExplicitImpact(RowRecording):
         begin = sum(s.duration for s in self.model.stages[:number])
         cycle, time = self.solids.cycle, self.solids.time
         impulse = [wall.impulse for wall in self.walls]
+        self.points.begin_row(self._find_points())
         self.solids.reset_reaction()
         to = begin + stage.duration * (row + 1) / rows
         if stage.drive is not None and isinstance(stage.drive.motion, Blow):
@@ -99,6 +99,7 @@ class ExplicitImpact(RowRecording):
         for i, wall in enumerate(self.walls):
             self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
         self._reaction = self.solids.reaction_impulse / (self.solids.time - time)
+        self.points.end_row(self._find_points(), self.solids.time - time)
         energies = self.solids.energies()
         self._progress[ADDED_MASS] = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle
@@ -168,7 +169,6 @@ class ExplicitImpact(RowRecording):
 
     def row(self, report: RowReport) -> Row:
         """Return the row of the history; forces are means over it."""
-        self._note_flow()
         row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
         for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
             row |= self._measure(tool, wall, mean)
@@ -242,22 +242,17 @@ class ExplicitImpact(RowRecording):
                 volume=[np.ones((len(solids.stress), 1))],
                 temperature=solids.temperature if heats else None,
             ),
-            evolved=solids.damage,
+            evolved={**solids.damage, **self.points.values},
         )
 
-    def _note_flow(self) -> None:
-        """Note strains, mean rates and temperatures of what has flowed since the last row, for laws with a window."""
-        eqps, time = self.solids.equivalent_plastic_strain.copy(), self.solids.time
-        first, (eqps_n, time_n) = 0, self._last
-        for block in self.mesh.blocks:
-            own = slice(first, first + len(block.connectivity))
-            first = own.stop
-            material, grown = self.model.materials[block.material], eqps[own] - eqps_n[own]
-            if time > time_n and material.hardening is not None and material.hardening.window is not None:
-                flows = grown > 0.0
-                values = (eqps[own][flows], grown[flows] / (time - time_n), self.solids.temperature[own][flows])
-                self._window.note(block.material, material, values)
-        self._last = eqps, time
+    def _find_points(self) -> list[BlockPoints]:
+        """Return stress, plastic strain and temperature of each block, whose cells have one point each."""
+        solids, blocks = self.solids, self.mesh.blocks
+        ends = np.cumsum([len(block.connectivity) for block in blocks])[:-1]
+        found = solids.stress.copy(), solids.equivalent_plastic_strain.copy(), solids.temperature.copy()
+        parts = zip(blocks, *(np.split(values[:, None], ends) for values in found), strict=True)
+        heats = [material.heating is not None for material in self.model.materials]
+        return [BlockPoints(stress, eqps, t if heats[b.material] else None) for b, stress, eqps, t in parts]
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""
@@ -275,14 +270,13 @@ class ExplicitImpact(RowRecording):
         )
 
     def _state_arrays(self) -> NamedArrays:
-        return {"progress": self._progress.copy(), **self._window.to_arrays(), **self.solids.dump()}
+        return {"progress": self._progress.copy(), **self.points.to_arrays(), **self.solids.dump()}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
-        self._window.load_arrays(arrays)
-        own = self._window.to_arrays()
+        self.points.load_arrays(arrays)
+        own = self.points.to_arrays()
         self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name not in own})
-        self._last = self.solids.equivalent_plastic_strain.copy(), self.solids.time
         self._begin_stage()
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -308,9 +302,9 @@ class ExplicitImpact(RowRecording):
             "energy": last_energies(history),
             "time_simulated": self.solids.time,
             **summarise_ram(self.model, history),
-            **self._window.summarise(self.model.materials),
+            **self.points.window.summarise(self.model.materials),
             "warnings": [
-                *self._window.warnings(self.model.materials),
+                *self.points.window.warnings(self.model.materials),
                 *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),
                 *warn_of_energies(history, advice),
                 *(warn_of_ram(self.model, history, np.ones(len(self.model.stages))) if has_ram(self.model) else ()),

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.body.law_window import LawWindow
 from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
@@ -289,6 +290,7 @@ class ImplicitStamping(IncrementRecording):
             warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
         heat = self.procedure.sheet_heat
         warnings += warn_of_tables(self.model, history) if heat else []
+        warnings += state[LawWindow].warnings(self.model.materials)
         return {
             **self._count_work(),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
@@ -296,6 +298,7 @@ class ImplicitStamping(IncrementRecording):
             "time_simulated": state[Progress].time,
             **summarise_ram(self.model, history),
             **({"heat": summarise_sheet_heat(heat.sheet, state[SheetHeatArrays])} if heat else {}),
+            **state[LawWindow].summarise(self.model.materials),
             "formability": verdict.to_summary(),
             "linear_solver": self.procedure.equilibrium.solver.name,
             "warnings": [*warnings, *self._warn_of_ram(history), *verdict.warnings()],

@@ -40,6 +40,7 @@ from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
 from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies, process_time
+from presswork.process.sheet_history import SheetHistory
 from presswork.process.stamping_tools import StampingTools, cut_surfaces, describe_stamping, mean_speeds
 from presswork.process.transfer import SheetState, keep_heated, sheet_of_explicit
 
@@ -77,6 +78,7 @@ class ExplicitStamping(RowRecording):
         check_damping(self.settings.damping, self._longest_step())
         self.tools = StampingTools(model, self.shells)
         self.heat = ExplicitHeat(model, self.shells, self.tools.at_work) if model.heat else None
+        self.layers = SheetHistory(model, self.shells)
         self._begin_stage()
         self.shells.find_contact()
 
@@ -112,10 +114,17 @@ class ExplicitStamping(RowRecording):
         stage, rows = self.model.stages[number], self.model.output.rows
         if self.model.refinement and row % max(1, rows // LOOKS) == 0:
             self._refine(self.model.refinement)
-        n_shells = len(self._cells)
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
         if self.heat is not None:
             self.heat.begin_row()
+        self.layers.begin_row(self.shells)
+        found = self._compute_cycles(stage, begin, end)
+        self.layers.end_row(self.shells, stage.slower * (end - begin))
+        return found
+
+    def _compute_cycles(self, stage: Stage, begin: float, end: float) -> tuple[int, float, EnergyBalance]:
+        """Compute a row of cycles, or of a dwell, from one time of a stage to another [s]; return as _compute_row."""
+        n_shells = len(self._cells)
         if stage.dwell is not None:
             return self._compute_dwell(stage, end - begin)
         n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
@@ -176,6 +185,7 @@ class ExplicitStamping(RowRecording):
         self._make_again()
         self._begin_stage()
         self.shells.inherit(old, position, step.node_parents(), step.parent)
+        self.layers.split(step.parent)
 
     def split_evenly(self) -> None:
         """Split all shells as often as those split most, so that no node hangs."""
@@ -312,9 +322,8 @@ class ExplicitStamping(RowRecording):
         return fields | degrees | state_variable_field(material, history)
 
     def _evolved(self) -> dict[str, list[FloatArray]]:
-        """Return the damage at the layers by quantity and block of the mesh (n_cells, q k)."""
-        ends = np.cumsum([len(block.connectivity) for block in self.model.mesh.blocks])[:-1]
-        return {name: np.split(values.reshape(len(values), -1), ends) for name, values in self.shells.damage.items()}
+        """Return what evolution laws keep at the layers by quantity and block of the mesh (n_cells, q k)."""
+        return self.layers.show(self.shells, self.model.mesh)
 
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
         """Return the verdict on the sheet by its cell fields."""
@@ -337,7 +346,7 @@ class ExplicitStamping(RowRecording):
 
     def sheet(self) -> SheetState:
         """Return the present state of the sheet."""
-        return replace(sheet_of_explicit(self.shells), heated=keep_heated(self.show()))
+        return replace(sheet_of_explicit(self.shells, self.layers.values), heated=keep_heated(self.show()))
 
     @property
     def time(self) -> float:
@@ -368,14 +377,16 @@ class ExplicitStamping(RowRecording):
             sheet = replace(sheet, level=epoch["level"], side=epoch["side"], middle=epoch["middle"])
         self._sheet = sheet
         self._make_again()
+        self.layers.start(self.shells)
 
     def _state_arrays(self) -> NamedArrays:
         heat = self.heat.dump() if self.heat else {}
-        return {"progress": self._progress.copy(), **self.shells.dump(), **heat}
+        return {"progress": self._progress.copy(), **self.shells.dump(), **self.layers.dump(), **heat}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
-        heated = names_of_heat(arrays)
+        heated = names_of_heat(arrays) | set(self.layers.dump())
+        self.layers.restore(arrays)
         self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name not in heated})
         if self.heat is not None:
             self.heat.restore(arrays)
@@ -400,6 +411,7 @@ class ExplicitStamping(RowRecording):
             "time_simulated": shells.time,
             **summarise_ram(self.model, history),
             **({"heat": summarise_sheet_heat(self.heat.sheet, self.heat.arrays)} if self.heat else {}),
+            **self.layers.summarise(),
             "formability": verdict.to_summary(),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
@@ -407,5 +419,6 @@ class ExplicitStamping(RowRecording):
                 *warn_of_energies(history),
                 *verdict.warnings(),
                 *(warn_of_tables(self.model, history) if self.heat else ()),
+                *self.layers.warnings(),
             ],
         }

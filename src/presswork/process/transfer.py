@@ -83,14 +83,16 @@ def keep_heated(now: Instant) -> dict[str, FloatArray]:
     return {} if now.temperature is None else {**now.heated, TEMPERATURE: now.temperature}
 
 
-def sheet_of_explicit(shells: ExplicitShells) -> SheetState:
+def sheet_of_explicit(shells: ExplicitShells, evolved: Mapping[str, FloatArray] | None = None) -> SheetState:
     """Return the present state of explicit shells: of one point each, or of four of quadrilaterals.
 
+    evolved: what evolution laws keep at the layers beside damage, by quantity (n_cells, q, k).
     Where tools squeeze them the pressure is taken away, elastically, with the sheet held in its plane.
     """
     axis = law_axes(shells)[:, None]
     stress, thickness = shells.released()
-    thickness, layers, damage = thickness[:, None], (stress, shells.history_at_points), shells.damage
+    thickness, layers = thickness[:, None], (stress, shells.history_at_points)
+    kept = {**shells.damage, **(evolved or {})}
     degrees = shells.given_temperature
     blocks = []
     three = is_triangle(shells.connectivity)
@@ -98,9 +100,9 @@ def sheet_of_explicit(shells: ExplicitShells) -> SheetState:
         if own.any():
             stress, history = (values[own] if n_nodes == 4 else values[own][:, :1] for values in layers)
             cells = shells.connectivity[own][:, :n_nodes]
-            evolved = {name: v[own] if n_nodes == 4 else v[own][:, :1] for name, v in damage.items()}
+            of_block = {name: v[own] if n_nodes == 4 else v[own][:, :1] for name, v in kept.items()}
             given = None if degrees is None else degrees[own] if n_nodes == 4 else degrees[own][:, :1]
-            blocks.append(SheetBlock(cells, axis[own], thickness[own], stress, history, evolved, given))
+            blocks.append(SheetBlock(cells, axis[own], thickness[own], stress, history, of_block, given))
     return SheetState(shells.position, tuple(blocks))
 
 

@@ -22,7 +22,9 @@ from presswork.model import FloatArray
 NONE = 0.01
 """Part of the flow stress that is next to none."""
 POINTS = 5
-"""Strains, rates and temperatures at each of which a law is tried over its window."""
+"""Strains and rates at each of which a law is tried over its window."""
+TEMPERATURES = 33
+"""Temperatures at which it is tried there: between them a flow stress may turn."""
 
 
 class HotLaw(Part):
@@ -92,11 +94,13 @@ class FittedLaw(HotLaw):
         """Refuse a window in which the law has no value."""
 
     def _check_stress(self) -> None:
-        """Refuse a law that is no number, not positive, or falls with the rate, anywhere in its window."""
+        """Refuse a law that is no number or not positive, falls with the rate, or rises with temperature, anywhere in
+        its window.
+        """
         law = make_sheet_law(model.Material("hot", 1e5, 0.3, self.to_model()))
         strains = np.linspace(*self.strain_window, POINTS)
         rates = np.geomspace(*self.rate_window, POINTS)
-        degrees = np.linspace(*self.temperature_window, POINTS)
+        degrees = np.linspace(*self.temperature_window, TEMPERATURES)
         grid = np.array(list(itertools.product(strains, degrees, rates)))
         e, t, r = (np.ascontiguousarray(column) for column in grid.T)
         with np.errstate(all="ignore"):
@@ -127,6 +131,21 @@ class FittedLaw(HotLaw):
                 f"{r[row, column]:.3g} to {r[row, column + 1]:.3g} 1/s, at {place}",
                 "check the signs of what stands at the rate; without resistance to rate there is no one answer",
             )
+        self._check_isotherms(strains, rates, degrees, stress.reshape(POINTS, TEMPERATURES, POINTS))
+
+    def _check_isotherms(self, strains: FloatArray, rates: FloatArray, degrees: FloatArray, stress: FloatArray) -> None:
+        """Refuse a flow stress (strains, temperatures, rates) that rises with temperature: isotherms that cross."""
+        rises = np.argwhere(np.diff(stress, axis=1) > 1e-12 * stress[:, :-1])
+        if not len(rises):
+            return
+        e, t, r = rises[0]
+        raise fault(
+            f"the flow stress rises from {stress[e, t, r]:.4g} to {stress[e, t + 1, r]:.4g} MPa as the temperature "
+            f"rises from {degrees[t]:.4g} to {degrees[t + 1]:.4g} degrees C, at strain {strains[e]:g} and "
+            f"{rates[r]:.3g} 1/s: its isotherms cross",
+            "check the signs of what stands at the temperature, or narrow the windows to where it falls",
+            key="temperature_window",
+        )
 
 
 class HenselSpittel(FittedLaw):

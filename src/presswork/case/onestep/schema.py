@@ -16,7 +16,7 @@ from presswork.case.case_file import CaseFile
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.hot_hardening import HotLaw
-from presswork.case.material.library import add_library_materials
+from presswork.case.material.library import add_library_materials, find_sheet
 from presswork.case.material.yield_function import Hill1948, VonMisesYield
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
@@ -81,8 +81,9 @@ NOT_IN_ONE_STEP = {
     "expansion": "temperature",
     "young_factor": "temperature",
     "poisson_by_temperature": "temperature",
+    "damage": "path of stress and strain, along which damage accumulates",
 }
-"""Keys of a material that one step cannot use; those that a material of the library brings are not heeded."""
+"""Keys of a material that one step cannot use; what a material of the library brings of them is not heeded."""
 
 
 class OneStepCase(CaseFile):
@@ -115,13 +116,17 @@ class OneStepCase(CaseFile):
                 "give the flow stress against plastic strain alone, e.g. a table at one rate and temperature",
                 key=f"materials.{self.blank.material}.hardening",
             )
+        library = find_sheet(material.library, self._folder()).material if material and material.library else None
         for key, words in NOT_IN_ONE_STEP.items():
-            if material is not None and material.library is None and getattr(material, key) is not None:
+            if material is not None and getattr(material, key) not in (None, getattr(library, key, None)):
                 raise fault(
                     f"one step knows no {words}: it goes from the blank to the part at once",
                     f"leave {key} out of the material",
                     key=f"materials.{self.blank.material}.{key}",
                 )
+
+    def _folder(self) -> Path | None:
+        return self.source.parent if self.source else None
 
     @classmethod
     def from_data(cls, data: dict[str, Any]) -> Self:

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the material points of an explicit run go through from row to row of cycles.
+
+Each row counts as one increment: of the windows of hot laws (body/law_window.py), and of evolution laws such as grain
+size. Damage grows in every cycle, inside the loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.body.law_window import LawWindow
+from presswork.evolution.contract import PointChange
+from presswork.evolution.of_material import make_other_laws
+from presswork.model import FloatArray, Material
+
+PREFIX = "evolved."
+"""Of the names in a checkpoint."""
+
+
+@dataclass(frozen=True)
+class BlockPoints:
+    """The points of one block of cells at one instant."""
+
+    stress: FloatArray
+    """(..., 3 | 4 | 6) [MPa]."""
+    eqps: FloatArray
+    """Equivalent plastic strain (...)."""
+    temperature: FloatArray | None
+    """(...) [degrees C]; None: not known."""
+
+
+class RowHistory:
+    """Windows and evolution laws of the blocks of a run."""
+
+    def __init__(self, materials: Sequence[Material], numbers: Sequence[int], *, is_solid: bool) -> None:
+        """numbers: which of the materials each block has."""
+        self._materials, self._numbers = materials, numbers
+        self._laws = [make_other_laws(materials[number], is_solid=is_solid) for number in numbers]
+        self.window = LawWindow.at_rest(materials)
+        self.values: dict[str, list[FloatArray]] = {}
+        """By the quantity's name, an entry for each block, of the shape of its points; empty without the law."""
+        self._before: list[BlockPoints] = []
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether a material has a window or a law."""
+        windows = (m.hardening is not None and m.hardening.window is not None for m in self._materials)
+        return any(self._laws) or any(windows)
+
+    def start(self, points: Sequence[BlockPoints]) -> None:
+        """Give the quantities their values at rest."""
+        names = dict.fromkeys(q.name for laws in self._laws for law in laws for q in law.quantities)
+        self.values = {name: [] for name in names}
+        for laws, block in zip(self._laws, points, strict=True):
+            rest = {name: value for law in laws for name, value in law.at_rest().items()}
+            for name, of in self.values.items():
+                shape = block.eqps.shape if name in rest else (0, *block.eqps.shape[1:])
+                of.append(np.full(shape, rest.get(name, 0.0)))
+
+    def begin_row(self, points: Sequence[BlockPoints]) -> None:
+        """Keep what a row of cycles begins with."""
+        self._before = list(points)
+
+    def end_row(self, points: Sequence[BlockPoints], dt: float) -> None:
+        """Take up what a row has led to in dt [s] of the process."""
+        for i, (before, after) in enumerate(zip(self._before, points, strict=True)):
+            number, grown = self._numbers[i], after.eqps - before.eqps
+            flows = grown > 0.0
+            degrees = np.zeros_like(after.eqps) if after.temperature is None else after.temperature
+            if dt > 0.0:
+                noted = (after.eqps[flows], grown[flows] / dt, degrees[flows])
+                self.window.note(number, self._materials[number], noted)
+            if self._laws[i]:
+                self._advance(i, before, after, dt)
+
+    def _advance(self, block: int, before: BlockPoints, after: BlockPoints, dt: float) -> None:
+        components = after.stress.shape[-1]
+        warm = before.temperature, after.temperature
+        change = PointChange(
+            before.stress.reshape(-1, components),
+            after.stress.reshape(-1, components),
+            before.eqps.ravel(),
+            after.eqps.ravel(),
+            dt,
+            *(None if degrees is None else degrees.ravel() for degrees in warm),
+        )
+        for law in self._laws[block]:
+            found = law.advance({q.name: self.values[q.name][block].ravel() for q in law.quantities}, change)
+            for name, value in found.items():
+                self.values[name][block] = value.reshape(after.eqps.shape)
+
+    def split(self, parents: Sequence[NDArray[np.integer[Any]]]) -> None:
+        """Give the cells of each block the values of those that they come from (n_cells,)."""
+        for of in self.values.values():
+            of[:] = [values[parent] if len(values) else values for values, parent in zip(of, parents, strict=True)]
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return what the next row depends on."""
+        kept = {f"{PREFIX}{name}.{i}": own.copy() for name, of in self.values.items() for i, own in enumerate(of)}
+        return {**self.window.to_arrays(), **kept}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take up what to_arrays gave."""
+        self.window.load_arrays(arrays)
+        for name, of in self.values.items():
+            of[:] = [np.array(arrays[f"{PREFIX}{name}.{i}"], dtype=float) for i in range(len(of))]
