@@ -9,6 +9,7 @@ from presswork.case import CaseError
 from presswork.examples import copy_example
 from presswork.results import Result
 from presswork.view.all_plots import plot_all
+from presswork.view.interface_plot import plot_interface
 
 QUICK = [
     "workpiece.mesh.cells=[4,4]",
@@ -49,6 +50,8 @@ def test_dies_stay_warm_from_part_to_part_and_a_resumed_run_gives_the_same_bits(
     assert place[:, 1].min() == pytest.approx(17.0), "the mesh goes along with the die"
     names = {path.name for path in plot_all(whole.result, tmp_path / "plots")}
     assert {"dies_006.png", "parts.png", "temperature_time.png"} <= names
+    (curves,) = plot_interface(whole.result).legends
+    assert [text.get_text().partition(":")[0] for text in curves.texts][-2:] == ["part 3", "part 3"]
 
     def interrupt(progress) -> None:
         if progress.fraction > 0.5:

@@ -17,6 +17,7 @@ from presswork.view.style import (
     Progress,
     begin_at_zero,
     clean_axes,
+    find_history_row,
     find_turning_tool,
     measure_progress,
     new_figure,
@@ -95,7 +96,13 @@ def _label(result: Result, step: int, progress: Progress | None, *, pressed: boo
         return f"{abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
     if progress is None:
         return f"{result.times[step]:.4g} s"
-    return f"{progress.stroke:.2f} mm" + (f", {100 * progress.reduction:.1f} %" if pressed else "")
+    part = f"part {number}: " if (number := _part(result, step)) else ""
+    return f"{part}{progress.stroke:.2f} mm" + (f", {100 * progress.reduction:.1f} %" if pressed else "")
+
+
+def _part(result: Result, step: int) -> int:
+    """Return the number of the part of a series at a saved step; 0 without a series."""
+    return int(find_history_row(result, step).get("part", 0))
 
 
 def _draw(ax: Axes, trace: Interface, values: FloatArray, x: str, colour: object, label: str) -> None:

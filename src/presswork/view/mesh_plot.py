@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _N_LEVELS = 16
+_WIDE = 5.5  # inches: both extremes fit into one line of the title
 
 
 def plot_mesh(
@@ -199,8 +200,10 @@ def _label_extremes(ax: Axes, result: Result, field: str, values: FloatArray, pl
     mark_extremes(ax, values, places)
     crack = mark_first_crack(ax, result, field, step)
     faults = ", ".join(words for words in (crack, mark_laps(ax, result, step)) if words)
-    title = f"{describe_step(result, step)}\n{describe_extremes(values, places)}\n{faults}"
-    ax.set_title(title.rstrip(), fontsize="medium")
+    extremes = describe_extremes(values, places)
+    if ax.figure.bbox.width < _WIDE * ax.figure.dpi:
+        extremes = extremes.replace(" to ", "\nto ")
+    ax.set_title(f"{describe_step(result, step)}\n{extremes}\n{faults}".rstrip(), fontsize="medium")
 
 
 def _shade_points(ax: Axes, result: Result, values: FloatArray, step: int, mirror: Mirror) -> ScalarMappable:

@@ -164,20 +164,29 @@ def describe_step(result: Result, step: int) -> str:
 def _describe_load(result: Result, step: int) -> str:
     """Return how far the set that is moved farthest has come, the stage of a static run, or the time of another."""
     time = float(result.times[step])
-    try:
-        history = result.history
-    except OutputError:  # fields are drawn without one, too
-        history = {}
-    if time > 0.0 and len(history.get("time", ())):
-        row = int(np.abs(np.asarray(history["time"]) - time).argmin())
-        moved = {name: float(history[name][row]) for name in history if ".displacement_" in name}
+    row = find_history_row(result, step)
+    if time > 0.0 and row:
+        moved = {name: float(row[name]) for name in row if ".displacement_" in name}
         if moved and any(moved.values()):
             name = max(moved, key=lambda n: abs(moved[n]))
             part, _, component = name.partition(".displacement_")
             return f"{part} displaced by {moved[name]:.4g} mm in {component}"
-        if "iterations" in history:
-            return f"stage {history['stage'][row]}, time {time:.4g} s"
+        if "iterations" in row:
+            return f"stage {row['stage']}, time {time:.4g} s"
     return f"time {1e3 * time:.4g} ms" if 0 < time < 0.1 else f"time {time:.4g} s"
+
+
+def find_history_row(result: Result, step: int) -> dict[str, Any]:
+    """Return the history's values nearest in time to a saved step; nothing where the folder has no history."""
+    try:
+        history = result.history
+    except OutputError:  # fields are drawn without one, too
+        return {}
+    times = np.asarray(history.get("time", ()))
+    if not len(times):
+        return {}
+    row = int(np.abs(times - result.times[step]).argmin())
+    return {name: values[row] for name, values in history.items()}
 
 
 def begin_at_zero(ax: Axes, *, x: bool = True) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -103,6 +104,20 @@ def test_contours_beside_the_mesh_carry_title_and_stroke(result: Result) -> None
         result.points(2), [b.connectivity for b in result.mesh.blocks], result.field("effective_stress", 2)
     )
     assert figure.axes[1].get_title().partition("\n")[2] == describe_extremes(values, result.points(2))
+
+
+def test_the_title_of_a_narrow_picture_is_not_wider_than_the_picture(tmp_path: Path) -> None:
+    """A long bar has a narrow picture; its title gives each extreme a line."""
+    mesh = make_mesh()
+    point_data, cell_data = make_fields(mesh, 3.0)
+    mesh = replace(mesh, points=mesh.points * np.array([0.3, 2.0]))
+    append_step(tmp_path / "results.vtkhdf", mesh, 0.5, point_data, cell_data)
+    ax = plot_mesh(Result(tmp_path))
+    ax.figure.canvas.draw()
+    assert "\nto " in ax.get_title()
+    title = ax.title.get_window_extent()
+    assert title.x0 >= 0.0
+    assert title.x1 <= ax.figure.bbox.x1
 
 
 def test_force_is_drawn_in_kilonewton_against_stroke(result: Result) -> None:
