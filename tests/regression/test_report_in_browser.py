@@ -15,8 +15,9 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from presswork import Case, run
 from presswork.examples import copy_example
+from presswork.model import CellBlock, Mesh
 from presswork.report import write_report
-from presswork.results import Result, truncate_steps
+from presswork.results import Result, append_step, truncate_steps
 from presswork.view.cells import triangulate
 from tests.regression.browser import Page, chromium
 
@@ -219,7 +220,8 @@ def test_section_plane_lays_open_the_field_inside(page: Page, upset: Result) -> 
     page.choose("Cut", "x")
     page.tab.get_by_label("Place of the section plane").fill("0.7")
     page.settle()
-    script = """() => { const { cap } = presswork.stage.scenes[0], { position, value } = cap.geometry.attributes;
+    script = """() => { const cap = presswork.stage.scenes[0].images[0].children[3];
+      const { position, value } = cap.geometry.attributes;
       return [cap.visible, [...position.array], [...value.array]]; }"""
     is_shown, places, values = page.ask(script)
     assert is_shown
@@ -232,4 +234,53 @@ def test_section_plane_lays_open_the_field_inside(page: Page, upset: Result) -> 
     assert known.sum() > 300
     assert np.quantile(np.abs(inside - values)[known], 0.99) < 0.01 * np.ptp(inside[known])
     page.choose("Cut", "")
-    assert not page.ask("() => presswork.stage.scenes[0].cap.visible")
+    assert not page.ask("() => presswork.stage.scenes[0].images[0].children[3].visible")
+
+
+@pytest.fixture(scope="module")
+def block(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """A quarter of a block of 8 x 8 x 4 mm in hexahedra, sheared, with a linear field at nodes and one in cells."""
+    folder, n = tmp_path_factory.mktemp("block"), 4
+    grid = np.arange((n + 1) ** 3).reshape(n + 1, n + 1, n + 1)
+    a, b = slice(0, n), slice(1, n + 1)
+    order = [(a, a, a), (b, a, a), (b, b, a), (a, b, a), (a, a, b), (b, a, b), (b, b, b), (a, b, b)]
+    cells = np.stack([grid[place].ravel() for place in order], axis=1).astype(np.int32)
+    points = np.stack(np.meshgrid(*[np.arange(n + 1.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    mesh = Mesh(points, (CellBlock("hex8_fbar", cells, 0),), {}, {}, np.zeros((0, 2), dtype=np.int32))
+    moved = np.stack([0.0 * points[:, 0], 0.0 * points[:, 0], 0.5 * points[:, 0]], axis=1)
+    fields = {"effective_stress": points[cells].mean(axis=1) @ [1.0, 10.0, 100.0]}
+    info = {"title": "block", "analysis": "solid", "symmetry": "xy"}
+    append_step(folder / "results.vtkhdf", mesh, 0.0, {"displacement": moved}, fields, info=info)
+    return Result(folder)
+
+
+def test_cut_through_hexahedra_shows_the_field_inside(browser: Any, block: Result) -> None:
+    """A section of known area, with the field that nodes and cells have there, in each image of a quarter."""
+    page = Page(browser, write_report(block))
+    page.choose("Field", "displacement_z")
+    page.choose("Cut", "x")
+    page.tab.get_by_label("Place of the section plane").fill("0.66")
+    page.settle()
+    script = """() => presswork.stage.scenes[0].images.map((image) => { const cap = image.children[3];
+      const { position, value } = cap.geometry.attributes;
+      return [image.scale.x, cap.visible, [...(position?.array ?? [])], [...(value?.array ?? [])]]; })"""
+    caps = page.ask(script)
+    assert len(caps) == 4
+    at = -4.0 + 0.66 * 8.0
+    for scale, is_shown, places, values in caps:
+        assert is_shown == (scale > 0.0), "the plane x = 1.28 meets two of the four quarters"
+        if not is_shown:
+            continue
+        corners = np.reshape(places, (-1, 3, 3))
+        np.testing.assert_allclose(corners[..., 0], at, atol=1e-3)
+        np.testing.assert_allclose(values, 0.5 * at, atol=1e-3)
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert 0.5 * np.linalg.norm(normal, axis=1).sum() == pytest.approx(16.0, rel=1e-3)
+    page.choose("Field", "effective_stress")
+    page.press("Smooth")
+    _, _, places, values = next(cap for cap in page.ask(script) if cap[1])
+    middles = np.reshape(places, (-1, 3, 3)).mean(axis=1)
+    middles[:, 2] -= 0.5 * middles[:, 0]
+    np.testing.assert_allclose(values[::3], (np.floor(middles) + 0.5) @ [1.0, 10.0, 100.0], rtol=1e-4)
+    assert page.ask("() => presswork.runs[0].fields[0].range") == pytest.approx([55.5, 388.5], rel=1e-4)
+    page.close()

@@ -11,7 +11,7 @@ from presswork.fields.field import LAMINA, TENSOR
 from presswork.fields.table import find_row, split_components, to_scalar
 from presswork.model import FloatArray
 from presswork.report.pack import Blocks
-from presswork.report.surface import find_surface
+from presswork.report.surface import Surface, find_surface
 from presswork.results import Result
 from presswork.view.all_plots import default_fields
 
@@ -49,6 +49,8 @@ class Choice:
     steps: tuple[int, ...]
     notes: tuple[str, ...]
     """What was left out to stay below the budget, as sentences."""
+    has_inside: bool
+    """Whether cells and nodes inside a solid are there, so that a cut shows the field."""
 
 
 def list_fields(result: Result) -> list[Shown]:
@@ -77,9 +79,14 @@ def list_fields(result: Result) -> list[Shown]:
 def choose(result: Result, budget: int) -> Choice:
     """Return what is shown of a run in so many bytes of text, by what its last step takes."""
     fields, count = list_fields(result), len(result.times)
-    surface = find_surface(result.mesh_at(-1))
-    trial = Blocks()
-    trial.add_values(surface.take_points(result.points(-1)))
+    notes = []
+    surface = find_surface(result.mesh_at(-1), has_inside=True)
+    trial = _add_points(result, surface)
+    has_inside = trial.count_bytes() * (1 + FIELDS_KEPT / 3) * min(count, STEPS_WANTED) <= budget
+    if not has_inside and len(surface.owners):
+        surface = find_surface(result.mesh_at(-1))
+        trial = _add_points(result, surface)
+        notes.append("What is inside the body is left out for size: a cut shows no colours.")
     cost = trial.count_bytes()
     kept: list[Shown] = []
     for shown in fields:
@@ -91,7 +98,6 @@ def choose(result: Result, budget: int) -> Choice:
         kept.append(shown)
         cost = total
     room = max(2, int(budget // max(cost, 1)))
-    notes = []
     steps = np.arange(count)
     if room < count:
         steps = np.unique(np.rint(np.linspace(0, count - 1, room)).astype(int))
@@ -99,4 +105,11 @@ def choose(result: Result, budget: int) -> Choice:
     if len(kept) < len(fields):
         rest = ", ".join(shown.name for shown in fields[len(kept) :])
         notes.append(f"Fields left out for size, which the results file has: {rest}.")
-    return Choice(tuple(kept), tuple(int(step) for step in steps), tuple(notes))
+    return Choice(tuple(kept), tuple(int(step) for step in steps), tuple(notes), has_inside)
+
+
+def _add_points(result: Result, surface: Surface) -> Blocks:
+    """Return blocks that hold the last step's positions."""
+    trial = Blocks()
+    trial.add_values(surface.take_points(result.points(-1)))
+    return trial

@@ -55,7 +55,7 @@ def _pack_steps(
         mesh = result.mesh_at(step)
         number = next((i for i, (known, _) in enumerate(surfaces) if known is mesh), len(surfaces))
         if number == len(surfaces):
-            surfaces.append((mesh, find_surface(mesh)))
+            surfaces.append((mesh, find_surface(mesh, has_inside=choice.has_inside)))
             meshes.append(_pack_mesh(mesh, surfaces[number][1], blocks))
         surface = surfaces[number][1]
         stored: dict[str, FloatArray] = {}
@@ -87,6 +87,8 @@ def _pack_mesh(mesh: ResultMesh, surface: Surface, blocks: Blocks) -> dict[str, 
         "face": blocks.add_indices(surface.faces),
         "lines": blocks.add_indices(surface.lines),
         "boundary": blocks.add_indices(surface.boundary),
+        "hexahedra": blocks.add_indices(surface.hexahedra),
+        "owners": blocks.add_indices(surface.owners),
         "reference": blocks.add_values(surface.take_points(mesh.points)),
     }
 

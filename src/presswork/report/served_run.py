@@ -27,7 +27,7 @@ from presswork.report.run_data import pack_tools
 from presswork.report.surface import Surface, find_surface
 from presswork.results import Result, ResultError, ResultMesh
 
-_MESH_ARRAYS = ("triangles", "face", "lines", "boundary", "reference")
+_MESH_ARRAYS = ("triangles", "face", "lines", "boundary", "reference", "hexahedra", "owners")
 
 
 class ServedRun:
@@ -128,7 +128,7 @@ class ServedRun:
         result, mesh = self._result, self._result.mesh_at(step)
         number = next((i for i, (known, _) in enumerate(self._meshes) if known is mesh), len(self._meshes))
         if number == len(self._meshes):
-            self._meshes.append((mesh, find_surface(mesh)))
+            self._meshes.append((mesh, find_surface(mesh, has_inside=True)))
         return {
             **describe_saved_step(result, step),
             "mesh": number,

@@ -21,9 +21,9 @@ class Surface:
     """The outer surface of a solid in space, a sheet, or a section; nodes and faces are numbered anew."""
 
     nodes: Indices
-    """Node of the mesh of each node of the surface (n,)."""
+    """Node of the mesh of each node of the surface (n,); with the inside, its nodes follow."""
     cells: Indices
-    """Cell of the mesh of each face (n_faces,)."""
+    """Cell of the mesh of each face (n_faces,); with the inside, the cells without a face follow."""
     triangles: Indices
     """Nodes of the surface (n_triangles, 3)."""
     faces: Indices
@@ -32,6 +32,10 @@ class Surface:
     """Ends of the lines between faces, each once (n_lines, 2)."""
     boundary: Indices
     """Ends of the lines around a section or a sheet (n, 2), mid-side nodes between; the body on the left."""
+    hexahedra: Indices
+    """Nodes of the cells of a solid in space (n_cells, 8), as numbered here; none without the inside."""
+    owners: Indices
+    """The face or cell in `cells` that is each hexahedron, or one of its faces (n_cells,)."""
 
     def take_points(self, values: FloatArray) -> FloatArray:
         """Return the values of the surface's nodes out of those of all nodes."""
@@ -42,8 +46,8 @@ class Surface:
         return np.asarray(values[self.cells], dtype=np.float64)
 
 
-def find_surface(mesh: ResultMesh) -> Surface:
-    """Return what is seen of a mesh."""
+def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
+    """Return what is seen of a mesh; has_inside: of a solid in space also what a cut would lay open."""
     skin, owner = find_skin(mesh)
     parts = [triangulate(replace(skin, blocks=(block,))) for block in skin.blocks]
     counts = [len(block.connectivity) for block in skin.blocks]
@@ -51,6 +55,14 @@ def find_surface(mesh: ResultMesh) -> Surface:
     faces = np.repeat(np.arange(sum(counts)), np.repeat(triangles_a_face, counts))
     triangles = np.concatenate(parts)
     nodes, numbers = np.unique(triangles, return_inverse=True)
+    cells = np.arange(sum(counts)) if owner is None else owner.astype(np.int64)
+    hexahedra, owners = np.zeros((0, 8), dtype=np.int64), np.zeros(0, dtype=np.int64)
+    if has_inside and owner is not None:
+        hexahedra = np.concatenate([block.connectivity for block in mesh.blocks]).astype(np.int64)
+        nodes = np.concatenate([nodes, np.setdiff1d(hexahedra, nodes)])
+        cells = np.concatenate([cells, np.setdiff1d(np.arange(len(hexahedra)), cells)])
+        owners = np.zeros(len(hexahedra), dtype=np.int64)
+        owners[cells[::-1]] = np.arange(len(cells))[::-1]
     renumbered = np.zeros(len(mesh.points), dtype=np.int64)
     renumbered[nodes] = np.arange(len(nodes))
     boundary = mesh.boundary_edges
@@ -58,11 +70,13 @@ def find_surface(mesh: ResultMesh) -> Surface:
         boundary = np.concatenate([boundary[:, [0, 2]], boundary[:, [2, 1]]])
     return Surface(
         nodes=nodes,
-        cells=np.arange(sum(counts)) if owner is None else owner.astype(np.int64),
+        cells=cells,
         triangles=numbers.reshape(-1, 3),
         faces=faces,
         lines=_find_lines([renumbered[block.connectivity] for block in skin.blocks], len(nodes)),
         boundary=renumbered[boundary].reshape(-1, 2),
+        hexahedra=renumbered[hexahedra],
+        owners=owners,
     )
 
 

@@ -61,3 +61,19 @@ def test_of_a_solid_in_space_only_its_skin_is_kept() -> None:
     assert (corners[:, 0] * normal).sum() / 6 == pytest.approx(n**3), "normals point outwards"
     middle = points[cells].mean(axis=1)[surface.cells[surface.faces]]
     assert (np.abs(corners.mean(axis=1) - middle) < 0.51).all(), "a face lies at its own cell"
+
+
+def test_with_the_inside_every_cell_of_a_solid_has_its_nodes_and_its_value() -> None:
+    n = 3
+    grid = np.arange((n + 1) ** 3).reshape(n + 1, n + 1, n + 1)
+    a, b = slice(0, n), slice(1, n + 1)
+    order = [(a, a, a), (b, a, a), (b, b, a), (a, b, a), (a, a, b), (b, a, b), (b, b, b), (a, b, b)]
+    cells = np.stack([grid[place].ravel() for place in order], axis=1)
+    points = np.stack(np.meshgrid(*[np.arange(n + 1.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    mesh = ResultMesh(points, (ResultBlock("hex8", 12, cells),), np.zeros((0, 2), dtype=np.int64))
+    outer, whole = find_surface(mesh), find_surface(mesh, has_inside=True)
+    np.testing.assert_array_equal(whole.triangles, outer.triangles)
+    np.testing.assert_array_equal(whole.cells[: len(outer.cells)], outer.cells)
+    assert len(whole.cells) == len(outer.cells) + 1, "of 27 cells one has no face"
+    np.testing.assert_array_equal(whole.take_cells(np.arange(27.0))[whole.owners], np.arange(27.0))
+    np.testing.assert_array_equal(whole.take_points(points)[whole.hexahedra], points[cells])

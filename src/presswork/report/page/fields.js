@@ -2,16 +2,18 @@
 // Values of a field on a run's surface: at nodes for smooth colours, at faces for plain ones; extremes; differences.
 import { MISSING } from "./unpack.js";
 
-/** Return the mean of the faces around each node, weighted by the areas of their triangles as they were. */
+/** Return the mean of the cells around each node, weighted by the areas of their triangles, or their volumes, as they were. */
 export function averageToNodes(mesh, values) {
   const sum = new Float32Array(mesh.nodes), weight = new Float32Array(mesh.nodes);
-  for (let t = 0; t < mesh.face.length; t++) {
-    const value = values[mesh.face[t]];
+  const isSolid = mesh.owners.length > 0, corners = isSolid ? mesh.hexahedra : mesh.triangles, k = isSolid ? 8 : 3;
+  const faces = isSolid ? mesh.owners : mesh.face, sizes = isSolid ? mesh.volumes : mesh.areas;
+  for (let t = 0; t < faces.length; t++) {
+    const value = values[faces[t]];
     if (value === MISSING) continue;
-    for (let c = 0; c < 3; c++) {
-      const node = mesh.triangles[3 * t + c];
-      sum[node] += mesh.areas[t] * value;
-      weight[node] += mesh.areas[t];
+    for (let c = 0; c < k; c++) {
+      const node = corners[k * t + c];
+      sum[node] += sizes[t] * value;
+      weight[node] += sizes[t];
     }
   }
   for (let i = 0; i < sum.length; i++) sum[i] = weight[i] > 0 ? sum[i] / weight[i] : MISSING;
@@ -28,6 +30,16 @@ export function measureAreas({ triangles, reference: at }, k) {
     areas[t] = 0.5 * Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx) || 1e-12;
   }
   return areas;
+}
+
+/** Return the volumes of a mesh's hexahedra as they were before forming: of the parallelepipeds along their middle lines. */
+export function measureVolumes({ hexahedra, owners, reference: at }) {
+  const along = [[1, 2, 5, 6, 0, 3, 4, 7], [2, 3, 6, 7, 0, 1, 4, 5], [4, 5, 6, 7, 0, 1, 2, 3]], volumes = new Float32Array(owners.length);
+  for (let cell = 0; cell < volumes.length; cell++) {
+    const [u, v, w] = along.map((ends) => [0, 1, 2].map((axis) => ends.reduce((sum, c, i) => sum + (i < 4 ? 0.25 : -0.25) * at[3 * hexahedra[8 * cell + c] + axis], 0)));
+    volumes[cell] = Math.abs(u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0])) || 1e-12;
+  }
+  return volumes;
 }
 
 /** Return index and value of the smallest and the largest value; null if there is none. */

@@ -36,8 +36,9 @@ void main() {
     base = mix(base, vec3(0.08), 0.75 * line * step(width, 0.7));
   }
   if (isLit) {
-    vec3 n = normalize(vNormal), flatNormal = normalize(cross(dFdx(vView), dFdy(vView)));
-    if (abs(dot(n, flatNormal)) < 0.82) n = flatNormal;  // an edge stays sharp
+    vec3 flatNormal = normalize(cross(dFdx(vView), dFdy(vView)));
+    if (dot(vNormal, vNormal) > 0.0 ? dot(vNormal, flatNormal) < 0.0 : !gl_FrontFacing) flatNormal = -flatNormal;
+    vec3 n = normalize(vNormal + max(1.0 - length(vNormal), 0.0) * flatNormal);  // nodes of edges have no normal
     float light = 0.58 + 0.34 * abs(n.z) + 0.12 * (gl_FrontFacing ? n.y : -n.y);
     base *= min(light, 1.06);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A run of the report: its arrays, unpacked when they are first asked for.
-import { averageToNodes, makeInterpolation, measureAreas } from "./fields.js";
+import { averageToNodes, makeInterpolation, measureAreas, measureVolumes } from "./fields.js";
 import { makePlainShape, makeRevolvedShape } from "./shapes.js";
 import { ask, MISSING, unpack } from "./unpack.js";
 
@@ -28,10 +28,12 @@ export class Run {
   mesh(step) {
     const number = this.steps[step].mesh;
     return this.#once(`mesh ${number}`, async () => {
-      const packed = this.meshes[number], names = ["triangles", "face", "lines", "boundary", "reference"];
+      const packed = this.meshes[number], names = ["triangles", "face", "lines", "boundary", "reference", "hexahedra", "owners"];
       const arrays = await Promise.all(names.map((name) => unpack(packed[name])));
       const mesh = { ...packed, ...Object.fromEntries(names.map((name, i) => [name, arrays[i]])) };
       mesh.areas = measureAreas(mesh, this.dimension);
+      mesh.volumes = measureVolumes(mesh);
+      mesh.outer = mesh.face.length ? mesh.face.at(-1) + 1 : 0; // faces that are seen; values of cells inside follow
       return mesh;
     });
   }
@@ -125,13 +127,19 @@ export class Run {
   }
 }
 
-/** Return the middles of a mesh's faces (n_faces, k), by their triangles. */
+/** Return the middles of a mesh's faces (n_faces, k), by their triangles, and of the cells inside that follow them. */
 export function faceMiddles(mesh, points, k) {
   const found = new Float32Array(k * mesh.faces), count = new Float32Array(mesh.faces);
   for (let t = 0; t < mesh.face.length; t++) {
     const face = mesh.face[t];
     for (let c = 0; c < 3; c++) for (let i = 0; i < k; i++) found[k * face + i] += points[k * mesh.triangles[3 * t + c] + i];
     count[face] += 3;
+  }
+  for (let cell = 0; cell < mesh.owners.length; cell++) {
+    const face = mesh.owners[cell];
+    if (face < mesh.outer) continue;
+    for (let c = 0; c < 8; c++) for (let i = 0; i < k; i++) found[k * face + i] += points[k * mesh.hexahedra[8 * cell + c] + i];
+    count[face] = 8;
   }
   return found.map((sum, i) => sum / (count[Math.floor(i / k)] || 1));
 }

@@ -21,13 +21,13 @@ export class RunScene {
     this.outline = new LineSegments(new BufferGeometry(), makeLineMaterial(0.1, 0.12, 0.16));
     this.tools = [];
     for (const object of [this.body, this.lines, this.outline]) object.frustumCulled = false;
-    this.cap = new Mesh(new BufferGeometry(), makeCapMaterial(this.body.material));
-    this.cap.frustumCulled = this.cap.visible = false;
-    this.scene.add(this.cap);
     this.images = (IMAGES[run.symmetry] ?? IMAGES[""]).map(([x, y]) => {
       const image = new Group();
       image.scale.set(x, y, 1);
       for (const object of [this.body, this.lines, this.outline]) image.add(object.clone());
+      const cap = new Mesh(new BufferGeometry(), makeCapMaterial(this.body.material));
+      cap.frustumCulled = cap.visible = false;
+      image.add(cap);
       this.scene.add(image);
       return image;
     });
@@ -67,12 +67,16 @@ export class RunScene {
 
   /** Close the body where the plane normal . place = offset cuts it, in the colours of its values; null: it is whole. */
   setCap(normal, offset) {
-    const cut = normal && this.isShown ? this.shape.cut?.(this.points, normal, offset) : null;
-    this.cap.visible = Boolean(cut);
-    if (!cut) return;
-    this.cap.geometry.setAttribute("position", attribute(cut.corners));
-    this.cap.geometry.setAttribute("normal", attribute(new Float32Array(cut.corners.length)));
-    this.cap.geometry.setAttribute("value", attribute(valuesOnCut(cut, this.values, this.isNodal), 1));
+    this.cuts = this.images.map(({ scale, children: [, , , cap] }) => {
+      const cut = normal && this.isShown ? this.shape.cut?.(this.points, [normal[0] * scale.x, normal[1] * scale.y, normal[2]], offset) : null;
+      cap.visible = Boolean(cut?.faces.length);
+      if (!cap.visible) return null;
+      cap.geometry.setAttribute("position", attribute(cut.corners));
+      cap.geometry.setAttribute("normal", attribute(new Float32Array(cut.corners.length)));
+      const values = valuesOnCut(cut, this.values, this.isNodal);
+      cap.geometry.setAttribute("value", attribute(values, 1));
+      return { ...cut, values, triangles: Uint32Array.from({ length: values.length }, (_, i) => i) };
+    });
   }
 
   setVisible({ body, lines, tools }) {
@@ -120,10 +124,14 @@ export class RunScene {
     return [...this.positions.subarray(3 * at, 3 * at + 3)];
   }
 
-  /** Return the middle of a face in space: of its first triangle's shape. */
+  /** Return the middle of a face in space, of its first triangle's shape, or that of the cell inside which has its value. */
   facePlace(face) {
     const sum = [0, 0, 0];
     let count = 0;
+    if (face >= this.mesh.outer) {
+      const cell = this.mesh.owners.indexOf(face);
+      return sum.map((_, axis) => [...this.mesh.hexahedra.subarray(8 * cell, 8 * cell + 8)].reduce((total, node) => total + this.positions[3 * node + axis] / 8, 0));
+    }
     for (let t = this.shape.face.indexOf(face); t >= 0 && t < this.shape.face.length && this.shape.face[t] === face; t++) {
       for (let k = 0; k < 9; k++) sum[k % 3] += this.positions[3 * this.shape.triangles[3 * t + Math.floor(k / 3)] + (k % 3)];
       count += 3;

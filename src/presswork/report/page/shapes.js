@@ -2,7 +2,7 @@
 // What is drawn of a run's surface: itself, or a section revolved about its axis. A shape's nodes each stand for a node of
 // the surface, its triangles for a face, so that places and fields follow from those of the surface.
 
-import { cutRevolved } from "./cap.js";
+import { cutHexahedra, cutRevolved } from "./cap.js";
 
 const OPEN_ANGLE = 1.5 * Math.PI; // of a body of revolution: a quarter is cut away to see the section
 const MOST_TRIANGLES = 60000;
@@ -16,7 +16,8 @@ export function makePlainShape(mesh, dimension) {
     for (let i = 0; i < n; i++) found.set([positions[2 * i], positions[2 * i + 1], 0], 3 * i);
     return found;
   };
-  return { source, triangles: mesh.triangles, face: mesh.face, lines: mesh.lines, place, n };
+  const cut = mesh.owners.length ? (points, normal, offset) => cutHexahedra(mesh, points, normal, offset) : null;
+  return { source, triangles: mesh.triangles, face: mesh.face, lines: mesh.lines, place, n, cut };
 }
 
 /** Return which face lies at each line of the boundary. */
@@ -98,9 +99,11 @@ export function revolveProfile(line) {
   return { corners: new Float32Array(corners), edges: new Float32Array(edges) };
 }
 
-/** Return normals at a shape's nodes (n, 3), means of the triangles around by their areas. */
+const SHARP = 0.82; // cosine between the normals of a node and of a triangle there, below which it lies on an edge
+
+/** Return unit normals at a shape's nodes (n, 3), means of the triangles around by their areas; zero on sharp edges. */
 export function makeNormals(shape, positions) {
-  const { triangles } = shape, normals = new Float32Array(3 * shape.n);
+  const { triangles } = shape, normals = new Float32Array(3 * shape.n), flat = new Float32Array(triangles.length);
   for (let t = 0; t < triangles.length; t += 3) {
     const a = 3 * triangles[t], b = 3 * triangles[t + 1], c = 3 * triangles[t + 2];
     const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
@@ -109,7 +112,22 @@ export function makeNormals(shape, positions) {
     normals[a] += x; normals[a + 1] += y; normals[a + 2] += z;
     normals[b] += x; normals[b + 1] += y; normals[b + 2] += z;
     normals[c] += x; normals[c + 1] += y; normals[c + 2] += z;
+    flat[t] = x; flat[t + 1] = y; flat[t + 2] = z;
   }
+  const size = (values, i) => Math.sqrt(values[i] ** 2 + values[i + 1] ** 2 + values[i + 2] ** 2) || 1;
+  for (let i = 0; i < normals.length; i += 3) {
+    const length = size(normals, i);
+    normals[i] /= length; normals[i + 1] /= length; normals[i + 2] /= length;
+  }
+  const isEdge = new Uint8Array(shape.n);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const least = SHARP * size(flat, t);
+    for (let c = 0; c < 3; c++) {
+      const i = 3 * triangles[t + c];
+      if (normals[i] * flat[t] + normals[i + 1] * flat[t + 1] + normals[i + 2] * flat[t + 2] < least) isEdge[triangles[t + c]] = 1;
+    }
+  }
+  for (let i = 0; i < isEdge.length; i++) if (isEdge[i]) normals.fill(0, 3 * i, 3 * i + 3);
   return normals;
 }
 

@@ -165,7 +165,7 @@ export class Stage {
         const { raw } = coloured, extremes = findExtremes(raw), isCell = coloured.field.kind === "cell";
         if (extremes && extremes.highest > extremes.lowest && !(state.layout === "overlay" && view))
           for (const [word, index, value] of [["max", extremes.high, extremes.highest], ["min", extremes.low, extremes.lowest]])
-            this.#addMark(`${word} ${formatNumber(value)}`, isCell ? scene.facePlace(index) : scene.nodePlace(index), at);
+            this.#addMark(`${word} ${formatNumber(value)}${isCell && index >= scene.mesh.outer ? ", inside" : ""}`, isCell ? scene.facePlace(index) : scene.nodePlace(index), at);
       }
       if (state.picked && state.picked.run === number && state.picked.face < scene.mesh.faces)
         this.#addMark(this.#describePick(state.picked), scene.facePlace(state.picked.face), at, "pin");
@@ -224,9 +224,15 @@ export class Stage {
   #hit(x, y) {
     const hit = this.viewer.pick(x, y);
     if (!hit) return null;
-    const { scene, triangle, weights } = hit, corners = [0, 1, 2].map((c) => scene.shape.source[scene.shape.triangles[3 * triangle + c]]);
+    const { scene, triangle, weights, cut } = hit, number = this.scenes.indexOf(scene);
+    if (cut) {
+      const at = 3 * triangle + weights.indexOf(Math.max(...weights));
+      const value = weights.reduce((sum, weight, c) => sum + weight * cut.values[3 * triangle + c], 0);
+      return { ...hit, number, face: cut.faces[triangle], node: cut.ends[2 * at + Number(cut.parts[at] > 0.5)], value };
+    }
+    const corners = [0, 1, 2].map((c) => scene.shape.source[scene.shape.triangles[3 * triangle + c]]);
     const node = corners[weights.indexOf(Math.max(...weights))];
-    return { ...hit, number: this.scenes.indexOf(scene), face: scene.shape.face[triangle], node, corners };
+    return { ...hit, number, face: scene.shape.face[triangle], node, corners };
   }
 
   async #showProbe() {
@@ -237,10 +243,11 @@ export class Stage {
     if (!hit) return;
     const run = this.runs[hit.number], k = run.dimension, points = await run.points(this.stepOf(hit.number)), coloured = this.values[hit.number];
     const mix = (values, size, i) => hit.corners.reduce((sum, node, c) => sum + hit.weights[c] * values[size * node + i], 0);
-    const place = Array.from({ length: k }, (_, i) => `${run.axisymmetric ? "rz"[i] : "xyz"[i]} ${mix(points, k, i).toFixed(3)}`);
+    const cutPlace = k === 2 ? [Math.hypot(hit.place[0], hit.place[2]), hit.place[1]] : hit.place;
+    const place = Array.from({ length: k }, (_, i) => `${run.axisymmetric ? "rz"[i] : "xyz"[i]} ${(hit.cut ? cutPlace[i] : mix(points, k, i)).toFixed(3)}`);
     const lines = [`${place.join("   ")} mm`];
     if (coloured) {
-      const { field, raw } = coloured, value = field.kind === "cell" ? raw[hit.face] : mix(raw, 1, 0);
+      const { field, raw } = coloured, value = field.kind === "cell" ? raw[hit.face] : hit.cut ? hit.value : mix(raw, 1, 0);
       const zone = field.zones?.[value]?.name;
       lines.unshift(`${field.label}: ${zone ?? (value >= MISSING ? "–" : `${formatNumber(value)} ${field.unit === "–" ? "" : field.unit}`)}`);
     }

@@ -160,18 +160,20 @@ export class Viewer {
     const scene = this.views[view]?.[0];
     if (!scene?.positions) return null;
     let best = null;
-    for (const image of scene.images) {
-      const hit = findHit(scene, from, to, [image.scale.x, image.scale.y, 1]);
-      if (hit && (!best || hit.way < best.way)) best = { ...hit, scene, view };
-    }
+    scene.images.forEach((image, i) => {
+      const cut = scene.cuts?.[i], scale = [image.scale.x, image.scale.y, 1];
+      const hits = [findHit(scene.positions, scene.shape.triangles, from, to, scale, clipping.isClipped.value)];
+      if (cut) hits.push({ ...findHit(cut.corners, cut.triangles, from, to, scale, false), cut });
+      for (const hit of hits) if (hit?.place && (!best || hit.way < best.way)) best = { ...hit, scene, view };
+    });
     return best;
   }
 }
 
-/** Return the first triangle that the line between two places meets; what is cut off does not count. */
-function findHit({ positions, shape: { triangles } }, from, to, scale) {
+/** Return the first triangle that the line between two places meets; isClipped: what is cut off does not count. */
+function findHit(positions, triangles, from, to, scale, isClipped) {
   const start = [from.x * scale[0], from.y * scale[1], from.z], end = [to.x * scale[0], to.y * scale[1], to.z];
-  const d = end.map((value, i) => value - start[i]), { clip, isClipped } = clipping;
+  const d = end.map((value, i) => value - start[i]), { clip } = clipping;
   const normal = [clip.value.x * scale[0], clip.value.y * scale[1], clip.value.z];
   let best = null;
   for (let t = 0; t < triangles.length; t += 3) {
@@ -190,7 +192,7 @@ function findHit({ positions, shape: { triangles } }, from, to, scale) {
     const way = (vx * qx + vy * qy + vz * qz) / determinant;
     if (way < 0 || (best && way >= best.way)) continue;
     const place = start.map((value, axis) => value + way * d[axis]);
-    if (isClipped.value && normal[0] * place[0] + normal[1] * place[1] + normal[2] * place[2] > clip.value.w) continue;
+    if (isClipped && normal[0] * place[0] + normal[1] * place[1] + normal[2] * place[2] > clip.value.w) continue;
     best = { way, triangle: t / 3, weights: [1 - a - b, a, b], place, scale };
   }
   return best;
