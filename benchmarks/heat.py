@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What heat costs in an increment of hot upsetting: its share of the time, beside equilibrium, in one run.
+"""What heat costs in an increment of hot upsetting: its share of the CPU time, beside equilibrium, in one run.
 
 Rows: the example hot_upsetting to 10 % on finer and finer meshes, with dies of constant temperature, with dies that
 warm up, and with a meshed die.
@@ -13,7 +13,7 @@ import argparse
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 from presswork.case import build_model
 from presswork.case.solid.schema import Case
@@ -39,11 +39,11 @@ class Clock:
         inner = getattr(owner, name)
 
         def timed(*args: object, **kwargs: object) -> object:
-            started = perf_counter()
+            started = process_time()
             try:
                 return inner(*args, **kwargs)
             finally:
-                self.seconds += perf_counter() - started
+                self.seconds += process_time() - started
                 self.calls += 1
 
         setattr(owner, name, timed)
@@ -71,9 +71,9 @@ def measure(cells: tuple[int, int], die: str) -> Cost:
     assert procedure.heat is not None
     for name in ("advance", "begin_increment"):
         clock.wrap(procedure.heat, name)
-    started = perf_counter()
+    started = process_time()
     increments = sum(1 for _ in procedure.advance())
-    total = perf_counter() - started
+    total = process_time() - started
     return Cost(increments, clock.calls // 2, clock.seconds / total, total / increments)
 
 

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "contact/facing.hpp"
 #include "contact/interface.hpp"
 #include "contact/profile.hpp"
 
@@ -108,6 +109,36 @@ void bind_interface(nb::module_& m) {
 }  // namespace
 
 void bind_contact(nb::module_& m) {
+  m.def(
+      "find_facing",
+      [](Doubles points, Ints own, Ints other, Doubles reach, double thickness) {
+        require(points.ndim() == 2 && points.shape(1) == 2, "points must have shape (n_points, 2)");
+        require(own.ndim() == 2 && own.shape(1) == 2 && other.ndim() == 2 && other.shape(1) == 2,
+                "edges must have shape (n, 2)");
+        require(reach.size() == own.shape(0), "reach must have shape (n_own,)");
+        for (const Ints& edges : {own, other})
+          for (std::size_t i = 0; i < edges.size(); ++i)
+            require(edges.data()[i] >= 0 && std::size_t(edges.data()[i]) < points.shape(0),
+                    "edges must be node indices");
+        const auto found = find_facing(points.data(), {static_cast<int>(own.shape(0)), own.data()},
+                                       {static_cast<int>(other.shape(0)), other.data()}, reach.data(), thickness);
+        const std::size_t n = found.size();
+        int *own_edge, *other_edge;
+        double *own_shape, *other_shape, *gap, *area;
+        auto result =
+            std::make_tuple(new_array({n}, &own_edge), new_array({n}, &other_edge), new_array({n, 2}, &own_shape),
+                            new_array({n, 2}, &other_shape), new_array({n}, &gap), new_array({n}, &area));
+        for (std::size_t i = 0; i < n; ++i) {
+          own_edge[i] = found[i].own, other_edge[i] = found[i].other;
+          for (int k = 0; k < 2; ++k)
+            own_shape[2 * i + k] = found[i].own_shape[k], other_shape[2 * i + k] = found[i].other_shape[k];
+          gap[i] = found[i].gap, area[i] = found[i].area;
+        }
+        return result;
+      },
+      nb::arg("points"), nb::arg("own"), nb::arg("other"), nb::arg("reach"), nb::arg("thickness"),
+      "Points of a rule on edges own (n, 2) that edges other (m, 2) face within reach (n,): the two edges of each, the "
+      "shape functions there, gap [mm] and area [mm2]; thickness 0: rings.");
   m.def(
       "touch_profile",
       [](Doubles segments, Doubles points) {

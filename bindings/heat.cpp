@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.hpp"
 #include "element/heat_block.hpp"
+#include "element/heat_storage.hpp"
 
 namespace presswork::bindings {
 
@@ -22,6 +23,17 @@ HeatBlock view_block(const HeatCellType& type, Ints connectivity, Doubles points
   return {static_cast<int>(connectivity.shape(0)), connectivity.data(), points.data(), {axisymmetric, depth, 0.0}};
 }
 
+// Rows of a TemperatureTable from temperatures and values (n, 2).
+std::vector<double> add_slopes(const Doubles& table) {
+  std::vector<double> rows;
+  const double* row = table.data();
+  for (std::size_t i = 0; i < table.shape(0); ++i, row += 2) {
+    const bool last = i + 1 == table.shape(0);
+    rows.insert(rows.end(), {row[0], row[1], last ? 0.0 : (row[3] - row[1]) / (row[2] - row[0])});
+  }
+  return rows;
+}
+
 }  // namespace
 
 void bind_heat(nb::module_& m) {
@@ -38,7 +50,8 @@ void bind_heat(nb::module_& m) {
         require(flow.size() == packs * n * pack_width, "flow must have shape (n_packs, nodes, pack_width)");
         require(!conduction || conduction->size() == packs * n * n * pack_width,
                 "conduction must have shape (n_packs, nodes, nodes, pack_width)");
-        const TemperatureTable table{conductivity.data(), static_cast<int>(conductivity.shape(0))};
+        const auto rows = add_slopes(conductivity);
+        const TemperatureTable table{rows.data(), static_cast<int>(conductivity.shape(0))};
         nb::gil_scoped_release release;
         return conduct_heat(type, block, table, temperature.data(), flow.data(),
                             conduction ? conduction->data() : nullptr);
@@ -46,7 +59,25 @@ void bind_heat(nb::module_& m) {
       nb::arg("cell"), nb::arg("connectivity"), nb::arg("points"), nb::arg("temperature"), nb::arg("conductivity"),
       nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth"), nb::arg("flow"), nb::arg("conduction").none(),
       "Fill flow, the heat that leaves the nodes of each cell [N mm/s], and its derivative by their temperatures.\n\n"
-      "conductivity: rows of temperature and value (n, 2). Returns the number of a cell turned inside out, or -1.");
+      "conductivity: rows of temperature and value (n, 2). Returns the number of a cell "
+      "turned inside out, or -1.");
+  m.def(
+      "find_heat_content",
+      [](Doubles pieces, double latent, double start, double end, Doubles temperature) {
+        require(pieces.ndim() == 2 && pieces.shape(0) > 0 && pieces.shape(1) == HeatContent::columns,
+                "pieces must have shape (n, 4)");
+        const HeatContent table{pieces.data(), static_cast<int>(pieces.shape(0)), latent, start, end};
+        double *content, *specific;
+        const std::vector<std::size_t> shape(temperature.shape_ptr(), temperature.shape_ptr() + temperature.ndim());
+        auto contents = new_array(shape, &content);
+        auto specifics = new_array(shape, &specific);
+        for (std::size_t i = 0; i < temperature.size(); ++i) table.find(temperature.data()[i], content[i], specific[i]);
+        return std::make_tuple(contents, specifics);
+      },
+      nb::arg("pieces"), nb::arg("latent"), nb::arg("start"), nb::arg("end"), nb::arg("temperature"),
+      "Heat content [mm2/s2] and specific heat [mm2/(s2 K)] at temperatures of any shape [degrees C].\n\n"
+      "pieces (n, 4): temperature from where on, specific heat, its slope and heat content there; latent [mm2/s2] from "
+      "start to end [degrees C].");
   m.def(
       "shapes_at_points",
       [](const std::string& cell, int n_points) {

@@ -11,7 +11,6 @@
 // A lumped capacity does not overshoot however short the time step, as a consistent one does below h^2 / (6 alpha).
 #pragma once
 
-#include <algorithm>
 #include <type_traits>
 
 #include "element/solid.hpp"
@@ -20,33 +19,21 @@ namespace presswork {
 
 // A quantity that depends on temperature: linear between rows, constant beyond the first and the last.
 struct TemperatureTable {
-  const double* row;  // (n, 2): temperature [degrees C], increasing, and value
+  static constexpr int columns = 3;
+  const double* row;  // (n, 3): temperature [degrees C], increasing, value, and slope up to the next row, 0 in the last
   int n;
 
-  void find(double temperature, double& value, double& slope) const {
-    int i = 0;
-    while (i < n && row[2 * i] <= temperature) ++i;
-    slope = 0.0;
-    if (i == 0 || i == n) {
-      value = row[2 * std::max(i - 1, 0) + 1];
-      return;
+  template <class T>
+  void find(T temperature, T& value, T& slope) const {
+    value = T(row[1]), slope = T(0.0);
+    for (int i = 0; i < n; ++i) {
+      const double* r = row + columns * i;
+      const auto below = temperature < T(r[0]);
+      value = select(below, value, T(r[1]) + T(r[2]) * (temperature - T(r[0])));
+      slope = select(below, slope, T(r[2]));
     }
-    const double *a = row + 2 * (i - 1), *b = row + 2 * i;
-    slope = (b[1] - a[1]) / (b[0] - a[0]);
-    value = a[1] + slope * (temperature - a[0]);
   }
 };
-
-inline void find_conductivity(const TemperatureTable& table, double temperature, double& k, double& slope) {
-  table.find(temperature, k, slope);
-}
-inline void find_conductivity(const TemperatureTable& table, const Pack& temperature, Pack& k, Pack& slope) {
-  for (int lane = 0; lane < pack_width; ++lane) {
-    double value, rise;
-    table.find(temperature[lane], value, rise);
-    k.set(lane, value), slope.set(lane, rise);
-  }
-}
 
 template <int dim, class Cell, int n_points, class T>
 struct HeatCell {
@@ -72,7 +59,7 @@ struct HeatCell {
         temperature += T(N[a]) * theta[a];
         for (int i = 0; i < dim; ++i) gradient[i] += theta[a] * g.grad[a][i];
       }
-      find_conductivity(conductivity, temperature, k, slope);
+      conductivity.find(temperature, k, slope);
       k = k * g.volume_t, slope = slope * g.volume_t;
       for (int a = 0; a < nodes; ++a) {
         const T along = dot(g.grad[a], gradient);

@@ -491,6 +491,11 @@ def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], 
     Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness (n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear (n_cells, q, 2)]. temperature (n_cells, q, k) [degrees C] is given at the end of the increment, without it that of the law's start. young and poisson are the elastic constants of a law from a shared library; what it told is in fault. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and why.
     """
 
+def find_facing(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], reach: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], thickness: float) -> tuple[NDArray[numpy.int32], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Points of a rule on edges own (n, 2) that edges other (m, 2) face within reach (n,): the two edges of each, the shape functions there, gap [mm] and area [mm2]; thickness 0: rings.
+    """
+
 def touch_profile(segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.int32]]:
     """
     Gap (n) and normal (n, 2) of points to a tool profile, those of the second face where a point lies in an inner corner (infinite elsewhere), and the indices of the segments touched by the first and the second (-1: none).
@@ -1427,6 +1432,13 @@ def conduct_heat(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(o
     Fill flow, the heat that leaves the nodes of each cell [N mm/s], and its derivative by their temperatures.
 
     conductivity: rows of temperature and value (n, 2). Returns the number of a cell turned inside out, or -1.
+    """
+
+def find_heat_content(pieces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], latent: float, start: float, end: float, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Heat content [mm2/s2] and specific heat [mm2/(s2 K)] at temperatures of any shape [degrees C].
+
+    pieces (n, 4): temperature from where on, specific heat, its slope and heat content there; latent [mm2/s2] from start to end [degrees C].
     """
 
 def shapes_at_points(cell: str, n_points: int) -> NDArray[numpy.float64]:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from presswork import _core
@@ -11,7 +13,7 @@ from presswork.model import ELEMENTS, FloatArray, IntArray, MaskArray, Mesh, Mod
 
 def sum_at_nodes(nodes: IntArray, values: FloatArray, n_points: int) -> FloatArray:
     """Return the sums of values at their nodes (n_points,)."""
-    return np.bincount(nodes.ravel(), values.ravel(), minlength=n_points).astype(np.float64)
+    return np.bincount(nodes.ravel(), values.ravel(), minlength=n_points).astype(np.float64, copy=False)
 
 
 class Enthalpy:
@@ -21,25 +23,16 @@ class Enthalpy:
         rows, values = thermal.specific_heat.T
         widths = np.diff(rows)
         content = np.concatenate([[0.0], np.cumsum(0.5 * widths * (values[1:] + values[:-1]))])
-        self._rows = rows
-        # of what begins at each row, after what lies below all of them
-        self._slope = np.concatenate([[0.0], np.diff(values) / widths, [0.0]])
-        self._start_of, self._value, self._content = (np.insert(v, 0, v[0]) for v in (rows, values, content))
-        self._latent = thermal.latent_heat
-        self._start, self._end = thermal.transformation
+        slope = np.concatenate([[0.0], np.diff(values) / widths, [0.0]])
+        self._pieces = np.column_stack(
+            [*(np.insert(v, 0, v[0]) for v in (rows, values)), slope, np.insert(content, 0, 0)]
+        )
+        self._latent = thermal.latent_heat, *thermal.transformation
 
     def find(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the heat content [mm2/s2], zero at the first row of the table, and its derivative [mm2/(s2 K)]."""
-        row = np.searchsorted(self._rows, temperature, side="right")
-        above = temperature - self._start_of[row]
-        value = self._value[row]
-        specific = value + self._slope[row] * above
-        content = self._content[row] + 0.5 * (value + specific) * above
-        if self._latent:
-            part = (temperature - self._start) / (self._end - self._start)
-            content = content + self._latent * np.clip(part, 0.0, 1.0)
-            specific = specific + np.where((part > 0) & (part < 1), self._latent / (self._end - self._start), 0.0)
-        return content, specific
+        content, specific = _core.find_heat_content(self._pieces, *self._latent, temperature)
+        return np.asarray(content), np.asarray(specific)
 
 
 class PointShapes:
@@ -79,6 +72,7 @@ class Conduction:
                 raise ValueError(f"the material {model.materials[block.material].name} has no thermal properties")
             self._thermal.append(thermal)
         self._enthalpy = [Enthalpy(thermal) for thermal in self._thermal]
+        self._own = [slice(int(nodes.min()), int(nodes.max()) + 1) for nodes in self._connectivity]
         self._table = [np.ascontiguousarray(thermal.conductivity) for thermal in self._thermal]
         self.symmetric = all(len(table) == 1 for table in self._table)
         """Whether the derivative of the heat flow is symmetric: conductivities are constant."""
@@ -110,10 +104,10 @@ class Conduction:
     def content(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the heat stored at the nodes (n_points,) [N mm] and its derivative [N mm/K]; its zero is arbitrary."""
         total, slope = np.zeros(self.n_points), np.zeros(self.n_points)
-        for mass, enthalpy in zip(self.mass, self._enthalpy, strict=True):
-            content, specific = enthalpy.find(temperature)
-            total += mass * content
-            slope += mass * specific
+        for mass, own, enthalpy in zip(self.mass, self._own, self._enthalpy, strict=True):
+            content, specific = enthalpy.find(temperature[own])
+            total[own] += mass[own] * content
+            slope[own] += mass[own] * specific
         return total, slope
 
     def conduct(self, points: FloatArray, temperature: FloatArray, *, with_matrix: bool = True) -> FloatArray:
@@ -137,15 +131,16 @@ class Conduction:
                 raise ValueError(f"cell {failed + 1} of block {i + 1} is turned inside out")
         return np.asarray(self.assembler.assemble_vector(self._flow)).ravel()
 
-    def assemble(self, diagonal: FloatArray, pairs: IntArray, blocks: FloatArray) -> FloatArray:
+    def assemble(self, diagonal: FloatArray, coupled: Sequence[tuple[IntArray, FloatArray]]) -> FloatArray:
         """Return the values (nnz) of the matrix: conduction as last evaluated, `diagonal` and further entries.
 
-        diagonal (n_points,); pairs (n, 2) of nodes and blocks (n,) [N mm/(s K)].
+        diagonal (n_points,); coupled: pairs (n, 2) of nodes and entries (n,) for them [N mm/(s K)].
         """
         data = np.zeros(len(self.assembler.indices))
         self.assembler.assemble_matrix(self._conduction, self._turned, self._frames, data)
         data[self._diagonal] += diagonal
-        self.assembler.add_blocks(pairs, blocks.reshape(-1, 1, 1), self._turned, self._frames, data)
+        for pairs, entries in coupled:
+            self.assembler.add_blocks(pairs, entries.reshape(-1, 1, 1), self._turned, self._frames, data)
         return data
 
     def mean(self, temperature: FloatArray, nodes: slice = slice(None)) -> float:

@@ -362,5 +362,5 @@ class Mechanics:
 
 def _law_history(state: State, block: int) -> FloatArray:
     """Return what the law keeps behind the stress (n, n_history), the points of the cells in one row."""
-    history = state.cells.history[block]
-    return np.column_stack([state.cells.eqps[block].ravel(), history.reshape(-1, history.shape[2])])
+    history, eqps = state.cells.history[block], state.cells.eqps[block].reshape(-1, 1)
+    return np.concatenate([eqps, history.reshape(-1, history.shape[2])], axis=1) if history.shape[2] else eqps

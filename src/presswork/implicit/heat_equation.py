@@ -26,8 +26,10 @@ from presswork.timing import Timing
 MOST_ITERATIONS = 25
 RESIDUAL = 1e-11
 """Largest out-of-balance over the sum of all heat flows."""
-INEXACT = 1e-7
-"""Residual of a correction found by iterations, over what is out of balance."""
+WORN = 1e-2
+"""Part of what is out of balance that a correction leaves at most if its matrix is to serve again."""
+INEXACT, FINEST = 1e-7, 1e-12
+"""Largest and smallest residual of a correction found by iterations, over what is out of balance."""
 MOST_INNER = 80
 """Such iterations beyond which factors are cheaper."""
 CORRECTION = 1e-10
@@ -82,6 +84,16 @@ class _Balance:
     """Sum of all flows [N mm/s]."""
 
 
+@dataclass
+class _Matrix:
+    """Newton's matrix."""
+
+    data: FloatArray
+    """(nnz,)."""
+    is_factorised: bool = False
+    """Whether the solver has the factors of it."""
+
+
 class HeatEquation:
     """Solves the heat equation of a model, step by step; it keeps factors and pattern, no state."""
 
@@ -117,34 +129,44 @@ class HeatEquation:
         return self._solver
 
     def solve(self, problem: HeatProblem, guess: FloatArray) -> HeatStep | Failed:
-        """Find the temperatures at the end of a step from a guess at them (n_points,), or say why not."""
+        """Find the temperatures at the end of a step from a guess at them (n_points,), or say why not.
+
+        Newton's matrix of the first guess serves for all corrections as long as it brings each of them near.
+        """
         mask = problem.mask
         temperature = np.where(mask != 0, problem.prescribed, guess)
         content_n, _ = self.conduction.content(problem.temperature_n)
         log = IterationLog()
-        finished = False
+        finished, matrix = False, None
         for _ in range(MOST_ITERATIONS):
-            found = self._evaluate(problem, content_n, temperature)
-            if not np.isfinite(found.residual).all():
-                return Failed(log, "temperatures grow without bound", 0.25)
+            found = self._evaluate(problem, content_n, temperature, with_matrix=matrix is None)
             out = float(np.abs(found.residual[mask == 0]).sum())
+            if not np.isfinite(out):
+                return Failed(log, "temperatures grow without bound", 0.25)
             if finished or out <= RESIDUAL * found.largest:
                 return HeatStep(temperature, _count(problem, found), log)
-            change = self._correct(problem, found)
+            relative = out / found.largest
+            if matrix is not None and relative > WORN * log.residual[-1]:
+                found, matrix = self._evaluate(problem, content_n, temperature, with_matrix=True), None
+            if matrix is None:
+                matrix = self._assemble(problem, found)
+            change = self._correct(matrix, np.where(mask != 0, 0.0, -found.residual), 0.1 * RESIDUAL / relative)
             if change is None:
                 return Failed(log, "the heat equation has no solution", 0.25)
             temperature = temperature + change
-            log.residual.append(out / found.largest)
+            log.residual.append(relative)
             log.correction.append(float(np.abs(change).max()))
             finished = log.correction[-1] <= CORRECTION * max(1.0, float(np.abs(temperature).max()))
         return Failed(log, f"no balance of heat after {MOST_ITERATIONS} iterations", 0.5)
 
-    def _evaluate(self, problem: HeatProblem, content_n: FloatArray, temperature: FloatArray) -> _Balance:
+    def _evaluate(
+        self, problem: HeatProblem, content_n: FloatArray, temperature: FloatArray, *, with_matrix: bool
+    ) -> _Balance:
         """Return what is out of balance at a guess."""
         started = perf_counter()
         content, capacity = self.conduction.content(temperature)
         stored = (content - content_n) / problem.dt
-        flow = self.conduction.conduct(problem.points, temperature)
+        flow = self.conduction.conduct(problem.points, temperature, with_matrix=with_matrix)
         given = [film.evaluate(temperature, problem.time) for film in problem.films]
         residual = stored + flow
         for each in given:
@@ -155,27 +177,28 @@ class HeatEquation:
         self._timing.add("assembly", started)
         return _Balance(residual, capacity / problem.dt, given, largest)
 
-    def _correct(self, problem: HeatProblem, found: _Balance) -> FloatArray | None:
-        """Return Newton's correction; None if the matrix is singular."""
+    def _assemble(self, problem: HeatProblem, found: _Balance) -> _Matrix:
+        """Return the derivative of what is out of balance, prescribed temperatures held."""
         started = perf_counter()
         diagonal = found.capacity + sum(each.slope for each in found.given)
-        pairs = np.concatenate([np.zeros((0, 2), dtype=np.int32), *(each.pairs for each in found.given)])
-        blocks = np.concatenate([np.zeros(0), *(each.blocks for each in found.given)])
-        data = self.conduction.assemble(diagonal, pairs, blocks)
-        rhs = -found.residual
-        scale = float(np.abs(diagonal).max()) or 1.0
-        self.conduction.assembler.constrain(problem.mask, np.zeros(len(rhs)), scale, data, rhs)
+        coupled = [each.coupled for each in found.given if each.coupled is not None]
+        data = self.conduction.assemble(diagonal, coupled)
+        scale, none = float(np.abs(diagonal).max()) or 1.0, np.zeros(len(diagonal))
+        self.conduction.assembler.constrain(problem.mask, none, scale, data, none.copy())
         self._timing.add("assembly", started)
-        started = perf_counter()
+        return _Matrix(data)
+
+    def _correct(self, matrix: _Matrix, rhs: FloatArray, accuracy: float) -> FloatArray | None:
+        """Return Newton's correction, None if the matrix is singular. accuracy: residual over that before."""
         if self._iterative:
-            assembler, symmetric = self.conduction.assembler, self.conduction.symmetric
+            started, assembler = perf_counter(), self.conduction.assembler
             change = _core.solve_iteratively(
                 assembler.indptr,
                 assembler.indices,
-                data,
+                matrix.data,
                 rhs,
-                symmetric=symmetric,
-                tolerance=INEXACT,
+                symmetric=self.conduction.symmetric,
+                tolerance=min(max(accuracy, FINEST), INEXACT),
                 most_iterations=MOST_INNER,
             )
             self._timing.add("solve", started)
@@ -183,7 +206,9 @@ class HeatEquation:
                 return change
         solver, started = self.solver, perf_counter()
         try:
-            solver.factorise(data)
+            if not matrix.is_factorised:
+                solver.factorise(matrix.data)
+                matrix.is_factorised = True
             return solver.solve(rhs)
         except SolverError:
             return None

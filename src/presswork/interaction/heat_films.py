@@ -7,7 +7,7 @@ Radiation and coefficients that depend on temperature are thus implicit, as is t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -38,10 +38,8 @@ class HeatFlow:
     """(n_points,) [N mm/s]."""
     slope: FloatArray
     """-d power / d temperature of the same node (n_points,) [N mm/(s K)]."""
-    pairs: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int32))
-    """Pairs of different nodes (n, 2)."""
-    blocks: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """-d power of the first / d temperature of the second (n,)."""
+    coupled: tuple[IntArray, FloatArray] | None = None
+    """Pairs of different nodes (n, 2), and -d power of the first / d temperature of the second of each (n,)."""
 
 
 class Film(Protocol):
@@ -67,7 +65,7 @@ def interpolate(table: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArr
 
 def read_at(table: FloatArray, time: float) -> float:
     """Return the value of a table by time."""
-    return float(np.interp(time, *table.T))
+    return float(table[0, 1] if len(table) == 1 else np.interp(time, *table.T))
 
 
 def measure_sides(model: Model, sides: IntArray, points: FloatArray) -> FloatArray:
@@ -164,16 +162,16 @@ class PairFilm:
     def __init__(self, kind: str, pairs: IntArray, factor: FloatArray) -> None:
         """Take pairs of nodes (n, 2), and conductance times shared area [N mm/(s K)] of each."""
         self.kind, self.pairs, self._factor = kind, pairs, factor
+        self._first, self._second = np.ascontiguousarray(pairs.T)
+        self._coupled = np.concatenate([pairs, pairs[:, ::-1]]), np.tile(-factor, 2)
 
     def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
         """Return the flow."""
-        n = len(temperature)
-        first, second = self.pairs.T
+        n, first, second = len(temperature), self._first, self._second
         flow = self._factor * (temperature[first] - temperature[second])
         power = sum_at_nodes(second, flow, n) - sum_at_nodes(first, flow, n)
         slope = sum_at_nodes(first, self._factor, n) + sum_at_nodes(second, self._factor, n)
-        both = np.concatenate([self.pairs, self.pairs[:, ::-1]])
-        return HeatFlow(power, slope, both, np.tile(-self._factor, 2))
+        return HeatFlow(power, slope, self._coupled)
 
 
 def make_contacts(model: Model) -> list[PairFilm]:
@@ -184,7 +182,8 @@ def make_contacts(model: Model) -> list[PairFilm]:
         own, other = (model.mesh.boundary_edges[model.bodies[i].owns(model.mesh.boundary_edges)] for i in entry.between)
         found = find_lying(model.mesh.points, own, other, None if model.analysis == "axisymmetric" else model.depth)
         conductance, _ = interpolate(entry.conductance, np.zeros(len(found.area)))
-        films.append(PairFilm("contact", *sum_pairs(found, own, other, conductance * found.area)))
+        pairs, (conducted,) = sum_pairs(found, own, other, conductance * found.area)
+        films.append(PairFilm("contact", pairs, conducted))
     return films
 
 

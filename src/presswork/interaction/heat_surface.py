@@ -90,15 +90,17 @@ class HeatSurface:
         if self._model.plane_tools:
             forces = self._interactions.tools.contact.forces(trial, self._interactions.supports.fixed(step.stage))
             for t, tool in enumerate(self._model.plane_tools):
-                held = forces.nodes[forces.tool == t]
-                touching: BoolArray = np.asarray(np.isin(self._edges[:, :2], held).all(axis=1))
+                held = np.zeros(len(self._model.mesh.points), dtype=bool)
+                held[forces.nodes[forces.tool == t]] = True
+                touching: BoolArray = np.asarray(held[self._edges[:, 0]] & held[self._edges[:, 1]])
                 seen[touching] = 0.0
                 heat = self._heat.tools.get(tool.name)
                 if heat is None:
                     continue
                 pressure = self._find_pressure(t, areas[touching], self._edges[touching], forces)
                 near = self._near(t, heat.gap, areas, touching)
-                seen -= near
+                if heat.gap > 0.0:
+                    seen -= near
                 touch = self._touch(t, heat, areas, near, touching, pressure)
                 touches += [touch] if len(touch.nodes) else []
                 if heat.die is not None:
@@ -166,8 +168,8 @@ class HeatSurface:
         pushed = np.where(held, (found.own_shape * pressure[own[found.own]]).sum(axis=1), 0.0)
         area = passes * found.area
         conductance, _ = interpolate(heat.conductance, pushed)
-        film = PairFilm("dies", *sum_pairs(found, own, die.profile, conductance * area))
-        return film, sum_pairs(found, own, die.profile, area)[1]
+        pairs, (conducted, shared) = sum_pairs(found, own, die.profile, conductance * area, area)
+        return PairFilm("dies", pairs, conducted), shared
 
     def _gaps(self, t: int, width: float) -> FloatArray:
         """Return the distance of the nodes from a tool, cut off far away (n_points,) [mm]."""
@@ -205,8 +207,8 @@ class HeatSurface:
         area = (
             (0.5 if contact.slave == contact.master else 1.0) * passes * found.area
         )  # a fold is found from both sides
-        film = PairFilm("contact", *sum_pairs(found, own, other, conductance * area))
-        return Meeting(contact, film, sum_pairs(found, own, other, area)[1])
+        pairs, (conducted, shared) = sum_pairs(found, own, other, conductance * area, area)
+        return Meeting(contact, PairFilm("contact", pairs, conducted), shared)
 
     def find_shear(self, state: State, contact: BodyContact) -> FloatArray:
         """Return how large the shear of a contact is at the slave's nodes (n_points,) [MPa]."""

@@ -25,9 +25,11 @@ def edge_areas(points: FloatArray, edges: IntArray, thickness: float | None) -> 
     """
     x, n = points[edges], edges.shape[1]
     areas = np.zeros(edges.shape)
+    length = 0.5 * np.linalg.norm(x[:, 1] - x[:, 0], axis=1)  # by s, of a straight edge everywhere
     for s, weight in GAUSS_3:
         N, dN = edge_shape_functions(n, s)
-        length = np.linalg.norm(np.einsum("a,eai->ei", dN, x), axis=1)
+        if n > 2:
+            length = np.linalg.norm(np.einsum("a,eai->ei", dN, x), axis=1)
         width = 2.0 * np.pi * (x[:, :, 0] @ N) if thickness is None else thickness
         areas += weight * (length * width)[:, None] * N
     return areas
