@@ -106,7 +106,7 @@ def test_slider_and_force_curve_are_linked(page: Page, upset: Result) -> None:
 
 
 def test_every_control_works_without_an_error(page: Page) -> None:
-    for toggle in ("Mesh", "Smooth", "Isolines", "Bands", "Min/max"):
+    for toggle in ("Mesh", "Smooth", "Isolines", "Flow lines", "Bands", "Min/max"):
         button = page.tab.get_by_role("button", name=toggle, exact=True)
         before = button.get_attribute("aria-pressed")
         button.click()
@@ -127,6 +127,24 @@ def test_every_control_works_without_an_error(page: Page) -> None:
         page.tab.wait_for_timeout(100)
         assert tab.get_attribute("aria-selected") == "true"
         assert page.tab.locator("#panel").inner_text().strip()
+
+
+def test_flow_lines_pass_through_the_first_places_of_the_material(page: Page, upset: Result) -> None:
+    """Dark lines where the initial radius is half a distance and whole ones more; none without the toggle."""
+    names = ("plain", "flow")
+    page.press("Mesh")
+    pictures = {}
+    for name in names:
+        picture = page.tab.locator("#canvas").screenshot()
+        image = pytest.importorskip("PIL.Image").open(io.BytesIO(picture)).convert("RGB")
+        pictures[name] = np.asarray(image).astype(int).sum(axis=2)
+        page.press("Flow lines")
+    darker = (pictures["plain"] - pictures["flow"] > 60).mean()
+    assert 0.01 < darker < 0.3
+    shown = page.ask("() => presswork.runs[0].flow")
+    extent = np.ptp(upset.mesh.points, axis=0)
+    assert shown["low"][:2] == upset.mesh.points.min(axis=0).tolist()
+    assert extent / shown["apart"][:2] == pytest.approx(np.rint(20 * extent / extent.max()))
 
 
 def test_turned_section_is_drawn_in_colours_of_its_values(page: Page) -> None:

@@ -48,6 +48,10 @@ def test_homogeneous_upsetting_does_not_know_of_its_meshes(analysis):
     assert np.ptp(strain) < 1e-8 * strain.mean()
     force = np.interp(often["punch.stroke"], once["punch.stroke"], once["punch.force"])
     np.testing.assert_allclose(often["punch.force"], force, rtol=1e-4)
+    first, moved = recording.mesh.points, recording.moved(recording.procedure.state.nodes.displacement)
+    now = first + moved
+    for axis, size in enumerate((10.0, 15.0)):
+        np.testing.assert_allclose(first[:, axis], now[:, axis] * size / now[:, axis].max(), atol=1e-7)
 
 
 def test_upsetting_with_friction_and_a_new_mesh_every_2_percent_keeps_its_force():

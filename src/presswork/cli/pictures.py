@@ -17,12 +17,13 @@ def draw(
     fields: list[str] | None = None,
     steps: list[int] | None = None,
     sections: list[tuple[float, float, float]] | None = None,
+    flow_lines: bool | None = None,
 ) -> None:
     """Draw the pictures of results. out: default: plots in the folder of results."""
     from presswork.view import plot_all
 
     try:
-        paths = plot_all(result, out, fields, steps or "last", sections=sections or ())
+        paths = plot_all(result, out, fields, steps or "last", sections=sections or (), flow_lines=flow_lines)
     except ImportError as error:
         console().print(f"no pictures: {error}", markup=False)
         return

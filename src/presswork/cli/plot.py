@@ -36,6 +36,13 @@ def plot(
             "(mm); write its thickness as CSV.",
         ),
     ] = None,
+    flow_lines: Annotated[
+        bool | None,
+        typer.Option(
+            help="Of a section: draw its grain flow, lines of one initial coordinate; default: if it was remeshed.",
+            show_default=False,
+        ),
+    ] = None,
     outline: Annotated[
         Path | None, typer.Option(help="Of a sheet: write its outline as .csv or .dxf, at the last of the steps.")
     ] = None,
@@ -47,13 +54,13 @@ def plot(
     """
     sections = [_read_section(text) for text in section or ()]
     try:
-        if len(folders) > 1 and not (field or step or section or outline):
+        if len(folders) > 1 and not (field or step or section or outline or flow_lines):
             overlay([Result(folder) for folder in folders], out or Path("comparison"))
             return
         for folder in folders:
             target = out / folder.name if out and len(folders) > 1 else out
             result = Result(folder)
-            draw(result, target, fields=field, steps=step, sections=sections)
+            draw(result, target, fields=field, steps=step, sections=sections, flow_lines=flow_lines)
             if outline:
                 path = outline.with_stem(f"{outline.stem}_{folder.name}") if len(folders) > 1 else outline
                 write_outline(trace_outline(result, step[-1] if step else -1), path)

@@ -79,6 +79,8 @@ class Instant:
     """Of a sheet that conducts heat: temperatures at bottom, middle and top, phases, hardness and cooling rate by the
     names of their fields (n_points,)."""
     points: SolidPoints | None = None
+    initial_position: FloatArray | None = None
+    """Where the material at the nodes was when the run began, if its mesh may change (n_points, 2) [mm]."""
     laps: FloatArray | None = None
     """1 at nodes where the surface has folded onto itself, 0 elsewhere (n_points,)."""
     evolved: Mapping[str, Sequence[FloatArray]] = field(default_factory=dict)

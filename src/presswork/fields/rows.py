@@ -179,6 +179,7 @@ def _body(now: Instant) -> FloatArray | None:
 
 ROWS = (
     Field("displacement", "mm", "point", lambda now: _to_space(now.displacement), components=VECTOR, alias="u"),
+    Field("initial_position", "mm", "point", lambda now: _to_space(now.initial_position), components=VECTOR),
     Field("velocity", "mm/s", "point", lambda now: _to_space(now.velocity), components=VECTOR),
     Field("gap", "mm", "point", _of_contact(lambda c: c.gap)),
     Field("contact_status", "1", "point", _of_contact(lambda c: c.status)),

@@ -249,9 +249,8 @@ class RemeshedForming(ImplicitRecording):
         outcome = after.balance_at_rest()
         if isinstance(outcome, Failed):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
-        origin = carrier.motion(self.mesh.points)
-        if old[0].ring:
-            origin[mesh.points[:, 0] == 0.0, 0] = 0.0
+        origin = carrier.material(self.mesh.points)
+        _keep_held(origin, after.model)
         return _NewEpoch(after, origin, _measure_jump(before.state, after.state), len(outcome.log))
 
     def _stay(self, reason: str, fault: str) -> bool:
@@ -264,6 +263,7 @@ class RemeshedForming(ImplicitRecording):
         """Return what the fields are computed from."""
         now = super()._show()
         now.laps = self.procedure.state[LapArrays].mark
+        now.initial_position = self.mesh.points
         return now
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -302,6 +302,20 @@ def _join(old: Sequence[OldSection], new: Sequence[NewSection | None]) -> tuple[
         meshes.append(mesh)
         first = points.stop
     return join_parts(meshes), parts
+
+
+def _keep_held(origin: FloatArray, model: Model) -> None:
+    """Give material that supports have held ever since the run began its first coordinate back, in place.
+
+    model: on the new mesh; origin: first places of the material at its nodes (n_points, 2) [mm].
+    """
+    mesh = model.mesh
+    driven = {(p.node_set, p.component) for stage in model.stages for p in stage.prescribed}
+    for support in model.supports:
+        nodes = mesh.node_sets[support.node_set]
+        for axis in (0, 1):
+            if support.fix[axis] and (support.node_set, axis) not in driven:
+                origin[nodes, axis] = mesh.points[nodes, axis]
 
 
 def _measure_jump(before: State, after: State) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.topology import count_corners
 from presswork.model import ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArray, Mesh
-from presswork.remesh.transfer import Places, PointTransfer, find_transfer, locate
+from presswork.remesh.transfer import Places, PointTransfer, find_transfer, interpolate_along, locate
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,10 @@ class SurfacePlaces:
     """And after it (k,)."""
     part: FloatArray
     """Of the way from the one to the other (k,)."""
+    earlier: IndexArray
+    """Node before the one before (k,)."""
+    later: IndexArray
+    """Node after the one after (k,)."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ class Carrier:
 
     def __init__(self, old: Mesh, position: FloatArray, new: Mesh, parts: Sequence[Part]) -> None:
         """position: of the old nodes (n_old_points, 2) [mm], in which the new mesh lies."""
-        self.parts = parts
+        self.parts, self._position = parts, position
         self._n_points = len(new.points)
         self._sources: list[_Sources | None] = []
         for part in parts:
@@ -124,6 +128,16 @@ class Carrier:
                 continue
             nodes, transfer = sources.of_nodes
             result[own] = _apply(transfer, values[nodes], (len(sources.own),))
+        return result
+
+    def material(self, values: FloatArray) -> FloatArray:
+        """Carry coordinates of the material at the old nodes (n_old_points, m): on the boundary along its arc."""
+        result = self.nodes(values)
+        for part in self.parts:
+            if part.surface is not None:
+                on = part.surface
+                around = np.stack([on.earlier, on.before, on.after, on.later], axis=1)
+                result[on.node] = interpolate_along(self._position[around], values[around], on.part)
         return result
 
     def points(self, values: Sequence[FloatArray], at_rest: Sequence[FloatArray]) -> list[FloatArray]:

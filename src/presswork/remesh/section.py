@@ -104,9 +104,10 @@ class NewSection:
     def surface(self, first_old: int, first_new: int) -> SurfacePlaces:
         """Return where its boundary nodes lie on the old boundary; first: node of the body in all of the mesh."""
         before = self.line.place.astype(int)
-        old, after = self.chain + first_old, self.chain[self.following] + first_old
-        part = np.asarray(self.line.place - before)
-        return SurfacePlaces(first_new + np.arange(len(before)), old[before], after[before], part)
+        after, preceding = self.following[before], np.argsort(self.following)
+        old, part = self.chain + first_old, np.asarray(self.line.place - before)
+        node = first_new + np.arange(len(before))
+        return SurfacePlaces(node, old[before], old[after], part, old[preceding[before]], old[self.following[after]])
 
 
 def measure_sizes(old: OldSection, settings: Remeshing) -> GradedSize:

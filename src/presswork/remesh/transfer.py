@@ -8,6 +8,9 @@ linear fit, so that a linear field is kept beyond the outermost donors too. Dono
 neighbours along the mesh: what lies beyond a fold does not count.
 
 Nodes: the shape functions of the old cell they lie in, its plane continued where they lie outside by a little.
+
+Boundary: cubic Hermite polynomials along its arc, with slopes that keep monotone values monotone (Fritsch & Carlson
+1980, with the means of Fritsch & Butland 1984): values that are the same all along a side stay so to the bit.
 """
 
 from __future__ import annotations
@@ -189,6 +192,27 @@ def locate(points: FloatArray, cells: IndexArray, wanted: FloatArray) -> Places:
                 best[chosen], cell[chosen] = rank[better], own[better]
                 nodes[chosen], share[chosen] = triangle[better], found[better]
     return Places(cell, nodes, share)
+
+
+def interpolate_along(points: FloatArray, values: FloatArray, part: FloatArray) -> FloatArray:
+    """Return values (n, m) on a line, each at a part (n,) of the way from the second to the third of four points.
+
+    points: of the line one after the other (n, 4, 2) [mm]; values: there (n, 4, m).
+    """
+    length = np.linalg.norm(np.diff(points, axis=1), axis=2)[..., None]
+    rise = np.diff(values, axis=1) / length
+    before, after = (_mean_slope(rise[:, i : i + 2], length[:, i : i + 2]) * length[:, 1] for i in (0, 1))
+    t = part[:, None]
+    found = values[:, 1] + t**2 * (3.0 - 2.0 * t) * (values[:, 2] - values[:, 1])
+    return np.asarray(found + t * (1.0 - t) ** 2 * before - t**2 * (1.0 - t) * after)
+
+
+def _mean_slope(rise: FloatArray, length: FloatArray) -> FloatArray:
+    """Return the slope (n, m) between two sides with slopes (n, 2, m) and lengths (n, 2, 1); zero at an extreme."""
+    weight = length.sum(axis=1, keepdims=True) + length[:, ::-1]
+    agrees = (rise[:, 0] * rise[:, 1] > 0.0)[:, None]
+    inverse = (weight / np.where(agrees, rise, 1.0)).sum(axis=1)
+    return np.asarray(np.where(agrees[:, 0], weight.sum(axis=1) / inverse, 0.0))
 
 
 def _measure_inside(points: FloatArray, triangle: IndexArray, wanted: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -18,6 +18,7 @@ from presswork.report.choose import Shown
 from presswork.report.surface import Surface
 from presswork.results import Result
 from presswork.results.folder import CASE
+from presswork.view.flow_lines_plot import space_lines
 from presswork.view.shell_plot import DIVERGING, ZONE_FIELD
 from presswork.view.style import ZONE_COLOURS, describe_step
 
@@ -34,6 +35,7 @@ def describe_run(result: Result) -> dict[str, Any]:
         "axisymmetric": result.info.get("analysis") == "axisymmetric",
         "sheet": result.is_shell,
         "dimension": result.mesh.points.shape[1],
+        "flow": _space_flow_lines(result),
         "symmetry": str(result.info.get("symmetry", "")),
         "formability": _pack_formability(result),
         "summary": result.summary,
@@ -50,6 +52,21 @@ def describe_saved_step(result: Result, step: int) -> dict[str, Any]:
         "label": describe_step(result, step),
         "tools": _place_tools(result, step),
     }
+
+
+def _space_flow_lines(result: Result) -> dict[str, list[float]]:
+    """Return where the lines of each initial coordinate begin, half a distance before the first, and how far apart.
+
+    A coordinate that a sheet does not vary in, and one that there is not, has no line.
+    """
+    points = result.mesh.points
+    low, apart = np.zeros(3), np.full(3, 1e9)
+    for axis, places in enumerate(space_lines(points)):
+        low[axis] = points[:, axis].min()
+        apart[axis] = max(2.0 * (places[0] - low[axis]), 1e-9)
+    if result.is_shell:
+        apart[2] = 1e9
+    return {"low": low.tolist(), "apart": apart.tolist()}
 
 
 def _name_analysis(result: Result) -> str:

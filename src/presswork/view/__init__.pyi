@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from .all_plots import FIELDS, SHELL_FIELDS, plot_all
 from .animation import animate
+from .flow_lines_plot import plot_flow_lines
 from .forming_limit_plot import plot_forming_limit
 from .history_plot import plot_history, plot_stress_strain
 from .interface_plot import plot_interface
@@ -13,6 +14,7 @@ __all__ = [
     "animate",
     "plot_all",
     "plot_contours",
+    "plot_flow_lines",
     "plot_forming_limit",
     "plot_history",
     "plot_interface",

@@ -17,6 +17,7 @@ from presswork.results import Result, ResultError
 from presswork.view.blank_plot import plot_blank
 from presswork.view.crack_mark import find_judged_damage
 from presswork.view.die_plot import plot_dies, plot_parts
+from presswork.view.flow_lines_plot import has_remeshed, is_section, plot_flow_lines
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
     find_energies,
@@ -66,6 +67,7 @@ def plot_all(
     *,
     mirror: Mirror = "",
     sections: Sequence[tuple[float, float, float]] = (),
+    flow_lines: bool | None = None,
 ) -> list[Path]:
     """Write the pictures of a run as PNG and return their paths.
 
@@ -80,7 +82,8 @@ def plot_all(
     STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at the one
     with the widest range, and damage that has a critical value, and MICROSTRUCTURE; `out_dir` is the folder "plots" in
     the output folder. sections: x, y of where a section begins [mm], and its angle from x [degree]; each is drawn, and
-    its thickness written as CSV.
+    its thickness written as CSV. flow_lines: whether to draw the grain flow of a section; None: of one that got a new
+    mesh in the run.
     Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
     """
     require_matplotlib()
@@ -88,7 +91,7 @@ def plot_all(
 
     with result.kept_open(), rc_context({"axes.titley": 1.0}):  # so that no axes looks for room above their ticks
         return _plot_all(result, result.folder / "plots" if out_dir is None else Path(out_dir), fields, steps, mirror,
-                         sections)  # fmt: skip
+                         sections, flow_lines)  # fmt: skip
 
 
 def _plot_all(
@@ -98,6 +101,7 @@ def _plot_all(
     steps: Literal["last"] | Sequence[int],
     mirror: Mirror,
     sections: Sequence[tuple[float, float, float]],
+    flow_lines: bool | None,
 ) -> list[Path]:
     """Write the pictures, as plot_all says."""
     chosen = [-1] if steps == "last" else list(steps)
@@ -113,6 +117,8 @@ def _plot_all(
             result.field(field, step)
     if sections and not result.is_shell:
         raise ResultError(f"{result.folder} holds no sheet that a section could cut")
+    if flow_lines and not is_section(result):
+        raise ResultError(f"{result.folder} holds no section with grain flow; the page of the run draws lines in space")
     create_folder(folder)
     paths = []
     if (result.is_stamping or result.is_onestep) and not mirror:
@@ -136,6 +142,8 @@ def _plot_all(
             figure = plot_forming_limit(result, step, figure=bare_figure())
             figure.set_size_inches(7.0, 5.2)
             paths.append(save_picture(figure, folder / f"forming_limit_{step:03d}.png"))
+        if has_remeshed(result) if flow_lines is None else flow_lines:
+            paths.append(save_picture(_draw_flow_lines(result, step, mirror), folder / f"flow_lines_{step:03d}.png"))
         for field in fields:
             if result.is_shell or result.is_space_solid:
                 figure = plot_shell(result, field, step, mirror=mirror, figure=bare_figure())
@@ -263,6 +271,14 @@ def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequ
         for tool, figure in figures.items()
         if figure.axes[0].lines
     ]
+
+
+def _draw_flow_lines(result: Result, step: int, mirror: Mirror) -> Figure:
+    """Draw the grain flow."""
+    figure = bare_figure()
+    figure.set_size_inches(*panel_size(result, step, mirror))
+    plot_flow_lines(result, step, figure.subplots(), mirror=mirror)
+    return figure
 
 
 def _draw_mesh(result: Result, field: str, step: int, mirror: Mirror) -> Figure:

@@ -44,7 +44,7 @@ def plot_mesh(
     colours, by default that of the values; frame: corners of what is shown [mm], by default around the body.
     """
     ax = _axes(result, step, mirror) if ax is None else ax
-    _prepare(ax, result, step, mirror)
+    prepare_section(ax, result, step, mirror)
     if frame is not None:
         ax.set(xlim=(frame[0][0], frame[1][0]), ylim=(frame[0][1], frame[1][1]))
     ax.set_title(describe_step(result, step), fontsize="medium")
@@ -73,7 +73,7 @@ def plot_contours(
 ) -> Axes:
     """Draw filled contours of a field on the deformed body; cell fields are averaged to the nodes."""
     ax = _axes(result, step, mirror) if ax is None else ax
-    _prepare(ax, result, step, mirror)
+    prepare_section(ax, result, step, mirror)
     ax.set_title(describe_step(result, step), fontsize="medium")
     points, values = result.points(step), result.scalar(field, step)
     if result.kind(field) == "cell":
@@ -92,7 +92,7 @@ def plot_contours(
         net = Triangulation(x, y, triangles)
         drawn = ax.tricontourf(net, shown, levels=levels, cmap=COLOURS, zorder=1)
         ax.tricontour(net, shown, levels=levels, colors="k", linewidths=0.25, zorder=1.5)
-        _draw_boundary(ax, result.mesh_at(step).boundary_edges, points, sign, mirror)
+        draw_boundary(ax, result.mesh_at(step).boundary_edges, points, sign, mirror)
     _label_extremes(ax, result, field, values, points, step)
     _add_colour_bar(ax, drawn, label_field(result, field))
     return ax
@@ -144,7 +144,7 @@ def _limits(result: Result, step: int, mirror: Mirror) -> tuple[FloatArray, Floa
     return low - margin, high + margin
 
 
-def _prepare(ax: Axes, result: Result, step: int, mirror: Mirror) -> None:
+def prepare_section(ax: Axes, result: Result, step: int, mirror: Mirror) -> None:
     """Set frame, labels and aspect, and draw the tools."""
     require_matplotlib()
     low, high = _limits(result, step, mirror)
@@ -219,7 +219,7 @@ def _shade_points(ax: Axes, result: Result, values: FloatArray, step: int, mirro
     return drawn
 
 
-def _draw_boundary(ax: Axes, edges: IndexArray, points: FloatArray, sign: tuple[int, int], mirror: Mirror) -> None:
+def draw_boundary(ax: Axes, edges: IndexArray, points: FloatArray, sign: tuple[int, int], mirror: Mirror) -> None:
     """Draw the edge of the body, or of one of its images, but for what lies in a mirror."""
     from matplotlib.collections import LineCollection
 

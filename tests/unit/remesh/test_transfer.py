@@ -40,7 +40,8 @@ def carry(old, new, values, element="quad4_fbar"):
     edges = np.zeros((0, 2), dtype=np.int32)
     blocks = to_block(old[1], element), to_block(new[1])
     meshes = [Mesh(points, (block,), {}, {}, edges) for (points, _), block in zip((old, new), blocks, strict=True)]
-    nowhere = SurfacePlaces(*(np.zeros(0, dtype=np.intp) for _ in range(3)), np.zeros(0))
+    none = np.zeros(0, dtype=np.intp)
+    nowhere = SurfacePlaces(none, none, none, np.zeros(0), none, none)
     part = Part(range(len(old[0])), range(len(new[0])), 0, nowhere)
     given = values.reshape(len(old[1]), -1, values.shape[1])
     rest = np.zeros((len(new[1]), 4, values.shape[1]))

@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 
 from presswork.post import average_to_nodes
-from presswork.results import OutputError, Result, ResultError, append_step
+from presswork.results import OutputError, Result, ResultError, ResultMesh, append_step
 from presswork.view import (
     plot_all,
     plot_contours,
+    plot_flow_lines,
     plot_history,
     plot_interface,
     plot_mesh,
     plot_mesh_and_contours,
 )
 from presswork.view.extremes import describe_extremes
+from presswork.view.flow_lines_plot import space_lines
 from tests.unit.results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -226,3 +228,22 @@ def test_missing_matplotlib_is_named_with_the_remedy(result: Result, monkeypatch
     for plot in (plot_mesh, plot_history, plot_interface, plot_all):
         with pytest.raises(ImportError, match=r"pip install \"presswork\[plot\]\""):
             plot(result)
+
+
+def test_grain_flow_draws_lines_of_the_first_places_of_the_material(result: Result, tmp_path: Path) -> None:
+    """Every line has its place at the start; the lines of a section that kept its mesh are drawn when asked for."""
+    ax = plot_flow_lines(result, mirror="x")
+    lines = [c for c in ax.collections if isinstance(c, matplotlib.contour.ContourSet)]
+    assert len(lines) == 4
+    for axis in (0, 1):
+        places, start = space_lines(result.mesh.points)[axis], result.mesh.points[:, axis]
+        np.testing.assert_array_equal(lines[axis].levels, places)
+        assert start.min() < places[0] < places[-1] < start.max()
+    assert "initial radius every" in ax.get_title()
+    names = {path.name for path in plot_all(result, tmp_path / "flow", fields=["eqps"], flow_lines=True)}
+    assert "flow_lines_003.png" in names
+    sheet = Result(result.folder)
+    sheet.mesh = ResultMesh(np.zeros((4, 3)), (), np.zeros((0, 2), dtype=np.int64))
+    with pytest.raises(ResultError, match="no section with grain flow"):
+        plot_all(sheet, tmp_path / "none", flow_lines=True)
+    assert not (tmp_path / "none").exists()

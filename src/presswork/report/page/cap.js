@@ -85,3 +85,14 @@ export function valuesOnCut({ ends, parts, faces }, values, isNodal) {
   for (let i = 0; i < found.length; i++) found[i] = isNodal ? values[ends[2 * i]] + parts[i] * (values[ends[2 * i + 1]] - values[ends[2 * i]]) : values[faces[Math.floor(i / 3)]];
   return found;
 }
+
+/** Return where the material at a cut's corners was at the start (m, 3); reference: of the nodes (n, dimension). */
+export function originsOnCut({ ends, parts }, reference, dimension) {
+  const found = new Float32Array(3 * parts.length);
+  for (let i = 0; i < parts.length; i++)
+    for (let k = 0; k < dimension; k++) {
+      const [from, to] = [0, 1].map((end) => reference[dimension * ends[2 * i + end] + k]);
+      found[3 * i + k] = from + parts[i] * (to - from);
+    }
+  return found;
+}

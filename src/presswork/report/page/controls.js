@@ -29,6 +29,8 @@ export function makeToolbar(runs, store) {
     makeToggle("Bands", state.hasBands, (hasBands) => set({ hasBands }), "Ten colours instead of a continuous scale"),
     makeToggle("Min/max", state.hasExtremes, (hasExtremes) => set({ hasExtremes }), "Mark the smallest and the largest value"),
   ));
+  const [word, told] = run.sheet ? ["Grid", "Draw the lines that were a square grid on the blank"] : ["Flow lines", "Draw the lines of the initial coordinates: the grain flow"];
+  parts.push(makeToggle(word, state.hasFlow, (hasFlow) => set({ hasFlow }), told));
   parts.push(makeSelect("Colours", [["auto", "Automatic"], ...Object.entries(SCALES)], state.scale, (scale) => set({ scale })));
   parts.push(makeSelect("Range", [["all", "All steps"], ["step", "This step"]], state.rangeOf, (rangeOf) => set({ rangeOf, range: null })));
   if (run.tools.length)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the part, its lines and its tools are shaded.
-import { DataTexture, DoubleSide, GLSL3, LinearFilter, NearestFilter, RawShaderMaterial, RGBAFormat, Vector4, Color } from "./libraries/three.js";
+import { DataTexture, DoubleSide, GLSL3, LinearFilter, NearestFilter, RawShaderMaterial, RGBAFormat, Vector3, Vector4, Color } from "./libraries/three.js";
 
 const CLIP = `
 uniform vec4 clip; uniform bool isClipped;
@@ -8,19 +8,20 @@ bool isCutOff(vec3 place) { return isClipped && dot(clip.xyz, place) > clip.w; }
 
 const BODY_VERTEX = `
 precision highp float;
-in vec3 position; in vec3 normal; in float value;
+in vec3 position; in vec3 normal; in float value; in vec3 origin;
 uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
-out vec3 vNormal, vPlace, vView; out float vValue;
+out vec3 vNormal, vPlace, vView, vOrigin; out float vValue;
 void main() {
   vec4 place = modelMatrix * vec4(position, 1.0);
-  vPlace = place.xyz; vValue = value; vView = (viewMatrix * place).xyz;
+  vPlace = place.xyz; vValue = value; vOrigin = origin; vView = (viewMatrix * place).xyz;
   vNormal = mat3(viewMatrix) * mat3(modelMatrix) * normal;
   gl_Position = projectionMatrix * viewMatrix * place;
 }`;
 
 const BODY_FRAGMENT = `
 precision highp float;
-in vec3 vNormal, vPlace, vView; in float vValue;
+in vec3 vNormal, vPlace, vView, vOrigin; in float vValue;
+uniform vec3 flowLow, flowApart; uniform bool hasFlow;
 uniform sampler2D colours; uniform float low, high, bands; uniform bool isPlain, hasIsolines, isLit, isClosed; uniform vec3 plain;
 out vec4 colour;
 ${CLIP}
@@ -34,6 +35,12 @@ void main() {
     float at = part * 10.0, width = fwidth(at);
     float line = 1.0 - smoothstep(0.6, 1.4, abs(fract(at - 0.5) - 0.5) / max(width, 1e-6));
     base = mix(base, vec3(0.08), 0.75 * line * step(width, 0.7));
+  }
+  if (hasFlow) {
+    vec3 at = (vOrigin - flowLow) / flowApart, width = max(fwidth(at), 1e-6);
+    vec3 line = (1.0 - smoothstep(0.5, 1.3, abs(fract(at) - 0.5) / width)) * step(width, vec3(0.7));
+    base = mix(base, vec3(0.0, 0.0, 0.1), 0.85 * line.x);
+    base = mix(base, vec3(0.35, 0.12, 0.0), 0.6 * max(line.y, line.z));
   }
   if (isLit) {
     vec3 flatNormal = normalize(cross(dFdx(vView), dFdy(vView)));
@@ -75,17 +82,17 @@ export function makeBodyMaterial({ isLit, isClosed }) {
     polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
     uniforms: {
       ...clipping, colours: { value: null }, low: { value: 0 }, high: { value: 1 }, bands: { value: 0 }, isPlain: { value: false },
-      hasIsolines: { value: false }, isLit: { value: isLit }, isClosed: { value: isClosed }, plain: { value: new Color(0.78, 0.82, 0.87) },
+      hasIsolines: { value: false }, hasFlow: { value: false }, flowLow: { value: new Vector3() }, flowApart: { value: new Vector3(1, 1, 1) }, isLit: { value: isLit }, isClosed: { value: isClosed }, plain: { value: new Color(0.78, 0.82, 0.87) },
     },
   });
 }
 
 /** Return the material of the face that the section plane lays open: colours of the body, neither cut nor lit. */
 export function makeCapMaterial({ uniforms }) {
-  const { clip, colours, low, high, bands, isPlain, hasIsolines, plain } = uniforms, no = { value: false };
+  const { clip, colours, low, high, bands, isPlain, hasIsolines, hasFlow, flowLow, flowApart, plain } = uniforms, no = { value: false };
   return new RawShaderMaterial({
     glslVersion: GLSL3, vertexShader: BODY_VERTEX, fragmentShader: BODY_FRAGMENT, side: DoubleSide,
-    uniforms: { clip, colours, low, high, bands, isPlain, hasIsolines, plain, isClipped: no, isLit: no, isClosed: no },
+    uniforms: { clip, colours, low, high, bands, isPlain, hasIsolines, hasFlow, flowLow, flowApart, plain, isClipped: no, isLit: no, isClosed: no },
   });
 }
 

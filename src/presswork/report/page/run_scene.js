@@ -3,7 +3,7 @@
 import { BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineSegments, Mesh, Scene } from "./libraries/three.js";
 import { makeNormals, revolveProfile, takeRows } from "./shapes.js";
 import { MISSING } from "./unpack.js";
-import { valuesOnCut } from "./cap.js";
+import { originsOnCut, valuesOnCut } from "./cap.js";
 import { makeBodyMaterial, makeCapMaterial, makeLineMaterial, makeToolMaterial } from "./materials.js";
 
 const IMAGES = { "": [[1, 1]], x: [[1, 1], [-1, 1]], y: [[1, 1], [1, -1]], xy: [[1, 1], [-1, 1], [1, -1], [-1, -1]] };
@@ -54,9 +54,11 @@ export class RunScene {
     const { triangles, face, source } = this.shape, { geometry } = this.body;
     Object.assign(this, { values, isNodal });
     if (this.drawnAs !== isNodal) {
+      const origin = takeOrigins(this.mesh.reference, source, this.run.dimension);
       geometry.setIndex(isNodal ? attribute(triangles, 1) : null);
       geometry.setAttribute("position", attribute(isNodal ? this.positions : takeRows(this.positions, triangles, 3)));
       geometry.setAttribute("normal", attribute(isNodal ? this.normals : takeRows(this.normals, triangles, 3)));
+      geometry.setAttribute("origin", attribute(isNodal ? origin : takeRows(origin, triangles, 3)));
       this.drawnAs = isNodal;
     }
     const shown = new Float32Array(isNodal ? source.length : triangles.length);
@@ -75,8 +77,17 @@ export class RunScene {
       cap.geometry.setAttribute("normal", attribute(new Float32Array(cut.corners.length)));
       const values = valuesOnCut(cut, this.values, this.isNodal);
       cap.geometry.setAttribute("value", attribute(values, 1));
+      cap.geometry.setAttribute("origin", attribute(originsOnCut(cut, this.mesh.reference, this.run.dimension)));
       return { ...cut, values, triangles: Uint32Array.from({ length: values.length }, (_, i) => i) };
     });
+  }
+
+  /** Draw the lines of the initial coordinates, or none; they are spaced over the undeformed body. */
+  setFlow(hasFlow) {
+    const { uniforms } = this.body.material, { low, apart } = this.run.flow;
+    uniforms.hasFlow.value = hasFlow;
+    uniforms.flowLow.value.set(...low);
+    uniforms.flowApart.value.set(...apart);
   }
 
   setVisible({ body, lines, tools }) {
@@ -193,6 +204,14 @@ export class RunScene {
     geometry.setAttribute("position", attribute(corners));
     return { corners, edges: new EdgesGeometry(geometry, 20).getAttribute("position").array };
   }
+}
+
+/** Return where the material of a shape's nodes was at the start (n, 3); reference: of the surface's nodes (m, dimension). */
+function takeOrigins(reference, source, dimension) {
+  const found = new Float32Array(3 * source.length);
+  for (let i = 0; i < source.length; i++)
+    for (let k = 0; k < dimension; k++) found[3 * i + k] = reference[dimension * source[i] + k];
+  return found;
 }
 
 function setLines(geometry, positions, lines) {

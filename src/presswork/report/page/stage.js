@@ -126,6 +126,7 @@ export class Stage {
     if (line) scene.lines.material.uniforms.plain.value.set(...[1, 3, 5].map((i) => parseInt(line.slice(i, i + 2), 16) / 255), 1);
     else scene.lines.material.uniforms.plain.value.set(0.1, 0.12, 0.16, 0.42);
     uniforms.isPlain.value = !coloured;
+    scene.setFlow(state.hasFlow);
     if (!coloured) return scene.setValues(new Float32Array(scene.shape.n), true);
     scene.setValues(coloured.isNodal ? coloured.nodal : coloured.raw, coloured.isNodal);
     const key = field.zones ? "zones" : this.#scaleOf(field);

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Grain flow: lines that were straight in the undeformed section, drawn where their material is now.
+
+Lines of one initial x (or radius) follow the fibres of bar stock whose axis is y; those of one initial y cross them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from presswork.model import FloatArray
+from presswork.results import Result
+from presswork.view.cells import triangulate
+from presswork.view.lap_mark import mark_laps
+from presswork.view.mesh_plot import draw_boundary, panel_size, prepare_section
+from presswork.view.mirror import IMAGES, Mirror
+from presswork.view.style import describe_step, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LINES = 20
+"""Lines of one family over the longer side of the undeformed body."""
+_FILL, _COLOURS, _WIDTHS = "#eef1f5", ("#1b3a6b", "#b06a2c"), (0.9, 0.6)
+
+
+def space_lines(points: FloatArray) -> list[FloatArray]:
+    """Return the places of the lines of each coordinate of the undeformed points (n_points, d) [mm].
+
+    They are as far apart in all directions, within a whole number of lines, and none lies on the ends of the body.
+    """
+    low, extent = points.min(axis=0), np.ptp(points, axis=0)
+    counts = np.maximum(np.rint(LINES * extent / extent.max()).astype(int), 1)
+    return [a + (np.arange(n) + 0.5) * e / n for a, n, e in zip(low, counts, extent, strict=True)]
+
+
+def plot_flow_lines(result: Result, step: int = -1, ax: Axes | None = None, *, mirror: Mirror = "") -> Axes:
+    """Draw the grain flow of a section, is_section says of which."""
+    if ax is None:
+        ax = new_figure(*panel_size(result, step, mirror)).subplots()
+    prepare_section(ax, result, step, mirror)
+    from matplotlib.colors import ListedColormap
+    from matplotlib.tri import Triangulation
+
+    mesh, points, places = result.mesh_at(step), result.points(step), space_lines(result.mesh.points)
+    triangles = triangulate(mesh)
+    for sign in IMAGES[mirror]:
+        x, y = (points * sign).T
+        net = Triangulation(x, y, triangles)
+        ax.tripcolor(net, facecolors=np.zeros(len(triangles)), cmap=ListedColormap([_FILL]), zorder=0.9)
+        for axis, (colour, width) in enumerate(zip(_COLOURS, _WIDTHS, strict=True)):
+            ax.tricontour(
+                net, mesh.points[:, axis], levels=places[axis], colors=colour, linewidths=width, zorder=2.0 - 0.1 * axis
+            )
+        draw_boundary(ax, mesh.boundary_edges, points, sign, mirror)
+    names = ("radius", "height") if result.info.get("analysis") == "axisymmetric" else ("x", "y")
+    extent = np.ptp(result.mesh.points, axis=0)
+    told = [
+        f"initial {names[axis]} every {extent[axis] / len(places[axis]):.3g} mm ({word})"
+        for axis, word in ((0, "blue"), (1, "brown"))
+    ]
+    fault = mark_laps(ax, result, step)
+    ax.set_title("\n".join([describe_step(result, step), *told, *([fault] if fault else [])]), fontsize="medium")
+    return ax
+
+
+def is_section(result: Result) -> bool:
+    """Say whether the body is a section in the plane or in axisymmetry."""
+    return bool(result.mesh.points.shape[1] == 2)
+
+
+def has_remeshed(result: Result) -> bool:
+    """Say whether the body got a new mesh in the run."""
+    return bool(np.asarray(result.history.get("remeshes", 0)).any())
