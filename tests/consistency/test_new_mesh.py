@@ -211,11 +211,14 @@ def test_friction_goes_along_per_area_and_nothing_else_of_a_run_changes() -> Non
 def test_heat_is_kept_to_round_off_and_even_temperatures_stay() -> None:
     recording = first_increment(forging(hot=True))
     heat = recording.procedure.heat
-    stored, span = heat.stored(recording.procedure.state), np.ptp(recording.procedure.state[HeatArrays].temperature)
+    stored, span = (
+        heat.forming.stored(recording.procedure.state[HeatArrays]),
+        np.ptp(recording.procedure.state[HeatArrays].temperature),
+    )
     assert span > 50.0
     assert recording._remesh("asked for")
     after = recording.procedure
-    assert after.heat.stored(after.state) == pytest.approx(stored, rel=1e-12)
+    assert after.heat.forming.stored(after.state[HeatArrays]) == pytest.approx(stored, rel=1e-12)
     columns = after.state[HeatArrays].columns
     assert columns.max() > 210.0, "the steel behind the surface stays warm"
     after.state[HeatArrays].temperature[:] = 400.0

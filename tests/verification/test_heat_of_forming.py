@@ -110,7 +110,7 @@ def test_a_cold_tool_cools_the_surface_of_a_half_space() -> None:
     assert np.ptp(surface) < 1e-6
     assert done.heat is not None
     heat = done.state[HeatArrays].heat
-    assert abs(done.heat.stored(done.state) - heat.sum()) < 1e-8 * np.abs(heat).max()
+    assert abs(done.heat.forming.stored(done.state[HeatArrays]) - heat.sum()) < 1e-8 * np.abs(heat).max()
 
 
 def test_friction_heat_is_shared_by_effusivity_and_all_heat_balances() -> None:
@@ -139,7 +139,7 @@ def test_friction_heat_is_shared_by_effusivity_and_all_heat_balances() -> None:
     assert radiation < 0
     assert done.heat is not None
     incoming = done.state[HeatArrays].heat
-    assert abs(done.heat.stored(done.state) - incoming.sum()) < 1e-8 * np.abs(incoming).max()
+    assert abs(done.heat.forming.stored(done.state[HeatArrays]) - incoming.sum()) < 1e-8 * np.abs(incoming).max()
 
 
 @pytest.mark.parametrize(("time", "hot"), [(0.1, 1004.59), (1.0, 851.37), (10.0, 754.02)])
@@ -165,7 +165,7 @@ def test_a_tool_that_warms_up_is_a_half_space(time, hot) -> None:
     gained = column.content(arrays.columns[0, nodes] - 200.0).mean() * 1.0
     assert gained == pytest.approx(-arrays.heat[2], rel=1e-5), "what the workpiece gives the tool has"
     assert done.heat is not None
-    assert 200 < done.heat.hottest(done.state)["die"] < 1400 - hot
+    assert 200 < done.heat.forming.hottest(done.state[HeatArrays])["die"] < 1400 - hot
 
 
 HALF_SPACE = {
@@ -207,7 +207,9 @@ def test_two_bodies_pressed_together_exchange_heat(time, hot, cold, columns) -> 
     assert temperature[sets["lower.top"]] == pytest.approx(cold, abs=3.0)
     assert np.ptp(temperature[sets["bottom"]]) < 0.01
     assert done.heat is not None
-    assert abs(done.heat.stored(done.state)) < 1e-8 * 60 * 7800e-12 * 650e6 * 1000, "what one loses the other gains"
+    assert abs(done.heat.forming.stored(done.state[HeatArrays])) < 1e-8 * 60 * 7800e-12 * 650e6 * 1000, (
+        "what one loses the other gains"
+    )
 
 
 WELL = {"conductivity": 3e4, "specific_heat": "650 J/(kg*K)"}
@@ -315,10 +317,13 @@ def test_a_meshed_die_is_a_half_space(time, hot, cold) -> None:
     arrays = done.state[HeatArrays]
     assert arrays.temperature[done.model.mesh.node_sets["bottom"]] == pytest.approx(hot, abs=3.0)
     assert done.heat is not None
-    (face,) = done.heat.dies.dies
+    (face,) = done.heat.forming.dies.dies
     profile = np.unique(face.profile) - face.nodes.start
     assert arrays.dies[profile] == pytest.approx(cold, abs=3.0)
-    gained, lost = done.heat.stored_in_dies(done.state), done.heat.stored(done.state)
+    gained, lost = (
+        done.heat.forming.stored_in_dies(done.state[HeatArrays]),
+        done.heat.forming.stored(done.state[HeatArrays]),
+    )
     assert gained == pytest.approx(-lost, rel=1e-8)
     assert arrays.die_heat[1] == pytest.approx(-arrays.heat[2], rel=1e-9)
     assert abs(gained - arrays.die_heat.sum()) < 1e-8 * gained

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Heat of bodies as they are formed: after each increment in equilibrium the heat equation, on the bodies as they lie.
+"""Heat of bodies as they are formed: the heat equation over an increment, on the bodies as they lie at its end.
 
-Staggered: an increment begins with the temperatures that the last rate foretells. Then the heat equation takes them to
-its end, with the heat of plastic work and friction, and what tools, other bodies and surroundings take. Where a law was
-given temperatures that are off by more than the tolerance, equilibrium is found again with the new ones. Within an
-increment time steps of heat follow their own error, as in heat alone (docs/theory/heat.md).
+With the heat of plastic work and friction, and what tools, other bodies and surroundings take. Within an increment time
+steps of heat follow their own error, as in heat alone (docs/theory/heat.md). Implicit increments
+(heat_of_increments.py) and rows of explicit cycles (process/heat_of_rows.py) describe themselves as a FormingInstant.
 """
 
 from __future__ import annotations
@@ -16,17 +15,16 @@ from typing import ClassVar
 import numpy as np
 
 from presswork.body.heat import Conduction, PointShapes
-from presswork.body.solids import Mechanics
 from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem, HeatStep
 from presswork.implicit.heat_made import HeatSources
 from presswork.interaction.chilled_tool import CELLS, Column, ColumnFilm
+from presswork.interaction.forming_instant import FormingInstant, Poses
 from presswork.interaction.heat_films import Film, ToolFilm
 from presswork.interaction.heat_surface import HeatSurface, Touch
 from presswork.interaction.meshed_dies import MeshedDies, pass_on
-from presswork.interaction.of_model import Interactions
 from presswork.model import BoolArray, FloatArray, Heat, Model
-from presswork.outcome import Failed, GaveUpError, IterationLog, Step
-from presswork.state import NODE, RUN, Arrays, OnNewMesh, State
+from presswork.outcome import Failed, GaveUpError, IterationLog
+from presswork.state import NODE, RUN, Arrays, OnNewMesh
 from presswork.timing import Timing
 
 KINDS = ("plastic", "friction", "tools", "convection", "radiation")
@@ -39,8 +37,6 @@ SAFETY, SHRINK, GROWTH, REFUSED = 0.9, 0.2, 2.0, 2.0
 """As in process.heat."""
 SMALLEST_PART = 1e-4
 """Of an increment: a time step of heat that is taken as it is."""
-MOST_PASSES = 5
-"""Times that equilibrium and heat are found in an increment."""
 _CONTENT_ROUNDS = 5
 
 
@@ -95,20 +91,18 @@ class _Instant:
 class HeatOfForming:
     """Conducts heat in bodies, and in tools with meshes."""
 
-    def __init__(
-        self, model: Model, cells: Mechanics, interactions: Interactions, timing: Timing, threads: int
-    ) -> None:
+    def __init__(self, model: Model, timing: Timing, threads: int, usual: float) -> None:
+        """Take how long an increment usually is [s]."""
         assert model.heat is not None
         self._model, self._heat = model, model.heat
         self._dies = MeshedDies(model, model.heat)
         none = np.zeros((0, 2), dtype=np.int32)
         self._equation = HeatEquation(self._dies.join(), none, timing, threads, iterative=True)
-        self._surface = HeatSurface(model, model.heat, interactions, self._dies)
-        self._sources = HeatSources(model, model.heat, cells, interactions, self._surface)
+        self._surface = HeatSurface(model, model.heat, self._dies)
+        self._sources = HeatSources(model, model.heat)
         self._shapes = PointShapes(model.mesh)
         self._n_points = len(model.mesh.points)
         self._skin = np.unique(model.mesh.boundary_edges)  # nodes that a tool may touch
-        usual = min(stage.duration for stage in model.stages) * model.solver.max_increment
         self._columns = {
             name: Column(*tool.steel, usual) for name, tool in model.heat.tools.items() if tool.steel is not None
         }
@@ -117,11 +111,6 @@ class HeatOfForming:
     def conduction(self) -> Conduction:
         """What conducts and stores the heat."""
         return self._equation.conduction
-
-    @property
-    def tolerance(self) -> float:
-        """By how much temperatures given to laws may be off [K]."""
-        return self._heat.tolerance
 
     @property
     def dies(self) -> MeshedDies:
@@ -139,10 +128,9 @@ class HeatOfForming:
         rates = np.zeros(len(start)), np.zeros(len(dies))
         return HeatArrays(start, rates[0], np.zeros(len(KINDS)), columns, dies, rates[1], np.zeros(len(DIE_KINDS)))
 
-    def hottest(self, state: State) -> dict[str, float]:
+    def hottest(self, arrays: HeatArrays) -> dict[str, float]:
         """Return the highest temperature of every tool that warms up, at its surface or of its mesh [degrees C]."""
         names = [tool.name for tool in self._model.plane_tools]
-        arrays = state[HeatArrays]
         found = {name: float(arrays.columns[names.index(name), :, 0].max()) for name in self._columns}
         for die in self._dies.dies:
             found[die.name] = float(arrays.dies[self._own(die.nodes)].max())
@@ -152,35 +140,34 @@ class HeatOfForming:
         """Return the place of a die's nodes among those of dies."""
         return slice(nodes.start - self._n_points, nodes.stop - self._n_points)
 
-    def die_temperatures(self, state: State) -> dict[str, FloatArray]:
+    def die_temperatures(self, arrays: HeatArrays) -> dict[str, FloatArray]:
         """Return the temperatures of each tool with a mesh at its nodes (n,) [degrees C]."""
-        return {die.name: state[HeatArrays].dies[self._own(die.nodes)] for die in self._dies.dies}
+        return {die.name: arrays.dies[self._own(die.nodes)] for die in self._dies.dies}
 
-    def stored(self, state: State) -> float:
+    def stored(self, arrays: HeatArrays) -> float:
         """Return the heat that the bodies have stored since the start [N mm]."""
-        return float(self._gain(state)[: self._n_points].sum())
+        return float(self._gain(arrays)[: self._n_points].sum())
 
-    def stored_in_dies(self, state: State) -> float:
+    def stored_in_dies(self, arrays: HeatArrays) -> float:
         """Return the heat that the tools with meshes have stored since the start [N mm]."""
-        return float(self._gain(state)[self._n_points :].sum())
+        return float(self._gain(arrays)[self._n_points :].sum())
 
-    def _gain(self, state: State) -> FloatArray:
-        now, _ = self._equation.conduction.content(_together(state))
+    def _gain(self, arrays: HeatArrays) -> FloatArray:
+        now, _ = self._equation.conduction.content(_together(arrays))
         start = np.concatenate([start_temperatures(self._model, self._heat), self._dies.at_rest()])
         before, _ = self._equation.conduction.content(start)
         return now - before
 
-    def at_points(self, state: State, block: int) -> FloatArray:
-        """Return the temperature at a block's points (n_cells, p) [degrees C]."""
-        return self._shapes.to_points(block, state[HeatArrays].temperature)
+    def to_points(self, block: int, temperature: FloatArray) -> FloatArray:
+        """Return temperatures of the nodes (n_points,) at a block's points (n_cells, p) [degrees C]."""
+        return self._shapes.to_points(block, temperature)
 
-    def keep_stored(self, state: State, stored: float, new: BoolArray) -> None:
+    def keep_stored(self, arrays: HeatArrays, stored: float, new: BoolArray) -> None:
         """Bring temperatures carried to this mesh to a heat stored since the start [N mm]; new: nodes (n_points,).
 
         What is missing goes to the nodes in proportion to the range of temperature in the cells round them, where
         carrying errs: an even temperature stays.
         """
-        arrays = state[HeatArrays]
         conduction, carried = self._equation.conduction, arrays.temperature.copy()
         span = np.zeros(len(carried))
         for block in self._model.mesh.blocks:
@@ -189,46 +176,33 @@ class HeatOfForming:
         span *= new
         change = 0.0
         for _ in range(_CONTENT_ROUNDS if span.max() > 0.0 else 0):
-            _, slope = conduction.content(_together(state))
-            change += (stored - self.stored(state)) / float(slope[: len(span)] @ span)
+            _, slope = conduction.content(_together(arrays))
+            change += (stored - self.stored(arrays)) / float(slope[: len(span)] @ span)
             arrays.temperature = carried + change * span
 
-    def spread(self, state: State) -> None:
-        """Give the nodes' temperatures to the integration points of materials that depend on them."""
-        for i, given in enumerate(state.cells.temperature):
-            if given.size:
-                state.cells.temperature[i] = self._shapes.to_points(i, state[HeatArrays].temperature)
-
-    def begin_increment(self, state_n: State, trial: State, dt: float) -> None:
-        """Give laws the temperatures that the last rate foretells for the end of an increment of dt [s]."""
-        arrays = state_n[HeatArrays]
-        for i, given in enumerate(trial.cells.temperature):
-            if given.size:
-                trial.cells.temperature[i] = self._shapes.to_points(i, arrays.temperature + dt * arrays.rate)
-
-    def begin_stage(self, state: State) -> None:
+    @staticmethod
+    def begin_stage(arrays: HeatArrays) -> None:
         """Forget the rate: what heats and cools jumps where a stage begins."""
-        arrays = state[HeatArrays]
         arrays.rate, arrays.die_rate = np.zeros_like(arrays.rate), np.zeros_like(arrays.die_rate)
         arrays.last_step = arrays.next_step = 0.0
 
-    def rest(self, state: State, duration: float) -> HeatArrays:
+    def rest(self, arrays_n: HeatArrays, points: FloatArray, poses: Poses, duration: float) -> HeatArrays:
         """Return the arrays after a time [s] in which the tools with meshes lie open without a workpiece.
 
-        Raises GaveUpError where heat finds no balance.
+        points: of the bodies (n_points, 2) [mm]. Raises GaveUpError where heat finds no balance.
         """
-        after = state.duplicate()
-        self.begin_stage(after)
-        arrays, n = after[HeatArrays], self._n_points
+        arrays, n = arrays_n.duplicate(), self._n_points
+        self.begin_stage(arrays)
         if duration == 0.0:
             return arrays
         mask, held = self._dies.mask.copy(), self._dies.held.copy()
         mask[:n], held[:n] = 1, arrays.temperature
+        places = self._dies.place(points, poses)
         problem = HeatProblem(
-            points=self._dies.place(after),
-            temperature_n=_together(after),
+            points=places,
+            temperature_n=_together(arrays),
             dt=duration,
-            films=self._surface.find_open(after),
+            films=self._surface.find_open(places),
             time=duration,
             mask=mask,
             prescribed=held,
@@ -236,31 +210,28 @@ class HeatOfForming:
         )
         self._equation.couple(np.zeros((0, 2), dtype=np.int32))
         heat = np.zeros((2, len(KINDS)))
-        found = self._take_steps(after, problem, [], np.zeros(n), heat)
+        found = self._take_steps(arrays, problem, [], np.zeros((len(poses), n)), heat)
         if isinstance(found, Failed):
             raise GaveUpError(f"the pause between parts: {found.reason}")
         arrays.dies, arrays.die_heat = found.temperature[n:], arrays.die_heat + heat[1]
         return arrays
 
-    def advance(self, state_n: State, trial: State, step: Step, dt: float) -> float | Failed:
-        """Bring the temperatures of a trial state in equilibrium to the end of its increment of dt [s].
-
-        Return by how much those given to laws were off at most [K], or why heat finds no balance.
-        """
-        surface = self._surface.find(trial, step)
-        made = self._sources.find(state_n, trial, surface, dt)
+    def advance(self, arrays_n: HeatArrays, now: FormingInstant, dt: float) -> HeatArrays | Failed:
+        """Return the arrays after an increment of dt [s], or why heat finds no balance."""
+        surface = self._surface.find(now)
+        made = self._sources.find(now, surface)
         between = [meeting.film for meeting in surface.meetings] + [film for film, _ in surface.links.values()]
         self._equation.couple(np.concatenate([np.zeros((0, 2), dtype=np.int32), *(film.pairs for film in between)]))
         rubbed = np.zeros(self._dies.n_points)
         for t, (film, area) in surface.links.items():
             own = np.zeros(self._dies.n_points)
-            own[: self._n_points] = np.where(made.tool == t, made.into_tools, 0.0)
+            own[: self._n_points] = made.into_tools[t]
             rubbed += pass_on(film.pairs, area, own)
         source = rubbed.copy()
         source[: self._n_points] += made.plastic + made.friction
         problem = HeatProblem(
-            points=self._dies.place(trial),
-            temperature_n=_together(state_n),
+            points=self._dies.place(now.points, now.poses),
+            temperature_n=_together(arrays_n),
             dt=dt,
             films=[*between, *surface.around],
             time=dt,
@@ -270,22 +241,18 @@ class HeatOfForming:
             counted=self._n_points,
         )
         heat = np.zeros((2, len(KINDS)))
-        found = self._take_steps(state_n, problem, surface.touches, made.into_tools / dt, heat)
+        found = self._take_steps(arrays_n, problem, surface.touches, made.into_tools / dt, heat)
         if isinstance(found, Failed):
             return found
         heat[0, :2] = made.plastic.sum(), made.friction.sum()
         heat[1, 0] = rubbed.sum()
-        self._keep(state_n, trial, found, heat)
-        before = [given.copy() for given in trial.cells.temperature]
-        self.spread(trial)
-        pairs = zip(before, trial.cells.temperature, strict=True)
-        return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0)
+        return self._collect(arrays_n, found, heat)
 
     def _take_steps(
-        self, state_n: State, problem: HeatProblem, touches: list[Touch], rubbed: FloatArray, heat: FloatArray
+        self, arrays: HeatArrays, problem: HeatProblem, touches: list[Touch], rubbed: FloatArray, heat: FloatArray
     ) -> _Instant | Failed:
         """Go through an increment in time steps that follow their error; adds up the heat (2, n_kinds) [N mm]."""
-        arrays, dt, films = state_n[HeatArrays], problem.dt, problem.films
+        dt, films = problem.dt, problem.films
         rate = np.concatenate([arrays.rate, arrays.die_rate])
         now = _Instant(problem.temperature_n, rate, arrays.columns, arrays.last_step, arrays.next_step)
         done, part = 0.0, min(dt, now.next_step or FIRST_PART * dt)
@@ -331,21 +298,26 @@ class HeatOfForming:
         foretold = now.temperature + part * now.rate
         return float(np.abs(found.temperature - foretold).max()) * part / (2 * part + now.last_step)
 
-    def _keep(self, state_n: State, trial: State, found: _Instant, heat: FloatArray) -> None:
-        before, n = state_n[HeatArrays], self._n_points
-        arrays = trial[HeatArrays]
-        arrays.temperature, arrays.rate = found.temperature[:n], found.rate[:n]
-        arrays.dies, arrays.die_rate = found.temperature[n:], found.rate[n:]
-        arrays.heat, arrays.die_heat = before.heat + heat[0], before.die_heat + heat[1]
-        arrays.columns = found.columns
-        arrays.last_step, arrays.next_step = found.last_step, found.next_step
+    def _collect(self, before: HeatArrays, found: _Instant, heat: FloatArray) -> HeatArrays:
+        n = self._n_points
+        return HeatArrays(
+            temperature=found.temperature[:n],
+            rate=found.rate[:n],
+            heat=before.heat + heat[0],
+            columns=found.columns,
+            dies=found.temperature[n:],
+            die_rate=found.rate[n:],
+            die_heat=before.die_heat + heat[1],
+            last_step=found.last_step,
+            next_step=found.next_step,
+        )
 
     def _chill(
         self, touches: list[Touch], columns: FloatArray, rubbed: FloatArray, dt: float
     ) -> tuple[FloatArray, dict[int, ColumnFilm]]:
         """Return the columns after a time step of dt [s] without a flux, and the films of tools that warm up.
 
-        rubbed: (n_points,) [N mm/s].
+        rubbed: (n_tools, n_points) [N mm/s].
         """
         still, films = columns.copy(), {}
         touched = {touch.tool: touch for touch in touches}
@@ -355,15 +327,14 @@ class HeatOfForming:
                 continue
             still[t, self._skin], answer = column.step(columns[t, self._skin], dt)
             if touch is not None:
-                flux = rubbed[touch.nodes] / touch.area
+                flux = rubbed[t, touch.nodes] / touch.area
                 own = still[t, touch.nodes]
                 films[t] = ColumnFilm(column, touch.nodes, touch.area, touch.conductance, own, answer, flux)
         return still, films
 
 
-def _together(state: State) -> FloatArray:
+def _together(arrays: HeatArrays) -> FloatArray:
     """Return the temperatures of bodies and dies."""
-    arrays = state[HeatArrays]
     return np.concatenate([arrays.temperature, arrays.dies])
 
 

@@ -18,7 +18,8 @@ from presswork.body.solids import Mechanics, make_mechanics
 from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
 from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
-from presswork.implicit.heat_of_forming import MOST_PASSES, HeatOfForming
+from presswork.implicit.heat_of_forming import HeatArrays
+from presswork.implicit.heat_of_increments import MOST_PASSES, HeatOfIncrements
 from presswork.implicit.heat_of_stamping import HeatOfStamping
 from presswork.implicit.held import check_held, check_pushed
 from presswork.implicit.newton import Equilibrium
@@ -88,10 +89,10 @@ class ImplicitProcedure:
         self.interactions = Interactions(model, self.mechanics, self.others)
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
         self.ram = Ram(model)
-        self.heat: HeatOfForming | None = None
+        self.heat: HeatOfIncrements | None = None
         self.sheet_heat: HeatOfStamping | None = None
         if model.heat is not None and isinstance(self.mechanics, Mechanics):
-            self.heat = HeatOfForming(model, self.mechanics, self.interactions, self.timing, threads)
+            self.heat = HeatOfIncrements(model, self.mechanics, self.interactions, self.timing, threads)
         elif model.heat is not None and isinstance(self.mechanics, ShellMechanics):
             self.sheet_heat = HeatOfStamping(model, self.mechanics)
         self.evolution = Evolution(model)
@@ -114,7 +115,7 @@ class ImplicitProcedure:
         if self.ram.is_needed:
             state.add(self.ram.at_rest())
         if self.heat is not None:
-            state.add(self.heat.at_rest())
+            state.add(self.heat.forming.at_rest())
             self.heat.spread(state)
         if self.sheet_heat is not None:
             state.add(self.sheet_heat.at_rest())
@@ -239,7 +240,7 @@ class ImplicitProcedure:
         let_go = [i.begin_stage(self._start, stage) for i in self.interactions.all]
         self._lets_go = any(let_go)
         if self.heat is not None:
-            self.heat.begin_stage(self._start)
+            self.heat.forming.begin_stage(self._start[HeatArrays])
         try:
             check_pushed(self.model, self.interactions, self._start, stage)
         except NotHeldError as error:
@@ -280,7 +281,7 @@ class ImplicitProcedure:
         outcome = self.equilibrium.solve(state_n, trial, step, guess, gently=gently)
         return trial, outcome
 
-    def _conduct(self, heat: HeatOfForming, trial: State, step: Step, found: Converged) -> Converged | Failed:
+    def _conduct(self, heat: HeatOfIncrements, trial: State, step: Step, found: Converged) -> Converged | Failed:
         """Take the heat of an increment in equilibrium to its end; repeat both where temperatures given were off."""
         state_n, log = self._start, found.log
         for _ in range(MOST_PASSES):

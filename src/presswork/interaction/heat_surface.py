@@ -13,16 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.body.heat import sum_at_nodes
-from presswork.fields.contact_stress import ContactForces
-from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.forming_instant import FormingInstant
 from presswork.interaction.heat_films import Film, PairFilm, interpolate, make_surroundings, measure_sides
 from presswork.interaction.meshed_dies import MeshedDies
-from presswork.interaction.of_model import Interactions
 from presswork.mesh.edges import GAUSS_3
 from presswork.mesh.facing import find_facing, split_edges, sum_pairs
 from presswork.model import BodyContact, BoolArray, FloatArray, Heat, HeatContact, IntArray, Model, ToolHeat
-from presswork.outcome import Step
-from presswork.state import State
 
 TOO_DEEP = 0.1
 """Of an edge: a body that overlaps another by more counts as apart from it."""
@@ -73,44 +69,40 @@ class SurfaceNow:
 class HeatSurface:
     """Finds what the surface of a model's bodies touches."""
 
-    def __init__(self, model: Model, heat: Heat, interactions: Interactions, dies: MeshedDies) -> None:
-        self._model, self._heat, self._interactions, self._dies = model, heat, interactions, dies
+    def __init__(self, model: Model, heat: Heat, dies: MeshedDies) -> None:
+        self._model, self._heat, self._dies = model, heat, dies
         self._edges = find_open_edges(model)
         self._pieces = split_edges(self._edges)
         self._contacts = {contact.name: contact for contact in model.contacts}
         self._thickness = None if model.analysis == "axisymmetric" else model.depth
 
-    def find(self, trial: State, step: Step) -> SurfaceNow:
-        """Return what touches the surface of a state in equilibrium."""
-        points = self._dies.place(trial)
+    def find(self, now: FormingInstant) -> SurfaceNow:
+        """Return what touches the surface."""
+        points = self._dies.place(now.points, now.poses)
         areas = measure_sides(self._model, self._edges, points)
         seen = areas.copy()
         touches = []
         links: dict[int, tuple[PairFilm, FloatArray]] = {}
-        if self._model.plane_tools:
-            forces = self._interactions.tools.contact.forces(trial, self._interactions.supports.fixed(step.stage))
-            for t, tool in enumerate(self._model.plane_tools):
-                held = np.zeros(len(self._model.mesh.points), dtype=bool)
-                held[forces.nodes[forces.tool == t]] = True
-                touching: BoolArray = np.asarray(held[self._edges[:, 0]] & held[self._edges[:, 1]])
-                seen[touching] = 0.0
-                heat = self._heat.tools.get(tool.name)
-                if heat is None:
-                    continue
-                pressure = self._find_pressure(t, areas[touching], self._edges[touching], forces)
-                near = self._near(t, heat.gap, areas, touching)
-                if heat.gap > 0.0:
-                    seen -= near
-                touch = self._touch(t, heat, areas, near, touching, pressure)
-                touches += [touch] if len(touch.nodes) else []
-                if heat.die is not None:
-                    links[t] = self._link(t, heat, points, touching, pressure)
+        for t, tool in enumerate(self._model.plane_tools):
+            touching: BoolArray = np.asarray(now.holds[t][self._edges[:, 0]] & now.holds[t][self._edges[:, 1]])
+            seen[touching] = 0.0
+            heat = self._heat.tools.get(tool.name)
+            if heat is None:
+                continue
+            pressure = self._find_pressure(areas[touching], self._edges[touching], now.push[t])
+            near = self._near(now.gap[t], heat.gap, areas, touching)
+            if heat.gap > 0.0:
+                seen -= near
+            touch = self._touch(t, heat, areas, near, touching, pressure)
+            touches += [touch] if len(touch.nodes) else []
+            if heat.die is not None:
+                links[t] = self._link(t, heat, now.gap[t], points, touching, pressure)
         area = sum_at_nodes(self._edges, seen, len(points))
         for die in self._dies.dies:
             area += sum_at_nodes(die.profile, measure_sides(self._model, die.profile, points), len(points))
             film, shared = links[die.tool]
             area -= sum_at_nodes(film.pairs[:, 1], shared, len(points))
-        meetings = [self._meet(trial, entry, points) for entry in self._heat.contacts]
+        meetings = [self._meet(now, entry) for entry in self._heat.contacts]
         for meeting in meetings:
             for side in meeting.film.pairs.T:
                 area = area - sum_at_nodes(side, meeting.area, len(points))
@@ -118,20 +110,18 @@ class HeatSurface:
         around = self._heat.surroundings
         return SurfaceNow(touches, meetings, links, make_surroundings(around, area) if around else [])
 
-    def find_open(self, state: State) -> list[Film]:
-        """Return the surroundings of tools with meshes that no body touches."""
-        points = self._dies.place(state)
+    def find_open(self, points: FloatArray) -> list[Film]:
+        """Return the surroundings of tools with meshes that no body touches; points: of bodies and tools."""
         area = np.zeros(len(points))
         for die in self._dies.dies:
             area += sum_at_nodes(die.profile, measure_sides(self._model, die.profile, points), len(points))
         around = self._heat.surroundings
         return make_surroundings(around, area) if around else []
 
-    def _find_pressure(self, t: int, areas: FloatArray, edges: IntArray, forces: ContactForces) -> FloatArray:
+    def _find_pressure(self, areas: FloatArray, edges: IntArray, push: FloatArray) -> FloatArray:
         """Return the pressure of a tool at the nodes of the edges that it touches (n_points,) [MPa]."""
-        own, n = forces.tool == t, len(self._model.mesh.points)
+        n = len(self._model.mesh.points)
         area = sum_at_nodes(edges, areas, n)
-        push = sum_at_nodes(forces.nodes[own], np.maximum(forces.push[own], 0.0), n)
         return np.asarray(np.divide(push, area, out=np.zeros(n), where=area > 0.0))
 
     def _touch(
@@ -151,12 +141,18 @@ class HeatSurface:
         return Touch(t, heat, nodes, area[nodes], conductance[nodes])
 
     def _link(
-        self, t: int, heat: ToolHeat, points: FloatArray, touching: BoolArray, pressure: FloatArray
+        self,
+        t: int,
+        heat: ToolHeat,
+        gaps: FloatArray,
+        points: FloatArray,
+        touching: BoolArray,
+        pressure: FloatArray,
     ) -> tuple[PairFilm, FloatArray]:
         """Return what passes between bodies and a tool with a mesh, and the areas that pairs of nodes share."""
         die = next(die for die in self._dies.dies if die.tool == t)
         holds = np.tile(touching, len(self._pieces) // len(self._edges))
-        gap = self._gaps(t, heat.gap)[self._pieces]
+        gap = _cut_off(gaps, heat.gap)[self._pieces]
         counts = holds | (gap.min(axis=1) < heat.gap)
         own, gap, holds = self._pieces[counts], gap[counts], holds[counts]
         length = np.linalg.norm(points[own[:, 1]] - points[own[:, 0]], axis=1)
@@ -171,18 +167,11 @@ class HeatSurface:
         pairs, (conducted, shared) = sum_pairs(found, own, die.profile, conductance * area, area)
         return PairFilm("dies", pairs, conducted), shared
 
-    def _gaps(self, t: int, width: float) -> FloatArray:
-        """Return the distance of the nodes from a tool, cut off far away (n_points,) [mm]."""
-        contact = self._interactions.tools.contact
-        gap = np.full(len(self._model.mesh.points), np.inf)
-        gap[contact.nodes] = contact.gap[2 * t]
-        return np.asarray(np.minimum(gap, FAR * width + 1.0))
-
-    def _near(self, t: int, width: float, areas: FloatArray, touching: BoolArray) -> FloatArray:
+    def _near(self, gaps: FloatArray, width: float, areas: FloatArray, touching: BoolArray) -> FloatArray:
         """Return the area at the nodes of each edge (n_edges, n_nodes) by the part of heat that passes a gap."""
         if width == 0.0:
             return np.zeros_like(areas)
-        ends = self._gaps(t, width)[self._edges[:, :2]]
+        ends = _cut_off(gaps, width)[self._edges[:, :2]]
         part = np.zeros(len(areas))
         for s, weight in GAUSS_3:
             between = 0.5 * (1 - s) * ends[:, 0] + 0.5 * (1 + s) * ends[:, 1]
@@ -190,14 +179,14 @@ class HeatSurface:
         part[touching] = 0.0
         return np.asarray(areas * part[:, None])
 
-    def _meet(self, trial: State, entry: HeatContact, points: FloatArray) -> Meeting:
+    def _meet(self, now: FormingInstant, entry: HeatContact) -> Meeting:
         """Return how two bodies touch or are near."""
-        contact = self._contacts[entry.name]
+        contact, points = self._contacts[entry.name], now.points
         own, other = (self._pieces[self._model.bodies[b].owns(self._pieces)] for b in (contact.slave, contact.master))
         length = np.linalg.norm(points[own[:, 1]] - points[own[:, 0]], axis=1)
         reach = np.full(len(own), entry.gap) + TOO_DEEP * length
         found = find_facing(points, own, other, reach, self._thickness)
-        nodal = np.maximum(self._spread(contact, trial[InterfaceArrays].pressure), 0.0)
+        nodal = np.maximum(now.between.pressure[entry.name], 0.0)
         pressure = (found.own_shape * nodal[own[found.own]]).sum(axis=1)
         conductance, _ = interpolate(entry.conductance, pressure)
         width = entry.gap if entry.gap > 0.0 else np.inf
@@ -210,19 +199,10 @@ class HeatSurface:
         pairs, (conducted, shared) = sum_pairs(found, own, other, conductance * area, area)
         return Meeting(contact, PairFilm("contact", pairs, conducted), shared)
 
-    def find_shear(self, state: State, contact: BodyContact) -> FloatArray:
-        """Return how large the shear of a contact is at the slave's nodes (n_points,) [MPa]."""
-        return self._spread(contact, np.abs(state[InterfaceArrays].shear))
 
-    def _spread(self, contact: BodyContact, slots: FloatArray) -> FloatArray:
-        """Return what the slots of all contacts (n_slots,) tell of one at the slave's nodes (n_points,)."""
-        nodal = np.zeros(len(self._model.mesh.points))
-        interface = next(i for i in self._interactions.bodies.interfaces if i.contact is contact)
-        nodal[interface.nodes] = slots[interface.places]
-        if interface.slave.shape[1] == 3:
-            first, last, middle = interface.slave.T
-            nodal[middle] = 0.5 * (nodal[first] + nodal[last])
-        return nodal
+def _cut_off(gap: FloatArray, width: float) -> FloatArray:
+    """Return distances from a tool (n,) [mm], all far ones as one."""
+    return np.asarray(np.minimum(gap, FAR * width + 1.0))
 
 
 def find_open_edges(model: Model) -> IntArray:

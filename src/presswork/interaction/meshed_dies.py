@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from presswork.body.heat import sum_at_nodes
-from presswork.geometry.pose import ToolPose, place_points, start_centre
-from presswork.interaction.tool_arrays import ToolArrays
+from presswork.geometry.pose import place_points
+from presswork.interaction.forming_instant import Poses
 from presswork.model import CellBlock, DieMesh, FloatArray, Heat, IntArray, Material, Mesh, Model
-from presswork.state import State
 
 
 @dataclass(frozen=True)
@@ -28,8 +27,6 @@ class Die:
     """Of all nodes that conduct heat."""
     profile: IntArray
     """Edges on the profile (n, 2), by the numbers of all nodes."""
-    centre: FloatArray
-    """About which the tool turns, where it is at the start (2,) [mm]."""
 
 
 class MeshedDies:
@@ -45,7 +42,7 @@ class MeshedDies:
                 continue
             nodes = slice(first, first + len(own.die.mesh.points))
             profile = (own.die.profile + first).astype(np.int32)
-            self.dies.append(Die(tool.name, t, own.die, own.temperature, nodes, profile, start_centre(tool)))
+            self.dies.append(Die(tool.name, t, own.die, own.temperature, nodes, profile))
             first = nodes.stop
         self.n_points = first
         """Nodes of bodies and dies."""
@@ -71,14 +68,9 @@ class MeshedDies:
         mesh = Mesh(points, tuple(blocks), {}, {}, model.mesh.boundary_edges)
         return replace(model, mesh=mesh, materials=tuple(materials))
 
-    def place(self, state: State) -> FloatArray:
-        """Return where the nodes of bodies and dies are (n_points, 2) [mm]."""
-        parts = [self._model.mesh.points + state.nodes.displacement]
-        for die in self.dies:
-            placed = state[ToolArrays]
-            pose = ToolPose(die.centre, placed.displacement[die.tool], float(placed.angle[die.tool]))
-            parts.append(place_points(die.mesh.mesh.points, pose))
-        return np.concatenate(parts)
+    def place(self, points: FloatArray, poses: Poses) -> FloatArray:
+        """Return where the nodes of bodies and dies are (n_points, 2) [mm]; poses: of all tools of the plane."""
+        return np.concatenate([points, *(place_points(die.mesh.mesh.points, poses[die.tool]) for die in self.dies)])
 
     def at_rest(self) -> FloatArray:
         """Return the temperatures of the dies' nodes at the start, die after die (n,) [degrees C]."""

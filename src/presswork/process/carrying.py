@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from presswork.body.solids import Mechanics
 from presswork.implicit.epochs import Epoch
+from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.mesh.edges import edge_areas
@@ -51,7 +52,8 @@ def carry_state(before: Epoch, after: Epoch, carrier: Carrier) -> None:
     after.run.evolution.clip(after.state)
     _return_to_law(after, {part.block for part in carrier.parts if part.surface is not None})
     if after.run.heat is not None and before.run.heat is not None:
-        after.run.heat.keep_stored(after.state, before.run.heat.stored(before.state), carrier.is_new())
+        stored = before.run.heat.forming.stored(before.state[HeatArrays])
+        after.run.heat.forming.keep_stored(after.state[HeatArrays], stored, carrier.is_new())
         after.run.heat.spread(after.state)
 
 

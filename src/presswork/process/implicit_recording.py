@@ -69,8 +69,11 @@ class ImplicitRecording(IncrementRecording):
         contacts = [c.name for c in self.model.contacts]
         heat = heat_columns(HEAT_KINDS) if self.procedure.heat else []
         if self.procedure.heat:
-            heat += [f"{name}.temperature_max" for name in self.procedure.heat.hottest(self.procedure.state)]
-            heat += ["dies_heat_stored"] if self.procedure.heat.dies.dies else []
+            heat += [
+                f"{name}.temperature_max"
+                for name in self.procedure.heat.forming.hottest(self.procedure.state[HeatArrays])
+            ]
+            heat += ["dies_heat_stored"] if self.procedure.heat.forming.dies.dies else []
         peaks = peak_columns(find_evolved(self.procedure.state))
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         return [*history_columns(tools, self.turning, contacts), *ram, *heat, *peaks, *self.reactions.columns]
@@ -108,10 +111,10 @@ class ImplicitRecording(IncrementRecording):
         if RamArrays in state:
             row |= measure_ram(self.model, state, self._stage())
         if (heat := self.procedure.heat) is not None:
-            own = state[HeatArrays]
-            row |= measure_heat(heat.conduction, own.temperature, heat.stored(state), HEAT_KINDS, own.heat)
-            row |= {f"{name}.temperature_max": value for name, value in heat.hottest(state).items()}
-            row |= {"dies_heat_stored": heat.stored_in_dies(state)} if heat.dies.dies else {}
+            own, bodies = state[HeatArrays], heat.forming
+            row |= measure_heat(bodies.conduction, own.temperature, bodies.stored(own), HEAT_KINDS, own.heat)
+            row |= {f"{name}.temperature_max": value for name, value in bodies.hottest(own).items()}
+            row |= {"dies_heat_stored": bodies.stored_in_dies(own)} if bodies.dies.dies else {}
         row |= peak_row(find_evolved(state))
         moved = self.moved(state.nodes.displacement)
         return row | self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
@@ -213,8 +216,8 @@ class ImplicitRecording(IncrementRecording):
         heat = self.procedure.heat
         if heat is None:
             return {}
-        temperatures = heat.die_temperatures(self.procedure.state)
-        meshes = {die.name: die.mesh.mesh for die in heat.dies.dies}
+        temperatures = heat.forming.die_temperatures(self.procedure.state[HeatArrays])
+        meshes = {die.name: die.mesh.mesh for die in heat.forming.dies.dies}
         return {name: (mesh.points, mesh.blocks[0].connectivity, temperatures[name]) for name, mesh in meshes.items()}
 
     def _judged(self) -> Formability:
@@ -284,12 +287,13 @@ class ImplicitRecording(IncrementRecording):
 
     def _summarise_heat(self) -> dict[str, Any]:
         """Return the balance of heat, if there is any."""
-        heat, state = self.procedure.heat, self.procedure.state
+        heat = self.procedure.heat
         if heat is None:
             return {}
-        found: dict[str, Any] = summarise_heat(heat.stored(state), HEAT_KINDS, state[HeatArrays].heat)
-        if heat.dies.dies:
-            found["dies"] = summarise_heat(heat.stored_in_dies(state), DIE_KINDS, state[HeatArrays].die_heat)
+        bodies, own = heat.forming, self.procedure.state[HeatArrays]
+        found: dict[str, Any] = summarise_heat(bodies.stored(own), HEAT_KINDS, own.heat)
+        if bodies.dies.dies:
+            found["dies"] = summarise_heat(bodies.stored_in_dies(own), DIE_KINDS, own.die_heat)
         return {"heat": found}
 
     def _shortest_edge(self) -> float:

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Heat in implicit increments of forming, staggered with equilibrium.
+
+An increment begins with the temperatures that the last rate foretells. Once it is in equilibrium, the heat equation
+takes them to its end (heat_of_forming.py). Where a law was given temperatures that are off by more than the tolerance,
+equilibrium is found again with the new ones.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.body.solids import Mechanics
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
+from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.forming_instant import BetweenBodies, FormingInstant, Poses, find_poses
+from presswork.interaction.of_model import Interactions
+from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
+from presswork.model import BodyContact, FloatArray, Model
+from presswork.outcome import Failed, Step
+from presswork.state import State
+from presswork.timing import Timing
+
+MOST_PASSES = 5
+"""Times that equilibrium and heat are found in an increment."""
+
+
+class HeatOfIncrements:
+    """Conducts heat in the bodies of an implicit run."""
+
+    def __init__(
+        self, model: Model, cells: Mechanics, interactions: Interactions, timing: Timing, threads: int
+    ) -> None:
+        assert model.heat is not None
+        self._model, self._cells, self._interactions = model, cells, interactions
+        usual = min(stage.duration for stage in model.stages) * model.solver.max_increment
+        self.forming = HeatOfForming(model, timing, threads, usual)
+        """What conducts and stores the heat."""
+        self.tolerance = model.heat.tolerance
+        """By how much temperatures given to laws may be off [K]."""
+        self._contacts = {contact.name: contact for contact in model.contacts}
+
+    def at_points(self, state: State, block: int) -> FloatArray:
+        """Return the temperature at a block's points (n_cells, p) [degrees C]."""
+        return self.forming.to_points(block, state[HeatArrays].temperature)
+
+    def spread(self, state: State) -> None:
+        """Give the nodes' temperatures to the integration points of materials that depend on them."""
+        for i, given in enumerate(state.cells.temperature):
+            if given.size:
+                state.cells.temperature[i] = self.at_points(state, i)
+
+    def begin_increment(self, state_n: State, trial: State, dt: float) -> None:
+        """Give laws the temperatures that the last rate foretells for the end of an increment of dt [s]."""
+        arrays = state_n[HeatArrays]
+        for i, given in enumerate(trial.cells.temperature):
+            if given.size:
+                trial.cells.temperature[i] = self.forming.to_points(i, arrays.temperature + dt * arrays.rate)
+
+    def rest(self, state: State, duration: float) -> HeatArrays:
+        """Return the arrays after a time [s] in which the tools with meshes lie open without a workpiece.
+
+        Raises GaveUpError where heat finds no balance.
+        """
+        return self.forming.rest(state[HeatArrays], self._points(state), self._poses(state), duration)
+
+    def advance(self, state_n: State, trial: State, step: Step, dt: float) -> float | Failed:
+        """Bring the temperatures of a trial state in equilibrium to the end of its increment of dt [s].
+
+        Return by how much those given to laws were off at most [K], or why heat finds no balance.
+        """
+        found = self.forming.advance(state_n[HeatArrays], self._show(state_n, trial, step, dt), dt)
+        if isinstance(found, Failed):
+            return found
+        trial.replace(found)
+        before = [given.copy() for given in trial.cells.temperature]
+        self.spread(trial)
+        pairs = zip(before, trial.cells.temperature, strict=True)
+        return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0)
+
+    def _points(self, state: State) -> FloatArray:
+        return self._model.mesh.points + state.nodes.displacement
+
+    def _poses(self, state: State) -> Poses:
+        if not self._model.plane_tools:
+            return []
+        placed = state[ToolArrays]
+        return find_poses(self._model.plane_tools, placed.displacement, placed.angle)
+
+    def _show(self, state_n: State, trial: State, step: Step, dt: float) -> FormingInstant:
+        """Return what heat asks of an increment in equilibrium."""
+        n, tools = len(self._model.mesh.points), self._interactions.tools
+        shape = (len(self._model.plane_tools), n)
+        holds, push, rubbed, gap = np.zeros(shape, dtype=bool), np.zeros(shape), np.zeros(shape), np.full(shape, np.inf)
+        if self._model.plane_tools:
+            contact = tools.contact
+            forces = contact.forces(trial, self._interactions.supports.fixed(step.stage))
+            holds[forces.tool, forces.nodes] = True
+            np.add.at(push, (forces.tool, forces.nodes), np.maximum(forces.push, 0.0))
+            gap[:, contact.nodes] = contact.gap[::2]
+            rubs_on = np.argmax(trial[ContactArrays].status > 0, axis=0) // 2
+            rubbed[rubs_on, contact.nodes] = tools.friction.lost_at
+        return FormingInstant(
+            points=self._points(trial),
+            poses=self._poses(trial),
+            holds=holds,
+            push=push,
+            gap=gap,
+            plastic=list(self._cells.plastic_work_at_points(state_n, trial, dt)),
+            rubbed=rubbed,
+            between=self._show_bodies(state_n, trial),
+        )
+
+    def _show_bodies(self, state_n: State, trial: State) -> BetweenBodies:
+        """Return how bodies press and rub on each other."""
+        assert self._model.heat is not None
+        entries = [self._contacts[entry.name] for entry in self._model.heat.contacts]
+        arrays = trial[InterfaceArrays] if entries else None
+        if arrays is None:
+            return BetweenBodies({}, {}, trial.nodes.increment, 0.0)
+        return BetweenBodies(
+            pressure={contact.name: self._spread(contact, arrays.pressure) for contact in entries},
+            shear={contact.name: self._spread(contact, np.abs(arrays.shear)) for contact in entries},
+            way=trial.nodes.increment,
+            lost=self._interactions.bodies.work(state_n, trial)["friction_work"],
+        )
+
+    def _spread(self, contact: BodyContact, slots: FloatArray) -> FloatArray:
+        """Return what the slots of all contacts (n_slots,) tell of one at the slave's nodes (n_points,)."""
+        nodal = np.zeros(len(self._model.mesh.points))
+        interface = next(i for i in self._interactions.bodies.interfaces if i.contact is contact)
+        nodal[interface.nodes] = slots[interface.places]
+        if interface.slave.shape[1] == 3:
+            first, last, middle = interface.slave.T
+            nodal[middle] = 0.5 * (nodal[first] + nodal[last])
+        return nodal

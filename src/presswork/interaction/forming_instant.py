@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bodies between tools at the end of an increment, as a procedure describes them to heat (docs/theory/heat.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from presswork.geometry.pose import ToolPose, start_centre
+from presswork.model import BoolArray, FloatArray, Tool
+
+Poses = Sequence[ToolPose]
+"""Of Model.plane_tools."""
+
+
+@dataclass(frozen=True)
+class BetweenBodies:
+    """How deformable bodies press and rub on each other."""
+
+    pressure: Mapping[str, FloatArray]
+    """Of each contact that passes heat, at the slave's nodes (n_points,) [MPa]."""
+    shear: Mapping[str, FloatArray]
+    """The same of the shear, without a sign."""
+    way: FloatArray
+    """Of the nodes in the increment (n_points, 2) [mm]."""
+    lost: float
+    """Work that friction has taken in the increment [N mm]."""
+
+
+@dataclass(frozen=True)
+class FormingInstant:
+    """Where bodies and tools are, and what an increment of an implicit run or a row of explicit cycles has made."""
+
+    points: FloatArray
+    """Of the bodies (n_points, 2) [mm]."""
+    poses: Poses
+    holds: BoolArray
+    """Whether a tool touches a node (n_tools, n_points)."""
+    push: FloatArray
+    """Of the tools on the nodes, along the normal (n_tools, n_points) [N]."""
+    gap: FloatArray
+    """Distance of the nodes from the tools (n_tools, n_points) [mm]; infinite where it is not asked."""
+    plastic: Sequence[FloatArray]
+    """Plastic work at the points of each block (n_cells, p) [N mm]."""
+    rubbed: FloatArray
+    """Work that friction on tools has taken at the nodes (n_tools, n_points) [N mm]."""
+    between: BetweenBodies = field(default_factory=lambda: BetweenBodies({}, {}, np.zeros((0, 2)), 0.0))
+
+
+def find_poses(tools: Sequence[Tool], displacement: FloatArray, angle: FloatArray) -> Poses:
+    """Return the poses of tools that have moved by so much (n, 2) [mm] and turned so far (n,) [rad]."""
+    return [
+        ToolPose(start_centre(tool), moved, float(turned))
+        for tool, moved, turned in zip(tools, displacement, angle, strict=True)
+    ]
