@@ -114,6 +114,7 @@ class SheetConduction:
         self._columns = (entries % n).astype(np.int32)
         self._starts = np.searchsorted(entries // n, np.arange(n + 1)).astype(np.int32)
         self.shapes = np.broadcast_to(SHAPES, (len(cells), 4, 4))
+        self._shape: tuple[FloatArray, FloatArray] | None = None
         self.mass = self._lump(points, np.full(len(cells), thermal.density * thickness))
         """Of the nodes [t]."""
         self.update(points, np.full(len(cells), thickness))
@@ -125,7 +126,7 @@ class SheetConduction:
 
     def _measure(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the base vectors at the points (n, q, 2, 3) and the areas that these stand for (n, q) [mm2]."""
-        base = np.einsum("qaj,cai->cqji", _SLOPES, points[self._cells])
+        base = np.asarray(_SLOPES.transpose(0, 2, 1) @ points[self._cells][:, None])
         return base, np.linalg.norm(np.cross(base[:, :, 0], base[:, :, 1]), axis=2)
 
     def measure_areas(self, points: FloatArray) -> FloatArray:
@@ -134,11 +135,17 @@ class SheetConduction:
 
     def update(self, points: FloatArray, thickness: FloatArray) -> None:
         """Take the shape of the sheet: nodes (n_points, 3) and thickness of the cells (n,) [mm]."""
+        if self._shape is not None and all(map(np.array_equal, self._shape, (points, thickness))):
+            return
+        self._shape = points.copy(), thickness.copy()
         base, area = self._measure(points)
-        metric = np.einsum("cqji,cqki->cqjk", base, base)
         weight = area * thickness[:, None]
-        slopes = np.einsum("cqjk,qak->cqaj", np.linalg.inv(metric), _SLOPES)
-        self._plane = np.einsum("cqaj,qbj,cq->cab", slopes, _SLOPES, weight)
+        a, b, c = (np.einsum("cqi,cqi->cq", base[:, :, i], base[:, :, j]) for i, j in ((0, 0), (0, 1), (1, 1)))
+        inverse = (
+            np.stack([c, -b, -b, a], axis=2).reshape(*a.shape, 2, 2) * (weight / (a * c - b * b))[:, :, None, None]
+        )
+        slopes = _SLOPES @ inverse
+        self._plane = slopes.transpose(0, 2, 1, 3).reshape(len(base), 4, 8) @ _SLOPES.transpose(0, 2, 1).reshape(8, 4)
         self.area = sum_at_nodes(self._cells, np.einsum("cq,qa->ca", area, SHAPES), self.n_points)
         """Of one face that each node stands for (n_points,) [mm2]."""
         volume = sum_at_nodes(self._cells, np.einsum("cq,qa->ca", weight, SHAPES), self.n_points)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -86,6 +87,14 @@ class LayersOfRun:
         """What the law keeps at the q points in the plane (n, q, n_points, n_history)."""
         return self._by_shell(self._of_blocks(self._loop.history))
 
+    @cached_property
+    def _shape_of_layers(self) -> tuple[int, ...]:
+        return self.history_at_points.shape[:3]
+
+    @cached_property
+    def _points_of_blocks(self) -> list[int]:
+        return [self._loop.history(block).shape[1] for block in range(len(self._counts))]
+
     @property
     def given_temperature(self) -> Array | None:
         """Temperature given from outside at the layers (n, q, n_points) [degrees C], from the bottom up.
@@ -98,7 +107,7 @@ class LayersOfRun:
 
     @given_temperature.setter
     def given_temperature(self, value: npt.ArrayLike) -> None:
-        degrees, shape = np.asarray(value, dtype=float), self.history_at_points.shape[:3]
+        degrees, shape = np.asarray(value, dtype=float), self._shape_of_layers
         if not np.isfinite(degrees).all():
             raise ExplicitError("given_temperature: every value must be a finite number [degrees C]")
         try:
@@ -108,8 +117,7 @@ class LayersOfRun:
                 f"given_temperature has shape {degrees.shape}: these shells have layers {shape}"
             ) from None
         for block, part in enumerate(np.split(at_points[self._shells], np.cumsum(self._counts)[:-1])):
-            own = self._loop.history(block).shape[1]
-            of_block = part.mean(axis=1, keepdims=True) if own == 1 else part
+            of_block = part.mean(axis=1, keepdims=True) if self._points_of_blocks[block] == 1 else part
             self._loop.set_temperature(block, np.ascontiguousarray(of_block))
         self._given_temperature = np.array(at_points)
 

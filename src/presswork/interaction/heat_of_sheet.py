@@ -127,6 +127,7 @@ class HeatOfSheet:
         self._surfaces = [make_surface(tool.surface) for tool in model.sheet_tools]
         usual = 0.02 * min(s.duration * s.slower for s in model.stages)
         self._columns = [Column(*t.steel, usual) if t is not None and t.steel else None for t in self._tools]
+        self._dwelt: tuple[Dwell, tuple[FloatArray, ...], _Faces] | None = None
 
     @property
     def has_phases(self) -> bool:
@@ -187,7 +188,7 @@ class HeatOfSheet:
     def advance(self, arrays_n: SheetHeatArrays, now: SheetInstant, dt: float, dwell: Dwell | None) -> SheetHeatArrays:
         """Return the arrays after dt [s] of the process. Raises GaveUpError if there is no balance of heat."""
         self.conduction.update(now.points, now.thickness)
-        faces = self._find_faces(arrays_n, now, dwell)
+        faces = self._find_faces(arrays_n, now, dwell) if dwell is None else self._keep_faces(arrays_n, now, dwell)
         made = (self._heat.plastic_fraction * now.plastic + faces.friction) / dt
         around = self._heat.surroundings
         surfaces = [
@@ -226,6 +227,13 @@ class HeatOfSheet:
     def _grow(self, error: float) -> float:
         """Return by what the time step is changed after an error [K]."""
         return float(np.clip(MARGIN * np.sqrt(self._heat.tolerance / max(error, 1e-12)), 0.2, GROWTH))
+
+    def _keep_faces(self, arrays_n: SheetHeatArrays, now: SheetInstant, dwell: Dwell) -> _Faces:
+        """Return what the faces exchange in a dwell, in which nothing moves: found once for all its increments."""
+        asked = now.points, now.tools, arrays_n.pressure
+        if self._dwelt is None or self._dwelt[0] != dwell or not all(map(np.array_equal, self._dwelt[1], asked)):
+            self._dwelt = dwell, tuple(each.copy() for each in asked), self._find_faces(arrays_n, now, dwell)
+        return self._dwelt[2]
 
     def _find_faces(self, arrays_n: SheetHeatArrays, now: SheetInstant, dwell: Dwell | None) -> _Faces:
         """Return what the faces of the sheet exchange in an increment."""
