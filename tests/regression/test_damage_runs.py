@@ -6,6 +6,10 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
+from presswork.evolution.points import find_evolved
+from presswork.examples import copy_example
+from presswork.process.begin import begin
+from presswork.process.remeshing import RemeshedForming
 from presswork.study.calibrate_damage import calibrate_damage
 from presswork.view.all_plots import plot_all
 from presswork.view.mesh_plot import plot_mesh
@@ -103,14 +107,44 @@ def test_faulty_criteria_are_refused(tmp_path, damage: str, key: str) -> None:
 
 
 def test_damage_passes_to_new_meshes(tmp_path) -> None:
-    """A run with five new meshes has the damage of one without, within 3 %."""
+    """A run with five new meshes has the damage of one without on cells of half the size, within 1.5 %.
+
+    Without new meshes the largest damage is 0.1742, 0.1783 and 0.1788 at 8 x 12, 16 x 24 and 24 x 36 cells.
+    """
     found = []
-    for number, more in enumerate(("", "[remesh]\nevery = 0.2\n")):
-        model = build_model(read(tmp_path, "{critical = 10}", more))
-        result = run_model(model, tmp_path / f"out{number}", threads=1).result
+    for number, (settings, more) in enumerate(
+        ((["workpiece.mesh.cells=[16,24]"], ""), ([], "[remesh]\nevery = 0.2\n"))
+    ):
+        case = read_case(read(tmp_path, "{critical = 10}", more).source, settings)
+        result = run_model(build_model(case), tmp_path / f"out{number}", threads=1).result
         found.append(result.history["damage_cockcroft_latham_max"][-1])
     assert result.summary["remeshes"] >= 4
-    assert found[1] == pytest.approx(found[0], rel=0.03)
+    assert found[1] == pytest.approx(found[0], rel=0.015)
+
+
+def test_new_meshes_keep_the_peak_and_the_mean(tmp_path, monkeypatch) -> None:
+    """The example of a hub, whose damage differs much between the points of a cell, to its third new mesh."""
+    changes = []
+
+    def measure(procedure) -> tuple[float, float]:
+        volume, damage = procedure.state.cells.volume[0], find_evolved(procedure.state)["damage_cockcroft_latham"][0]
+        return float(damage.max()), float((damage * volume).sum() / volume.sum())
+
+    def look(self, procedure, origin) -> None:
+        changes.append(np.divide(measure(procedure), measure(self.procedure)))
+        begin_on(self, procedure, origin)
+
+    begin_on = RemeshedForming._begin_on
+    monkeypatch.setattr(RemeshedForming, "_begin_on", look)
+    recording = begin(build_model(read_case(copy_example("forging_hub", tmp_path))), 1)
+    peaks = []
+    for _ in recording.advance():
+        peaks.append(recording.find_peaks()[0].value)
+        if len(changes) == 3:
+            break
+    assert len(changes) == 3
+    np.testing.assert_allclose(changes, 1.0, atol=0.02)
+    assert (np.diff(peaks) > -0.02 * np.array(peaks[:-1])).all(), "what was passed once is not taken back"
 
 
 def test_the_critical_value_of_a_test_is_found_again(tmp_path) -> None:

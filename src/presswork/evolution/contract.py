@@ -34,6 +34,8 @@ class Quantity:
     """Words for pictures; empty: those of the name."""
     shown: bool = True
     """Whether it is a field of the results."""
+    peak_counts: bool = False
+    """Whether its largest value decides, so that no new mesh may flatten it."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,8 @@ LABELS = {
     "johnson_cook": "Johnson-Cook damage",
 }
 QUANTITIES = {
-    name: Quantity(f"damage_{name}", UNITS.get(name, "1"), lowest=0.0, label=label) for name, label in LABELS.items()
+    name: Quantity(f"damage_{name}", UNITS.get(name, "1"), lowest=0.0, label=label, peak_counts=True)
+    for name, label in LABELS.items()
 }
 """What each criterion keeps."""
 

@@ -85,6 +85,11 @@ class Evolution:
             bounds = BY_NAME[name].lowest, BY_NAME[name].highest
             state[EvolvedArrays].values[name] = [np.clip(of, *bounds) for of in state[EvolvedArrays].values[name]]
 
+    @property
+    def names_with_peaks(self) -> list[str]:
+        """The quantities whose largest value decides."""
+        return [name for name in self.names if BY_NAME[name].peak_counts]
+
     @staticmethod
     def _advance_block(
         block: int, laws: Sequence[EvolutionLaw], state_n: State, trial: State, dt: float,

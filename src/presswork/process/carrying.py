@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from presswork.body.solids import Mechanics
+from presswork.evolution.points import EvolvedArrays
 from presswork.implicit.epochs import Epoch
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
@@ -86,6 +87,13 @@ def carry_surface(before: ImplicitProcedure, after: ImplicitProcedure, carrier: 
     if ContactArrays in after.state:
         contact = after.state[ContactArrays]
         contact.drag = np.where((contact.status > 0).any(axis=0), contact.drag, 0.0)
+
+
+def carry_peaks(before: ImplicitProcedure, after: ImplicitProcedure, carrier: Carrier) -> None:
+    """Give quantities of evolution laws whose largest value decides the peaks back that carry_state has flattened."""
+    for name in after.evolution.names_with_peaks:
+        values_n, values = (run.state[EvolvedArrays].values for run in (before, after))
+        values[name] = carrier.peaks(values_n[name], values[name], after.state.cells.volume)
 
 
 def _pair(before: State, after: State) -> Iterator[tuple[Arrays, Arrays]]:

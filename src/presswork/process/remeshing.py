@@ -27,7 +27,7 @@ from presswork.mesh.joined import join_parts, split_mesh
 from presswork.mesh.topology import count_corners
 from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
-from presswork.process.carrying import carry_state, carry_surface, find_undeclared
+from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.recording import Row
 from presswork.remesh.carrier import Carrier, Part
@@ -243,6 +243,7 @@ class RemeshedForming(ImplicitRecording):
         carrier = Carrier(before.model.mesh, position, mesh, parts)
         after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
         carry_surface(before, after, carrier)
+        carry_peaks(before, after, carrier)
         for part_of, made in zip(parts, new, strict=True):
             if made is not None:
                 mark_lap(after.state, part_of.new_points.start + made.line.laps, after.state[Progress].time)

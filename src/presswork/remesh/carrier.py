@@ -16,7 +16,14 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.topology import count_corners
 from presswork.model import ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArray, Mesh
-from presswork.remesh.transfer import Places, PointTransfer, find_transfer, interpolate_along, locate
+from presswork.remesh.transfer import (
+    Places,
+    PointTransfer,
+    find_transfer,
+    interpolate_along,
+    keep_peaks,
+    locate,
+)
 
 
 @dataclass(frozen=True)
@@ -83,10 +90,25 @@ class _Sources:
     @cached_property
     def of_points(self) -> PointTransfer:
         """How fields at the integration points of the old cells are found at those of the new ones."""
-        start, end = place_points(self.old, self.position), place_points(self.new, self.points)
+        start, end = self.point_places
         home = locate(self.position, self.old_cells, end).cell
-        cell_of = np.repeat(np.arange(len(self.old_cells)), len(start) // len(self.old_cells))
-        return find_transfer(start, end, self.old_cells, home, cell_of)
+        return find_transfer(start, end, self.old_cells, home, self._cell_of)
+
+    @cached_property
+    def among_old_points(self) -> PointTransfer:
+        """How the same fit finds fields at the integration points of the old cells themselves."""
+        start, _ = self.point_places
+        return find_transfer(start, start, self.old_cells, self._cell_of, self._cell_of)
+
+    @cached_property
+    def point_places(self) -> tuple[FloatArray, FloatArray]:
+        """Where the integration points of the old and of the new cells are (n, 2) [mm]."""
+        return place_points(self.old, self.position), place_points(self.new, self.points)
+
+    @property
+    def _cell_of(self) -> IndexArray:
+        n_cells = len(self.old_cells)
+        return np.repeat(np.arange(n_cells), len(self.point_places[0]) // n_cells)
 
 
 class Carrier:
@@ -153,6 +175,22 @@ class Carrier:
             if sources is None or not given.size:
                 continue
             result[part.block] = _apply(sources.of_points, given.reshape(-1, *given.shape[2:]), rest.shape[:2])
+        return result
+
+    def peaks(
+        self, values: Sequence[FloatArray], carried: Sequence[FloatArray], volume: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """Return a field carried by `points`, of each block (n_cells, n_points), with the peaks that it had.
+
+        values: of the old mesh; volume: of the new points [mm3].
+        """
+        result = [found.copy() for found in carried]
+        for part, sources in zip(self.parts, self._sources, strict=True):
+            given, found = values[part.block], carried[part.block]
+            if sources is not None and given.size:
+                fits = sources.among_old_points, sources.of_points
+                kept = keep_peaks(given.ravel(), found.ravel(), volume[part.block].ravel(), fits, sources.point_places)
+                result[part.block] = kept.reshape(found.shape)
         return result
 
     def cells(self, values: Sequence[FloatArray], at_rest: Sequence[FloatArray]) -> list[FloatArray]:

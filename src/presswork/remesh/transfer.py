@@ -25,6 +25,8 @@ from presswork.model import BoolArray, FloatArray, IndexArray
 
 DONORS, RINGS = 12, 4
 _REACH, _LEAST_WEIGHT, _RIDGE = 1.05, 1e-3, 1e-13
+_MISSED = 1e-6
+"""Part of a value that a fit may miss without a peak being lost."""
 _ENOUGH_FOR_SQUARES, _ENOUGH_FOR_LINES = 8, 4
 _AT_ONCE = 20_000
 _CANDIDATES = (3, 16)
@@ -98,6 +100,38 @@ def find_transfer(
     quadratic, linear = (np.concatenate(w) for w in zip(*weights, strict=True))
     closest = np.where(is_donor, distance, np.inf).argmin(axis=1)
     return PointTransfer(donor, is_donor, quadratic, linear, closest)
+
+
+def keep_peaks(
+    given: FloatArray,
+    found: FloatArray,
+    volume: FloatArray,
+    fits: tuple[PointTransfer, PointTransfer],
+    places: tuple[FloatArray, FloatArray],
+) -> FloatArray:
+    """Return a field found at new points (n_new,) with the peaks that it has at old points, `given` (n_old,).
+
+    A least-squares fit flattens a peak of a single point. So the value of an old point that is above all its donors,
+    and that the fit misses, goes to the new point nearest to it; all others lose as much by volume (n_new,) [mm3], in
+    proportion, so that the integral stays. Fields that the fit follows, those of the second order, stay as they are.
+    fits: to the old points themselves and to the new ones; places: of old and new points (n, 2) [mm].
+    """
+    at_old, at_new = fits
+    others = np.where(at_old.is_donor & (at_old.donor != np.arange(len(given))[:, None]), given[at_old.donor], -np.inf)
+    missed = given - at_old.apply(given[:, None])[:, 0]
+    peaks = np.flatnonzero((given > others.max(axis=1)) & (missed > _MISSED * np.abs(given)))
+    result, is_peak = found.copy(), np.zeros(len(found), dtype=bool)
+    for peak in peaks:
+        near = np.flatnonzero(((at_new.donor == peak) & at_new.is_donor).any(axis=1))
+        if len(near):
+            nearest = near[np.linalg.norm(places[1][near] - places[0][peak], axis=1).argmin()]
+            result[nearest] = max(result[nearest], given[peak])
+            is_peak[nearest] = True
+    added = float(((result - found) * volume).sum())
+    rest = float((result * volume)[~is_peak].sum())
+    if 0.0 < added < rest:
+        result[~is_peak] *= 1.0 - added / rest
+    return result
 
 
 def _fit(

@@ -7,7 +7,7 @@ import pytest
 from presswork.model import CellBlock, Mesh
 from presswork.remesh.carrier import Carrier, Part, SurfacePlaces, place_points
 from presswork.remesh.fill import fill_with_quadrilaterals
-from presswork.remesh.transfer import find_transfer, locate
+from presswork.remesh.transfer import find_transfer, keep_peaks, locate
 
 SIZE = 0.05
 
@@ -103,6 +103,46 @@ def test_values_do_not_cross_a_fold():
     end, found = carry(old, new, (start[:, :1] > 1.01).astype(float))
     arms = end[:, 1] > 1.8
     np.testing.assert_allclose(found[arms, 0], end[arms, 0] > 1.01, atol=1e-12)
+
+
+def carry_with_peaks(old, new, values):
+    """Carry one field as carry does; return it at the new points without and with its peaks, and their volumes."""
+    start, end = place(old), place(new)
+    fits = [
+        find_transfer(start, at, old[1], locate(*old, at).cell, np.repeat(np.arange(len(old[1])), 4))
+        for at in (start, end)
+    ]
+    volume = np.repeat(areas(new) / 4, 4)
+    found = fits[1].apply(values[:, None])[:, 0]
+    return found, keep_peaks(values, found, volume, (fits[0], fits[1]), (start, end)), volume
+
+
+def areas(mesh):
+    corners = mesh[0][mesh[1]]
+    first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    return 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+def test_peaks_of_single_points_and_the_integral_stay():
+    """Points of a cell differ in some elements: the fit alone takes more than a tenth of the largest value."""
+    old, new = random_mesh(5), random_mesh(6)
+    start = place(old)
+    values = 1.0 + np.exp(-(((start - 0.5) / 0.2) ** 2).sum(axis=1))
+    values *= np.random.default_rng(0).uniform(0.5, 1.5, len(values))
+    flat, kept, volume = carry_with_peaks(old, new, values)
+    assert flat.max() < 0.9 * values.max()
+    assert kept.max() == values.max()
+    assert kept @ volume == pytest.approx(flat @ volume, rel=1e-12)
+    assert kept @ volume == pytest.approx(values @ np.repeat(areas(old) / 4, 4), rel=0.01)
+    assert np.median(np.abs(kept / flat - 1)) < 0.05, "all but the peaks give a little"
+
+
+def test_fields_of_the_second_order_have_no_peaks_to_restore():
+    old, new = random_mesh(7), random_mesh(8)
+    x, y = (place(old) - [0.4, 0.55]).T
+    for values in (3.0 + x - 2 * y, 5.0 - x * x - 0.5 * y * y + 0.3 * x * y, np.full(len(x), 7.0)):
+        flat, kept, _ = carry_with_peaks(old, new, values)
+        np.testing.assert_array_equal(kept, flat)
 
 
 def test_few_donors_give_a_linear_fit_then_the_nearest_value():
