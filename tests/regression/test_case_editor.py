@@ -143,29 +143,135 @@ def test_all_examples_are_offered(browser: Any, site: Server) -> None:
     page.close()
 
 
-REACH = """async (schema) => {
-  const { classify } = await import("./files/schema.js");
-  const reached = new Set(), keys = new Set();
-  const visit = (node, path) => {
-    const shape = classify(node, schema);
-    if (shape.kind === "table") visitKeys(shape.node, path);
-    else if (shape.kind === "kinds") Object.values(shape.kinds).forEach((one) => visitKeys(one, path));
-    else if (shape.kind === "named" || shape.kind === "list") visit(shape.item, path);
-    else keys.add(path);
+FIND = """async (schema) => {
+  const { classify, makeTable } = await import("./files/schema.js");
+  const { Form } = await import("./files/form.js");
+  const seen = new Set(), missing = [];
+  let leaves = 0;
+  const press = (box, name) => box.querySelector(`button[aria-label="${name}"]`)?.click();
+  const visitTable = (node, tag, word) => {
+    if (seen.has(node.title)) return;
+    seen.add(node.title);
+    const box = document.createElement("form");
+    const form = new Form(box, { onChange() {}, onFile() {}, materials: [] });
+    form.show(makeTable(node, schema, tag, word), { ...node, $defs: schema.$defs });
+    for (const [name, one] of Object.entries(node.properties)) visitKey(box, one, name, node);
   };
-  const visitKeys = (node, path) => {
-    if (reached.has(node.title)) return;
-    reached.add(node.title);
-    for (const [name, one] of Object.entries(node.properties)) visit(one, `${node.title}.${name}`);
+  const visitKinds = ({ kinds, tag }) => Object.entries(kinds).forEach(([word, one]) => visitTable(one, tag, word));
+  const visitItem = (item) => {
+    const shape = classify(item, schema);
+    if (shape.kind === "kinds") visitKinds(shape);
+    else if (shape.kind === "table") visitTable(shape.node);
+    else if (shape.kind === "named" || shape.kind === "list") visitItem(shape.item);
   };
-  visitKeys(schema, "");
-  const all = [schema, ...Object.values(schema.$defs)].filter((one) => one.properties);
-  return all.flatMap((one) => (reached.has(one.title) ? [] : [one.title]));
+  const visitKey = (box, one, name, node) => {
+    const shape = classify(one, schema), has = (selector) => Boolean(box.querySelector(selector));
+    const cells = `.cells [data-key^="${name}."]`, isMissing = (what) => missing.push(`${node.title}.${name}: ${what}`);
+    leaves += 1;
+    if (shape.kind === "table" || shape.kind === "kinds" || shape.kind === "named" || shape.kind === "list") {
+      leaves -= 1;
+      if (shape.cells) press(box, `Add a row to ${name.replaceAll("_", " ")}`);
+      if (shape.cells && !has(cells)) isMissing("no cells");
+      const words = ["Add", "Add to", "Add with settings to", "Remove"];
+      const adders = words.map((word) => `button[aria-label="${word} ${name}"]`);
+      if (!has(adders.join()) && !has(`[data-key^="${name}."]`)) isMissing("nothing adds it");
+      if (shape.kind === "kinds") visitKinds(shape);
+      else if (shape.kind === "table") visitTable(shape.node);
+      else visitItem(shape.item);
+    } else if (shape.kind === "cells") {
+      if (!shape.isFixed) press(box, `Add a row to ${name.replaceAll("_", " ")}`);
+      if (!has(cells)) isMissing("no cells");
+    } else if (shape.kind === "choices") {
+      if (!has(`input[type="checkbox"][data-key^="${name}."]`)) isMissing("no boxes");
+    } else {
+      if (!has(`input[data-key="${name}"], select[data-key="${name}"]`)) isMissing("no input");
+      if (shape.cells) press(box, `Table for ${name}`);
+      if (shape.cells && !has(cells)) isMissing("no table");
+    }
+  };
+  visitTable(schema);
+  const all = [schema, ...Object.values(schema.$defs)].filter((one) => one.properties).map((one) => one.title);
+  return { leaves, missing, seen: [...seen], all };
 }"""
 
 
 @pytest.mark.parametrize("kind", list(KINDS))
-def test_every_table_of_the_schema_is_reached_by_the_form(browser: Any, site: Server, kind: str) -> None:
+def test_every_key_of_the_schema_has_an_input_in_the_form(browser: Any, site: Server, kind: str) -> None:
+    """The form of every table is made, and an input, a table of cells or a button is found for each of its keys."""
     page = Tab(browser, f"{site.address}new")
-    assert page.ask(REACH, json_schema(kind)) == []
+    found = page.ask(FIND, json_schema(kind))
+    page.close()
+    assert found["missing"] == []
+    assert set(found["all"]) <= set(found["seen"])
+    assert found["leaves"] > 40
+
+
+PASTE = """([key, text]) => {
+  const data = new DataTransfer();
+  data.setData("text", text);
+  const cell = document.querySelector(`[data-key="${key}"]`);
+  cell.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
+}"""
+
+
+def test_rows_are_added_pasted_and_removed_with_problems_at_their_cells(
+    browser: Any, site: Server, tmp_path: Path
+) -> None:
+    copy_example("upsetting_q4", tmp_path)
+    page = Tab(browser, f"{site.address}edit?case=upsetting_q4.toml")
+    person = Person(page)
+    page.tab.locator('[data-key="materials.steel.hardening.law"]').select_option("table")
+    person.press("Add a row to points")
+    key = "materials.steel.hardening.points"
+    page.ask(PASTE, [f"{key}.0.0", "strain\tstress\n0\t500\n0,1\t600\n0,2\t700\n0,3\t800\n"])
+    person.wait()
+    assert page.tab.locator("#problems li").count() == 0, page.tab.locator("#problems").inner_text()
+    person.press("Remove row 4 of points")
+    person.type(f"{key}.1.1", "stiff")
+    person.wait()
+    cell = page.tab.locator(f'[data-key="{key}.1.1"]')
+    assert cell.get_attribute("aria-invalid") == "true"
+    assert "stress" in page.tab.locator(f'tr:has([data-key="{key}.1.1"]) + tr .fault').inner_text()
+    assert page.tab.locator(f'[data-key="{key}.0.1"]').get_attribute("aria-invalid") is None
+    person.type(f"{key}.1.1", "650 MPa")
+    person.type("stages.0.tools.punch.direction.0", "0.0")
+    person.press("Add a row to profile")
+    person.type("tools.punch.profile.2.0", "32")
+    person.type("tools.punch.profile.2.1", "16")
+    page.tab.locator('[data-key="boundary.axis.fix.y"]').check()
+    page.tab.locator('[data-key="boundary.axis.fix.y"]').uncheck()
+    page.ask("() => document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    person.press("Table for stages 0 velocity")
+    person.wait()
+    assert page.tab.locator('[data-key^="stages.0.velocity.0."]').count() == 2
+    person.press("One value for stages 0 velocity")
+    person.type("stages.0.velocity", "")
+    person.wait()
+    assert page.tab.locator("#problems li").count() == 0, page.tab.locator("#problems").inner_text()
+    person.press("Save")
+    person.wait()
+    page.tab.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+    page.close()
+    data = tomllib.loads((tmp_path / "upsetting_q4.toml").read_text(encoding="utf-8"))
+    assert data["materials"]["steel"]["hardening"]["points"] == [[0, 500], [0.1, "650 MPa"], [0.2, 700]]
+    assert data["tools"]["punch"]["profile"] == [[0, 15], [30, 15], [32, 16]]
+    assert data["boundary"]["axis"]["fix"] == ["x"]
+
+
+@pytest.mark.parametrize(
+    ("text", "rows"),
+    [
+        ("0\t500\n0,1\t600", [["0", "500"], ["0.1", "600"]]),
+        ("strain;stress\r\n0;500\r\n0,1;600\r\n", [["0", "500"], ["0.1", "600"]]),
+        ("0, 500\n0.1, 600", [["0", "500"], ["0.1", "600"]]),
+        ("0,500\n1,600", [["0", "500"], ["1", "600"]]),
+        ("0 500\n0.1   600", [["0", "500"], ["0.1", "600"]]),
+        ("0,0 500\n0,1 600", [["0.0", "500"], ["0.1", "600"]]),
+        ("1\n2\n", [["1"], ["2"]]),
+    ],
+)
+def test_what_is_pasted_is_read_as_it_was_written(browser: Any, site: Server, text: str, rows: list[list[str]]) -> None:
+    page = Tab(browser, f"{site.address}new")
+    read = "async (text) => { const { readBlock } = await import('./files/cells.js'); return readBlock(text); }"
+    assert page.ask(read, text) == rows
     page.close()

@@ -139,7 +139,16 @@ def _set_by_path(data: dict[str, Any], keys: Sequence[str], value: object) -> No
 def list_problems(error: ValidationError, data: object, schema: JsonSchema) -> list[Problem]:
     """Turn pydantic's errors into problems: `data` is what was validated, `schema` the JSON schema of it."""
     entries = [dict(entry) for entry in error.errors(include_url=False)]
-    return [_translate(entry, data, schema) for entry in entries if not _follows_from_an_entry(entry)]
+    problems = [_translate(entry, data, schema) for entry in entries if not _follows_from_an_entry(entry)]
+    return [problem for problem in problems if not _is_of_a_form_not_taken(problem, problems)]
+
+
+def _is_of_a_form_not_taken(problem: Problem, problems: Sequence[Problem]) -> bool:
+    """Say whether a place that may be a value or a list was meant as the other, which has its own problem."""
+    others = [other for other in problems if other is not problem]
+    if problem.expected == "expected a list":
+        return any(other.key == problem.key for other in others)
+    return isinstance(problem.value, list) and any(other.key.startswith(f"{problem.key}.") for other in others)
 
 
 def _follows_from_an_entry(entry: Mapping[str, Any]) -> bool:
@@ -224,8 +233,10 @@ def _walk(location: Sequence[str | int], data: object, schema: JsonSchema) -> tu
             continue
         parent = node
         node = _resolve(_child(node, step), schema)
-        if isinstance(raw, list | tuple) and isinstance(step, str):
-            continue  # the short list form of a table, e.g. [x, y] for {to = [x, y]}
+        if isinstance(raw, list | tuple | str | float | int) and isinstance(step, str):
+            continue  # the short list form of a table, e.g. [x, y] for {to = [x, y]}; a form that a value may take
+        if isinstance(raw, Mapping) and "[" in str(step) and step not in raw:
+            continue
         path.append(str(step) if str(step).isprintable() else json.dumps(step))
         raw = _entry(raw, step)
     return ".".join(path), node, parent

@@ -222,6 +222,14 @@ FAULTS = {
         ("[[stages]]", "[output]\nat = [0.5, 1.5]\n[[stages]]"),
         ["output.at.1 = 1.5", "expected a value <= 1"],
     ),
+    "value_that_may_be_a_table": (
+        ("[[stages]]", '[[stages]]\nvelocity = "fast"'),
+        ['stages.0.velocity = "fast"', "expected a velocity"],
+    ),
+    "cell_of_a_table_that_may_be_a_value": (
+        ("[[stages]]", '[[stages]]\nvelocity = [[0, 1], [5, "fast"]]'),
+        ['stages.0.velocity.1.1 = "fast"', "expected a velocity"],
+    ),
 }
 
 
@@ -230,6 +238,13 @@ def test_fault_is_named_with_key_value_and_remedy(fault: str, fail_case: Fail) -
     change, fragments = FAULTS[fault]
     message = fail_case(change)
     assert [fragment for fragment in fragments if fragment not in message] == [], message
+
+
+def test_form_of_a_value_that_was_not_meant_has_no_problem(fail_case: Fail) -> None:
+    for value in ('"fast"', '[[0, 1], [5, "fast"]]', "{a = 1}"):
+        message = fail_case(("[[stages]]", f"[[stages]]\nvelocity = {value}"))
+        assert "problems" not in message
+        assert "function" not in message
 
 
 def test_all_faults_of_a_file_are_listed_at_once(fail_case: Fail) -> None:

@@ -22,6 +22,7 @@ async function upload(file) {
 
 function later() {
   clearTimeout(timer);
+  number++; // an answer that is still on its way is of what stood here before
   timer = setTimeout(check, PAUSE);
   showSaved(true);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A form of a case: every key that its schema knows, those that are given first.
+import { makeCells } from "./cells.js";
 import { make, makeButton } from "./elements.js";
 import { chooseKind, classify, makeTable, parseValue, showValue } from "./schema.js";
 
@@ -93,7 +94,7 @@ export class Form {
 
   #make(node, value, path, isRequired) {
     const shape = classify(node, this.schema, value);
-    const make = { table: () => this.#makeTable(shape, value, path, isRequired), kinds: () => this.#makeKinds(shape, value, path, isRequired), named: () => this.#makeNamed(shape, value, path), list: () => this.#makeList(shape, value, path) }[shape.kind];
+    const make = { table: () => this.#makeTable(shape, value, path, isRequired), kinds: () => this.#makeKinds(shape, value, path, isRequired), named: () => this.#makeNamed(shape, value, path), list: () => this.#makeList(shape, value, path), cells: () => this.#makeCellsField(shape, value, path), choices: () => this.#makeChoices(shape, value, path, isRequired) }[shape.kind];
     return make ? make() : this.#makeField(shape, value, path, isRequired);
   }
 
@@ -148,14 +149,45 @@ export class Form {
     return this.#makeBox(path, description, ...entries, make("div", { class: "row" }, name, add));
   }
 
-  #makeList({ item, description }, value, path) {
-    const entries = (value ?? []).map((each, i) => this.#make(item, each, [...path, i], false));
+  #makeList({ item, description, cells }, value, path) {
+    const isRows = cells && (value ?? []).every(Array.isArray);
+    const entries = isRows ? [this.#makeCellsOf(cells, value, path)] : (value ?? []).map((each, i) => this.#make(item, each, [...path, i], false));
     const add = makeButton("Add", () => {
       const shape = classify(item, this.schema);
       const start = shape.kind === "kinds" ? makeTable(Object.values(shape.kinds)[0], this.schema, shape.tag, Object.keys(shape.kinds)[0]) : shape.kind === "table" ? makeTable(shape.node, this.schema) : [];
       this.#change(path, [...(value ?? []), start], true);
-    }, `Add to ${path.join(" ")}`);
+    }, `${isRows ? "Add with settings" : "Add"} to ${path.join(" ")}`);
+    if (isRows) add.textContent = "Add with settings";
     return this.#makeBox(path, description, ...entries, add);
+  }
+
+  #makeCellsOf(shape, value, path) {
+    return makeCells(shape, value, { key: path.join("."), name: String(path.at(-1)), change: (list, isAnew) => this.#change(path, list, isAnew), addPlace: (key, place) => this.places.set(key, place) });
+  }
+
+  /** Return a field of cells; where one value would do, a button returns to it. */
+  #makeCellsField(shape, value, path) {
+    const key = path.join("."), fault = make("span", { class: "fault", role: "status" }), cells = this.#makeCellsOf(shape, value, path);
+    this.places.set(key, { fault, input: cells.querySelector("input") });
+    const single = shape.hasOther ? makeButton("One value", () => this.#change(path, value.flat().find((cell) => cell !== ""), true), `One value for ${path.join(" ")}`) : make("span");
+    single.classList.add("small");
+    return make("div", { class: "field" }, make("span", { class: "name" }, toWords(String(path.at(-1)))), cells, single, make("span", { class: "help" }, shape.description), fault);
+  }
+
+  /** Return a field with a box to tick for each word that a list may have. */
+  #makeChoices({ options, description }, value, path) {
+    const key = path.join("."), fault = make("span", { class: "fault", role: "status" }), chosen = new Set(value ?? []);
+    const boxes = options.map((option) => {
+      const box = make("input", { type: "checkbox", "data-key": `${key}.${option}`, onchange: () => {
+        box.checked ? chosen.add(option) : chosen.delete(option);
+        this.#change(path, chosen.size ? options.filter((one) => chosen.has(one)) : undefined);
+      } });
+      box.checked = chosen.has(option);
+      return make("label", {}, box, toWords(String(option)));
+    });
+    this.places.set(key, { fault, input: boxes[0].firstChild });
+    const group = make("div", { class: "choices", role: "group", "aria-label": toWords(String(path.at(-1))), "data-key": key }, ...boxes);
+    return make("div", { class: "field" }, make("span", { class: "name" }, toWords(String(path.at(-1)))), group, make("span"), make("span", { class: "help" }, description), fault);
   }
 
   #makeField(shape, value, path, isRequired) {
@@ -166,7 +198,7 @@ export class Form {
     if (isRequired) input.setAttribute("aria-required", "true");
     const help = [shape.description, shape.range, shape.hints?.length && !/e\.g\./.test(shape.description) ? `for instance ${shape.hints[0]}` : ""].filter(Boolean).join("; ");
     this.places.set(key, { fault, input });
-    const field = make("div", { class: "field" }, make("label", { for: id }, toWords(name)), input, FILES.has(name) ? this.#makeFileButton(input, path) : make("span"), make("span", { class: "help", id: `help ${key}`.replaceAll(" ", "_") }, help), fault);
+    const field = make("div", { class: "field" }, make("label", { for: id }, toWords(name)), input, FILES.has(name) ? this.#makeFileButton(input, path) : shape.cells ? this.#makeTableButton(shape, value, path) : make("span"), make("span", { class: "help", id: `help ${key}`.replaceAll(" ", "_") }, help), fault);
     if (FILES.has(name)) this.#takeDrops(field, path);
     return field;
   }
@@ -192,6 +224,15 @@ export class Form {
       }
     });
     return input;
+  }
+
+  /** Return a button that turns one value into a table which begins with it. */
+  #makeTableButton({ cells: { isFixed, isTable, columns } }, value, path) {
+    const row = Array(columns).fill("");
+    if (value !== undefined) row[isTable ? columns - 1 : 0] = value;
+    const button = makeButton("Table", () => this.#change(path, isTable ? [row] : isFixed ? row : [value ?? ""], true), `Table for ${path.join(" ")}`);
+    button.classList.add("small");
+    return button;
   }
 
   #makeFileButton(input, path) {

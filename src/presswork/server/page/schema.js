@@ -21,11 +21,14 @@ function branches(node, root) {
 }
 
 const isTable = (node) => Boolean(node.properties || node.discriminator || (node.type === "object" && node.additionalProperties));
+const SCALARS = new Set(["number", "integer", "string", "boolean"]);
+const isScalar = (node, root) => branches(node, root).every((one) => one.enum || one.const !== undefined || (one.type && [one.type].flat().every((type) => SCALARS.has(type))));
+const isString = (node, root) => branches(node, root).every((one) => one.type === "string");
 const isNumber = (node) => node.type === "number" || node.type === "integer";
 
 /**
- * Return how a place is shown: kind is one of choice, switch, value, table, kinds, named, list, text (JSON as it stands),
- * with what belongs to it. value: what stands there, which decides between forms that exclude each other.
+ * Return how a place is shown: kind is one of choice, switch, value, table, kinds, named, list, cells, choices, with what
+ * belongs to it. value: what stands there, which decides between forms that exclude each other.
  */
 export function classify(node, root, value) {
   const all = branches(node, root), may = all.filter((one) => one.type !== "null"), isOptional = may.length < all.length;
@@ -37,13 +40,37 @@ export function classify(node, root, value) {
     return { ...shared, kind: "named", item: table.additionalProperties };
   }
   const list = may.find((one) => one.type === "array");
-  if (list?.items && branches(list.items, root).some(isTable) && (value === undefined || Array.isArray(value))) return { ...shared, kind: "list", item: list.items, node: list };
+  if (list?.items && branches(list.items, root).some(isTable) && (value === undefined || Array.isArray(value))) return { ...shared, kind: "list", item: list.items, node: list, cells: describeCells(list, root, shared.description) };
+  if (list?.items?.enum && may.length === 1) return { ...shared, kind: "choices", options: list.items.enum };
+  const cells = list ? describeCells(list, root, shared.description) : null, hasOther = may.length > 1;
+  if (cells && (!hasOther || Array.isArray(value))) return { ...shared, kind: "cells", ...cells, hasOther };
   if (may.every((one) => one.enum || one.const !== undefined)) return { ...shared, kind: "choice", options: may.flatMap((one) => one.enum ?? [one.const]) };
   if (may.length === 1 && may[0].type === "boolean") return { ...shared, kind: "switch" };
   if (may.length === 1 && may[0].type === "string") return { ...shared, kind: "value", isText: true };
   const limits = whole;
-  const hints = may.flatMap((one) => one.examples ?? []).concat(list ? ["[ , ]"] : []);
-  return { ...shared, kind: "value", isText: false, hasWords: may.some((one) => one.type === "string" || one.const !== undefined || one.enum), range: describeRange({ ...may.find(isNumber), ...limits }), hints };
+  const hints = may.flatMap((one) => one.examples ?? []);
+  return { ...shared, kind: "value", isText: false, cells, hasWords: may.some((one) => one.type === "string" || one.const !== undefined || one.enum), range: describeRange({ ...may.find(isNumber), ...limits }), hints };
+}
+
+/**
+ * Return how a list is shown as cells: isFixed, a row of so many columns; isTable, rows of so many; else a column that grows.
+ * Null where its entries are neither values nor rows of values. Names of columns stand in its description as [x, y].
+ */
+function describeCells(list, root, description) {
+  if (list.prefixItems) return list.prefixItems.every((one) => isScalar(one, root)) ? nameColumns({ isFixed: true, columns: list.prefixItems.length, isText: list.prefixItems.every((one) => isString(one, root)) }, description) : null;
+  if (!list.items) return null;
+  if (isScalar(list.items, root)) {
+    const isFixed = list.minItems !== undefined && list.minItems === list.maxItems;
+    return nameColumns({ isFixed, columns: isFixed ? list.minItems : 1, isText: isString(list.items, root) }, description);
+  }
+  const row = branches(list.items, root).find((one) => one.type === "array"), inner = row ? describeCells(row, root, description) : null;
+  return inner && !inner.isTable ? nameColumns({ ...inner, isTable: true, isFixed: false, columns: inner.isFixed ? inner.columns : 0 }, description) : null;
+}
+
+function nameColumns(cells, description) {
+  const found = [...description.matchAll(/\[([^[\]]+)\]/g)].map(([, names]) => names.split(",").map((name) => name.trim()));
+  const headings = found.find((names) => (cells.columns ? names.length === cells.columns && names.length > 1 : true) && names.every((name) => /^[a-z]/i.test(name)));
+  return { ...cells, headings: headings ?? null, columns: cells.columns || headings?.length || 2 };
 }
 
 /** Return the kinds of a table that are told apart by a key, or by whether there is one. */
