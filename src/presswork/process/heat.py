@@ -1,24 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """Heating and cooling without forming: stages in turn, time steps by their error.
 
-Backward Euler adds an error of dt^2/2 d2T/dt2 a step. It is estimated from how far the temperatures lie from those that
-the rate of the last step foretold, d = d2T/dt2 (dt^2 + dt dt_n / 2), so as d dt / (2 dt + dt_n); steps grow and shrink
-with the square root of it. The first step of a stage has no foretelling: it is short and taken as it comes.
+A step takes the singly diagonally implicit method of two stages and second order that is L-stable (Alexander 1977),
+with g = 1 - 1/sqrt(2), heat content H and heat flows f:
+
+    H(T_1) = H(T_n) + g dt f(T_1)                              at t_n + g dt
+    H(T)   = H(T_n) + (1 - g) dt f(T_1) + g dt f(T)            at t_n + dt
+
+Each is a step of backward Euler over g dt, the second with a heat source. Their difference to first order,
+T - T_n - (T_1 - T_n)/g = (1/2 - g) dt^2 d2T/dt2, is taken for the error of the step, which is far less; steps grow and
+shrink with the square root of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
-from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem, HeatStep
+from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem
 from presswork.implicit.stepping import IncrementReport
 from presswork.interaction.heat_films import Film, make_contacts, make_films, read_at
 from presswork.model import COLDEST, HOTTEST, FloatArray, HeatStage, MaskArray, Model
-from presswork.outcome import Failed, GaveUpError
+from presswork.outcome import Failed, GaveUpError, IterationLog
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
@@ -28,10 +35,25 @@ GROWTH, SHRINK, SAFETY = 2.0, 0.2, 0.9
 REFUSED = 2.0
 """Times the tolerance: an error for which a step is taken again."""
 SMALLEST = 1e-4
-"""Of the first step: a run gives up below."""
+"""Of the first step: a step so short is taken whatever its error, and a run gives up below it."""
 ENOUGH_FOR_THREADS = 10_000
-TIME, STAGE, FRACTION, STEPS, LAST, SIZE, ITERATIONS, CUTBACKS = range(8)
-"""Places in `progress`; LAST and SIZE are parts of the stage, LAST is 0 where it begins."""
+TIME, STAGE, FRACTION, STEPS, SIZE, ITERATIONS, CUTBACKS = range(7)
+"""Places in `progress`; SIZE is a part of the stage."""
+FIRST_STAGE = 1.0 - np.sqrt(0.5)
+"""g above."""
+
+
+@dataclass(frozen=True)
+class _TimeStep:
+    """A converged step."""
+
+    temperature: FloatArray
+    """(n_points,) [degrees C]."""
+    heat: FloatArray
+    """That came in by KINDS (4,) [N mm]."""
+    error: float
+    """Largest one at nodes that are free, as estimated [K]."""
+    log: IterationLog
 
 
 class HeatProcedure:
@@ -52,7 +74,7 @@ class HeatProcedure:
             "temperature": self._initial(),
             "rate": np.zeros(n),
             "heat": np.zeros(len(KINDS)),
-            "progress": np.zeros(8),
+            "progress": np.zeros(7),
         }
         """temperature (n_points,) [degrees C]; rate of the last step (n_points,) [K/s]; heat that has come in so far by
         KINDS [N mm]; progress."""
@@ -94,28 +116,29 @@ class HeatProcedure:
         points = self._save_points(stage)
         target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
         size, cutbacks = float(progress[SIZE]), []
+        smallest, settings = SMALLEST * self.heat.initial_step, self.heat
         while True:
             step = min(size, target - fraction_n)
-            if step * (1 + 1e-9) < target - fraction_n < 2 * step and self.heat.fixed_step is None:
+            if step * (1 + 1e-9) < target - fraction_n < 2 * step and settings.fixed_step is None:
                 step = 0.5 * (target - fraction_n)
             fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
             found = self._attempt(stage, fraction_n, fraction)
             if isinstance(found, Failed):
                 reason, size = found.reason, step * found.factor
+                if size < smallest:
+                    where = f"stage {self.model.stages[stage].name!r} at {duration * fraction_n:.4g} s"
+                    raise GaveUpError(
+                        f"{where}: even a step of {duration * step:.1e} s is not solved ({reason}). Look for tables "
+                        "that jump, or for films that are out of proportion"
+                    )
+            elif settings.fixed_step or found.error <= REFUSED * settings.tolerance or step <= smallest:
+                break
             else:
-                error = self._estimate_error(stage, fraction_n, fraction, found.temperature)
-                if error <= REFUSED * self.heat.tolerance:
-                    break
-                reason, size = f"an error of {error:.3g} K", step * self._find_factor(error)
+                reason, size = f"an error of {found.error:.3g} K", step * self._find_factor(found.error)
+                size = max(size, smallest)
             cutbacks.append(f"{duration * step:.3g} s: {reason}")
-            if size < SMALLEST * self.heat.initial_step:
-                where = f"stage {self.model.stages[stage].name!r} at {duration * fraction_n:.4g} s"
-                raise GaveUpError(
-                    f"{where}: even a step of {duration * step:.1e} s is not solved ({reason}). Look for tables that "
-                    "jump, or for films that are out of proportion"
-                )
         self._check_range(stage, duration * fraction, found.temperature)
-        self._commit(found, stage, fraction_n, fraction, self._next_size(size, step, error), len(cutbacks))
+        self._commit(found, stage, fraction_n, fraction, self._next_size(size, step, found.error), len(cutbacks))
         return IncrementReport(
             number=int(self.state["progress"][STEPS]),
             stage=self.model.stages[stage].name,
@@ -126,23 +149,45 @@ class HeatProcedure:
             is_save_point=self._is_save_point(fraction == target),
         )
 
-    def _attempt(self, stage: int, fraction_n: float, fraction: float) -> HeatStep | Failed:
+    def _attempt(self, stage: int, fraction_n: float, fraction: float) -> _TimeStep | Failed:
         """Try a step."""
         duration = self.model.stages[stage].duration
-        dt = duration * (fraction - fraction_n)
+        begun, dt, g = duration * fraction_n, duration * (fraction - fraction_n), FIRST_STAGE
+        temperature_n, rate = self.state["temperature"], self._foretold(fraction_n)
+        first = self._problem(stage, begun + g * dt, g * dt)
+        middle = self.equation.solve(first, temperature_n + g * dt * rate)
+        if isinstance(middle, Failed):
+            return middle
+        content, content_n = (self.equation.conduction.content(t)[0] for t in (middle.temperature, temperature_n))
+        carried = (1.0 - g) / g * (content - content_n) / (g * dt)
+        straight = temperature_n + (middle.temperature - temperature_n) / g
+        last = replace(self._problem(stage, duration * fraction, g * dt), source=carried)
+        end = self.equation.solve(last, straight)
+        if isinstance(end, Failed):
+            return end
+        off = np.abs(end.temperature - straight)[last.mask == 0]
+        log = IterationLog()
+        log.extend(middle.log)
+        log.extend(end.log)
+        shares = (((1.0 - g) * dt, middle.power), (g * dt, end.power))
+        heat = sum(
+            time * np.array([power[kind][0] if kind in power else 0.0 for kind in KINDS]) for time, power in shares
+        )
+        return _TimeStep(end.temperature, np.asarray(heat), float(off.max(initial=0.0)), log)
+
+    def _problem(self, stage: int, time: float, dt: float) -> HeatProblem:
+        """Return what is asked of backward Euler over dt [s], from the present state to a time of the stage [s]."""
         entries = self.model.stages[stage].heat or HeatStage()
-        mask, values = self._prescribe(entries, duration * fraction)
-        temperature = self.state["temperature"]
-        problem = HeatProblem(
+        mask, values = self._prescribe(entries, time)
+        return HeatProblem(
             points=self._points,
-            temperature_n=temperature,
+            temperature_n=self.state["temperature"],
             dt=dt,
             films=self._films_of(stage, entries),
-            time=duration * fraction,
+            time=time,
             mask=mask,
             prescribed=values,
         )
-        return self.equation.solve(problem, temperature + dt * self._foretold(fraction_n))
 
     def _check_range(self, stage: int, time: float, temperature: FloatArray) -> None:
         """Raise GaveUpError where a temperature is that of no forming."""
@@ -174,17 +219,6 @@ class HeatProcedure:
         rate = self.state["rate"]
         return rate if fraction_n > 0.0 else np.zeros(len(rate))
 
-    def _estimate_error(self, stage: int, fraction_n: float, fraction: float, temperature: FloatArray) -> float:
-        """Return the largest error of a step at nodes that are free [K]; 0 where it is not told."""
-        last, now = float(self.state["progress"][LAST]), fraction - fraction_n
-        if last == 0.0 or self.heat.fixed_step is not None:
-            return 0.0
-        stage_now = self.model.stages[stage]
-        mask, _ = self._prescribe(stage_now.heat or HeatStage(), 0.0)
-        foretold = self.state["temperature"] + stage_now.duration * now * self.state["rate"]
-        off = np.abs(temperature - foretold)[mask == 0]
-        return float(off.max(initial=0.0)) * now / (2 * now + last)
-
     def _find_factor(self, error: float) -> float:
         if error == 0.0:
             return GROWTH
@@ -194,31 +228,27 @@ class HeatProcedure:
         """Return the size of the next step; one cut short by a saved step says nothing against the size before."""
         if self.heat.fixed_step is not None:
             return self.heat.fixed_step
-        if self.state["progress"][LAST] == 0.0:
-            return size
         wanted = step * self._find_factor(error)
         return min(max(wanted, size) if step < size and wanted >= step else wanted, self.heat.max_step)
 
     def _commit(
-        self, found: HeatStep, stage: int, fraction_n: float, fraction: float, size: float, cutbacks: int
+        self, found: _TimeStep, stage: int, fraction_n: float, fraction: float, size: float, cutbacks: int
     ) -> None:
         """Take up a converged step."""
         state, duration = self.state, self.model.stages[stage].duration
         dt = duration * (fraction - fraction_n)
         state["rate"] = (found.temperature - state["temperature"]) / dt
         state["temperature"] = found.temperature
-        state["heat"] = state["heat"] + dt * np.array(
-            [found.power[kind][0] if kind in found.power else 0.0 for kind in KINDS]
-        )
+        state["heat"] = state["heat"] + found.heat
         p = state["progress"]
         p[TIME] += dt
         p[STEPS] += 1
         p[ITERATIONS] += len(found.log)
         p[CUTBACKS] += cutbacks
-        p[LAST], p[SIZE] = fraction - fraction_n, size
+        p[SIZE] = size
         p[STAGE], p[FRACTION] = stage, fraction
         if fraction == 1.0:
-            p[STAGE], p[FRACTION], p[LAST], p[SIZE] = stage + 1, 0.0, 0.0, self._first_size()
+            p[STAGE], p[FRACTION], p[SIZE] = stage + 1, 0.0, self._first_size()
 
     def _save_points(self, stage: int) -> FloatArray:
         """Stage fractions at which a step must end and fields are saved; the last is 1."""
