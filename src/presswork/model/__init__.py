@@ -39,6 +39,7 @@ from presswork.model.heat import (
     ToolHeat,
 )
 from presswork.model.limits import Limits
+from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import (
     Damage,
     Hardening,
@@ -151,6 +152,7 @@ __all__ = [
     "Integrator",
     "Kinematic",
     "Limits",
+    "MarkedPoint",
     "MaskArray",
     "Material",
     "Mesh",

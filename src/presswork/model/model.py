@@ -12,6 +12,7 @@ from presswork.model.arrays import IntArray
 from presswork.model.contact import Body, BodyContact
 from presswork.model.heat import Heat, Series
 from presswork.model.limits import Limits
+from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import Material
 from presswork.model.mesh import Mesh, Section
 from presswork.model.remeshing import Remeshing
@@ -64,6 +65,8 @@ class Model:
     series: Series | None = None
     """Solids with heat: parts formed one after another; None: one part."""
     limits: Limits = field(default_factory=Limits)
+    points: tuple[MarkedPoint, ...] = ()
+    """Points of the material whose path, stress and strain the history has."""
     remeshing: Remeshing | None = None
     """Solids in the plane or in axisymmetry: new meshes in the run; None: one mesh to the end."""
     case_text: str = ""

@@ -25,6 +25,7 @@ from presswork.geometry.pose import ToolPose, place_segments, start_centre, star
 from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.process.epochs import NamedArrays
 from presswork.process.limits import Watched, measure_hydrostatic_stress
+from presswork.process.marked_points import MarkedPoints
 from presswork.process.peaks import find_peaks, peak_columns, peak_row
 from presswork.process.penetration import Penetration
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram, warn_of_ram
@@ -61,6 +62,7 @@ class ExplicitImpact(RowRecording):
         self.solids.set_velocity("all", self.settings.velocity)
         self._force = np.zeros((len(self.walls), 2))
         self.reactions = Reactions(model, 2, [t.name for t in model.tools])
+        self.marked = MarkedPoints(model)
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
@@ -144,7 +146,8 @@ class ExplicitImpact(RowRecording):
         first = ["time", "stage", "increment", "cycles", *tools]
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         peaks = peak_columns(self.solids.damage)
-        return [*first, *peaks, *ram, *self.reactions.columns, *EXTENTS, *LAST_COLUMNS]
+        points = self.marked.columns(self.show())
+        return [*first, *peaks, *ram, *self.reactions.columns, *points, *EXTENTS, *LAST_COLUMNS]
 
     @property
     def time(self) -> float:
@@ -176,6 +179,7 @@ class ExplicitImpact(RowRecording):
         row |= peak_row(self.solids.damage)
         displacement = self.solids.position - self.model.mesh.points
         row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
+        row |= self.marked.measure(self.show()) if self.model.points else {}
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
         return {
             **row,

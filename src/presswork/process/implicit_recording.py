@@ -76,7 +76,8 @@ class ImplicitRecording(IncrementRecording):
             heat += ["dies_heat_stored"] if self.procedure.heat.forming.dies.dies else []
         peaks = peak_columns(find_evolved(self.procedure.state))
         ram = RAM_COLUMNS if has_ram(self.model) else ()
-        return [*history_columns(tools, self.turning, contacts), *ram, *heat, *peaks, *self.reactions.columns]
+        first = [*history_columns(tools, self.turning, contacts), *ram, *heat, *peaks]
+        return [*first, *self.reactions.columns, *self.marked.columns(self._show())]
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -117,7 +118,8 @@ class ImplicitRecording(IncrementRecording):
             row |= {"dies_heat_stored": bodies.stored_in_dies(own)} if bodies.dies.dies else {}
         row |= peak_row(find_evolved(state))
         moved = self.moved(state.nodes.displacement)
-        return row | self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
+        row |= self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
+        return row | (self.marked.measure(self._show()) if self.model.points else {})
 
     def watch(self) -> Watched:
         """Return how far the converged state is towards its limits."""

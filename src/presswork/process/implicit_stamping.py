@@ -138,7 +138,8 @@ class ImplicitStamping(IncrementRecording):
         if (heat := self.procedure.sheet_heat) is not None:
             first += columns_of_sheet(heat.sheet, self.procedure.state[SheetHeatArrays])
         ram = RAM_COLUMNS if has_ram(self.model) else ()
-        return [*first, *ram, *self.reactions.columns, *ENERGIES, "energy_error_percent"]
+        points = self.marked.columns(self.show())
+        return [*first, *ram, *self.reactions.columns, *points, *ENERGIES, "energy_error_percent"]
 
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
@@ -183,6 +184,7 @@ class ImplicitStamping(IncrementRecording):
             **peak_row(find_evolved(state)),
             **self._measure_heat(),
             **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
+            **(self.marked.measure(self.show()) if self.model.points else {}),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
         }

@@ -16,6 +16,7 @@ from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.model import FloatArray, Model, change_mesh
 from presswork.outcome import GaveUpError
 from presswork.process.epochs import EpochRecording, NamedArrays
+from presswork.process.marked_points import MarkedPoints
 from presswork.process.peaks import Peak, find_peaks
 from presswork.process.recording import Row
 
@@ -31,6 +32,7 @@ class IncrementRecording(EpochRecording):
         super().__init__(model)
         self.procedure = procedure
         self.timing = procedure.timing
+        self.marked = MarkedPoints(model)
         self._ask_for_mesh = ask_for_mesh
         self._made_at, self._failed_at = 0, -1
         """Increments when the mesh was made, or could not be, and when one last failed."""
@@ -70,11 +72,18 @@ class IncrementRecording(EpochRecording):
 
     def change_mesh(self, change: MeshChange) -> None:
         """Go on with another mesh. Raises GaveUpError."""
-        self._begin_on(new_epoch(self.procedure, change.mesh, change.transfer), change.origin)
+        after = new_epoch(self.procedure, change.mesh, change.transfer)
+        self._begin_on(after, change.origin, find_position(after))
         cells = sum(len(block.connectivity) for block in change.mesh.blocks)
         self._notes.append(f"new mesh of {cells} cells after increment {self.number} {change.reason}".rstrip())
 
-    def _begin_on(self, procedure: ImplicitProcedure, origin: FloatArray | None) -> None:
+    def _begin_on(self, procedure: ImplicitProcedure, origin: FloatArray | None, position: FloatArray) -> None:
+        """Go on with a procedure on another mesh.
+
+        position: of its nodes in the present state of the old one (n_points, d) [mm].
+        """
+        places = self.marked.places(find_position(self.procedure))
+        self.marked.find(procedure.model.mesh, position, places)
         self.procedure, self._made_at = procedure, self.number
         self._begin_epoch(procedure.model.mesh, origin)
 
@@ -103,10 +112,11 @@ class IncrementRecording(EpochRecording):
         ]
 
     def _epoch_arrays(self) -> NamedArrays:
-        return {MADE: np.array([self._made_at, self._failed_at])}
+        return {MADE: np.array([self._made_at, self._failed_at]), **self.marked.to_arrays()}
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self._made_at, self._failed_at = (int(number) for number in epoch[MADE])
+        self.marked.load_arrays(epoch)
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self.procedure = ImplicitProcedure(change_mesh(self.procedure.model, self.model.mesh), before=self.procedure)
@@ -136,3 +146,9 @@ class IncrementRecording(EpochRecording):
             "work": f"{p.increments} increments, {p.iterations} iterations, {p.cutbacks} cut-backs",
             "freedoms": self.procedure.mechanics.freedoms * len(self.model.mesh.points),
         }
+
+
+def find_position(procedure: ImplicitProcedure) -> FloatArray:
+    """Return where the nodes are (n_points, 2 | 3) [mm]."""
+    points = procedure.model.mesh.points
+    return np.asarray(points + procedure.state.nodes.displacement[:, : points.shape[1]])

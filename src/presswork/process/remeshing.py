@@ -221,7 +221,7 @@ class RemeshedForming(ImplicitRecording):
         if not found:
             return self._stay(reason, faults[0])
         new = min(found, key=lambda mesh: mesh.jump)
-        self._begin_on(new.procedure, new.origin)
+        self._begin_on(new.procedure, new.origin, new.procedure.model.mesh.points)
         volume = new.procedure.volume() / new.procedure.initial_volume - 1.0
         cells = sum(len(block.connectivity) for block in self.model.mesh.blocks)
         self._notes.append(

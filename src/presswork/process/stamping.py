@@ -34,6 +34,7 @@ from presswork.process.explicit_heat import ExplicitHeat, names_of_heat
 from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
 from presswork.process.held_flange import warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.process.marked_points import MarkedPoints
 from presswork.process.peaks import find_peaks, peak_row
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
@@ -79,6 +80,7 @@ class ExplicitStamping(RowRecording):
         self.tools = StampingTools(model, self.shells)
         self.heat = ExplicitHeat(model, self.shells, self.tools.at_work) if model.heat else None
         self.layers = SheetHistory(model, self.shells)
+        self.marked = MarkedPoints(model)
         self._begin_stage()
         self.shells.find_contact()
 
@@ -198,6 +200,7 @@ class ExplicitStamping(RowRecording):
         self.shells = self._make_shells()
         self._reaction = np.zeros((len(self.mesh.points), 6))
         self.tools = StampingTools(self.model, self.shells, self.tools)
+        self.marked = MarkedPoints(self.model)
 
     def _longest_step(self) -> float:
         """Return the time step allowed now; add mass where the target asks for it."""
@@ -242,7 +245,7 @@ class ExplicitStamping(RowRecording):
         first += ["shells"] if self.model.refinement else []
         if self.heat is not None:
             first += ["process_time", *columns_of_sheet(self.heat.sheet, self.heat.arrays)]
-        return [*first, *LAST_COLUMNS]
+        return [*first, *self.marked.columns(self.show()), *LAST_COLUMNS]
 
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
@@ -272,6 +275,7 @@ class ExplicitStamping(RowRecording):
             **peak_row(self._evolved()),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
             **(self._measure_heat() if self.heat else {}),
+            **(self.marked.measure(self.show()) if self.model.points else {}),
             **self._end_row(report),
         }
 

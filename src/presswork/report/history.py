@@ -24,6 +24,8 @@ _UNITS = {
     "time": ("s", 1.0),
     "temperature": ("°C", 1.0),
     "heat": ("kJ", 1e-6),
+    "stress": ("MPa", 1.0),
+    **dict.fromkeys(("thickness", "x", "y", "z"), ("mm", 1.0)),
 }
 """Unit in the page of what a column's last part holds, and the factor from that in the file."""
 

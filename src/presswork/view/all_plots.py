@@ -30,6 +30,7 @@ from presswork.view.history_plot import (
     stress_strain,
 )
 from presswork.view.interface_plot import plot_interface
+from presswork.view.marked_points_plot import find_points, plot_points
 from presswork.view.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
 from presswork.view.mirror import Mirror
 from presswork.view.outline_plot import plot_outline
@@ -156,6 +157,8 @@ def _plot_all(
     if result.is_onestep:
         return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=bare_figure()), folder / "blank.png")]
     paths += [*_plot_forces(result, folder), *_plot_energies(result, folder), *_plot_temperatures(result, folder)]
+    if find_points(result.history) and len(result.history["time"]):
+        paths.append(save_picture(plot_points(result, bare_figure()), folder / "points.png"))
     if has_ram(result.history):
         figure = bare_figure()
         figure.set_size_inches(9.6, 4.2)

@@ -14,6 +14,7 @@ from presswork.view.cells import outline_cells, triangulate
 from presswork.view.crack_mark import mark_first_crack
 from presswork.view.extremes import describe_extremes, mark_extremes
 from presswork.view.lap_mark import mark_laps
+from presswork.view.marked_points_plot import mark_points
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
 from presswork.view.tool_plot import draw_tools
@@ -145,7 +146,7 @@ def _limits(result: Result, step: int, mirror: Mirror) -> tuple[FloatArray, Floa
 
 
 def prepare_section(ax: Axes, result: Result, step: int, mirror: Mirror) -> None:
-    """Set frame, labels and aspect, and draw the tools."""
+    """Set frame, labels and aspect, and draw the tools and the marked points."""
     require_matplotlib()
     low, high = _limits(result, step, mirror)
     ax.set_aspect("equal")
@@ -155,6 +156,7 @@ def prepare_section(ax: Axes, result: Result, step: int, mirror: Mirror) -> None
     ax.set_xlabel("radius r [mm]" if axisymmetric else "x [mm]")
     ax.set_ylabel("height z [mm]" if axisymmetric else "y [mm]")
     draw_tools(ax, result, step, 0.05 * float(np.max(high - low)), IMAGES[mirror])
+    mark_points(ax, result, step)
 
 
 def _levels(values: FloatArray) -> FloatArray:

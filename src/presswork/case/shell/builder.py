@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork import _core, model
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.law_needs import check_needs
 from presswork.case.material.library import list_keys
@@ -40,6 +41,10 @@ def build_shell_model(case: ShellCase, *, run_user_code: bool = True) -> model.M
     mesh = _build_mesh(case)
     _stop_at(_check_sets(case, mesh), case)
     _stop_at(_check_freedoms(case, mesh), case)
+    points, problems = build_points(
+        case.points, mesh, {*case.boundary, *(entry.set for stage in case.stages for entry in stage.displacement)}
+    )
+    _stop_at(problems, case)
     solver = build_solver(case.solver, with_coulomb=False, is_shell=True)
     return model.Model(
         title=case.title,
@@ -55,6 +60,7 @@ def build_shell_model(case: ShellCase, *, run_user_code: bool = True) -> model.M
         solver=solver,
         output=build_output(case.output),
         limits=case.limits.build(),
+        points=points,
         case_text=case.text,
     )
 

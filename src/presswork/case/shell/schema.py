@@ -14,6 +14,7 @@ from pydantic import (
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.limits import Limits
+from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
@@ -27,6 +28,7 @@ from presswork.case.units import (
     Force3,
     Length,
     Moment3,
+    Point3,
     Stress,
     Time,
     fault,
@@ -175,6 +177,7 @@ class ShellCase(CaseFile):
     stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     output: Output = Field(default=Output(), description="what is saved, and when")
+    points: dict[Name, Point3] = Field(default={}, description=POINTS)
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 
     @model_validator(mode="before")

@@ -17,6 +17,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.heat.forming import build_heat, start_hot, warn_of_temperatures
+from presswork.case.marked_points import build_points
 from presswork.case.material.umat import UmatMaterial, build_umat
 from presswork.case.press.builder import Halves, build_drive, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver
@@ -75,6 +76,9 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix), name) for name, entry in case.boundary.items()
     )
     problems = problems or check_room(tools, stages, supports, mesh)
+    taken = {*case.tools, *case.contacts, *case.boundary, *(p.node_set for stage in stages for p in stage.prescribed)}
+    points, point_problems = build_points(case.points, mesh, taken)
+    problems += point_problems
     dies, die_problems = build_dies(case, tools, _folder(case))
     _stop_at(problems + die_problems, case)
     found = model.Model(
@@ -98,6 +102,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         heat=build_heat(case, bodies, dies),
         series=case.series.to_model() if case.series else None,
         limits=case.limits.build(),
+        points=points,
         remeshing=build_remeshing(case, mesh, bodies, tools),
         case_text=case.text,
     )

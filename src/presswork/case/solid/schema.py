@@ -29,6 +29,7 @@ from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
+from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.grain import Grain
 from presswork.case.material.gtn import Gtn
 from presswork.case.material.heating import require_density
@@ -314,6 +315,7 @@ class Case(CaseFile):
         description="mesh the workpiece anew where its mesh would fail, and how; left out: where an increment fails on "
         "the first mesh, or a tool cuts deep into it",
     )
+    points: dict[Name, Point] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 

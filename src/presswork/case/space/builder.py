@@ -8,6 +8,7 @@ from pathlib import Path
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_needs
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
@@ -35,6 +36,10 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     material = list(case.materials).index(piece.material)
     mesh = mesh_space_body("workpiece", piece.mesh, piece.element, material, case.source)
     _stop_at(_check_sets(case, mesh), case)
+    points, problems = build_points(
+        case.points, mesh, {*case.boundary, *(entry.set for stage in case.stages for entry in stage.displacement)}
+    )
+    _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
     _stop_at(problems, case)
     return model.Model(
@@ -52,6 +57,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         solver=build_solver(case.solver, with_coulomb=False),
         output=build_output(case.output),
         limits=case.limits.build(),
+        points=points,
         case_text=case.text,
     )
 

@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.limits import Limits
+from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.settings import Output, Solver
@@ -127,6 +128,7 @@ class SpaceCase(CaseFile):
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
     stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
+    points: dict[Name, Point3] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 

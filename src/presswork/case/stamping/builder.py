@@ -12,6 +12,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
+from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.press.builder import Halves, build_drive
 from presswork.case.settings import RAMP
@@ -75,6 +76,9 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
     _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
     trim, problems = _build_trim(case, mesh)
     _stop_at(problems, case)
+    taken = {*case.tools, *SYMMETRY_SETS, *case.boundary, *(e.set for stage in case.stages for e in stage.displacement)}
+    points, problems = build_points(case.points, mesh, taken)
+    _stop_at(problems, case)
     blank = case.blank
     sheets = build_sheets(case.materials, blank.material, blank.thickness, case.source, run_user_code)
     angle = radians(blank.rolling_direction)
@@ -103,6 +107,7 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
         refinement=model.Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
         heat=build_sheet_heat(case),
         limits=case.limits.build(),
+        points=points,
         case_text=case.text,
     )
 

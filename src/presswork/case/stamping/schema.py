@@ -13,6 +13,7 @@ from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
+from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
 from presswork.case.material.transformation import Transformation
 from presswork.case.material.umat import UmatMaterial, kind_of_material
@@ -27,7 +28,7 @@ from presswork.case.stamping.blank import Blank
 from presswork.case.stamping.heat import Dwell, StampingHeat
 from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.stamping.tools import Tool
-from presswork.case.units import Force, Length, LineForce, Number, Rate, Time, Velocity, fault
+from presswork.case.units import Force, Length, LineForce, Number, Point3, Rate, Time, Velocity, fault
 from presswork.model import ExplicitElement, ExplicitSheet, SolverSettings
 
 VELOCITY = 2000.0
@@ -303,6 +304,7 @@ class StampingCase(CaseFile):
     heat: StampingHeat | None = Field(
         default=None, description="heat of the blank, its tools and surroundings; without it: no heat is conducted"
     )
+    points: dict[Name, Point3] = Field(default={}, description=POINTS)
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 
     @model_validator(mode="before")

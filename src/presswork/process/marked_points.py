@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Marked points: where material points of a run have gone, and what they have seen, in the history.
+
+A point is held by a simplex of the mesh's nodes (a triangle; in a hexahedron a tetrahedron) and its shares in them, and
+moves with it. On a new mesh of a deformed body it is looked for where it is then, so that its path does not depend on
+what is carried. Values of cells are those of a linear fit over the cells that touch its simplex, at the point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.evolution.of_material import QUANTITIES
+from presswork.fields.instant import Instant
+from presswork.fields.table import compute_field
+from presswork.mesh.simplices import find_simplices
+from presswork.model import FloatArray, IndexArray, Mesh, Model
+from presswork.process.recording import Row
+
+FOLLOWED = (
+    "effective_stress",
+    "hydrostatic_stress",
+    "equivalent_plastic_strain",
+    "thickness",
+    "temperature",
+    *(quantity.name for quantity in QUANTITIES if quantity.shown),
+)
+"""Fields of cells that the history has of each point, as far as the procedure has them."""
+
+
+class MarkedPoints:
+    """The marked points of one model on its present mesh."""
+
+    def __init__(self, model: Model) -> None:
+        self._points = model.points
+        self.nodes: IndexArray = np.zeros((0, 1), dtype=np.intp)
+        self.share: FloatArray = np.zeros((0, 1))
+        places = np.array([point.place for point in model.points]).reshape(-1, model.mesh.points.shape[1])
+        self.find(model.mesh, model.mesh.points, places)
+
+    def find(self, mesh: Mesh, position: FloatArray, places: FloatArray) -> None:
+        """Find the points in places (n, d) [mm] on a mesh whose nodes are in positions (n_points, d) [mm]."""
+        if self._points:
+            self.nodes, self.share, _ = find_simplices(mesh, position, places)
+
+    def places(self, position: FloatArray) -> FloatArray:
+        """Return where the points are (n, d) [mm], by the positions of the nodes (n_points, d) [mm]."""
+        return np.asarray(np.einsum("pk,pkd->pd", self.share, position[self.nodes]))
+
+    def columns(self, now: Instant) -> list[str]:
+        """Return the columns of the history, which are the same at every instant."""
+        if not self._points:
+            return []
+        axes = "xyz"[: now.model.mesh.points.shape[1]]
+        followed = [name for name in FOLLOWED if compute_field(name, now) is not None]
+        return [f"{point.name}.{quantity}" for point in self._points for quantity in (*axes, *followed)]
+
+    def measure(self, now: Instant) -> Row:
+        """Return the columns at an instant."""
+        if not self._points:
+            return {}
+        mesh: Mesh = now.model.mesh
+        dimension = mesh.points.shape[1]
+        position = mesh.points + now.displacement[:, :dimension]
+        places = self.places(position)
+        found = {name: field for name in FOLLOWED if (field := compute_field(name, now)) is not None}
+        row: Row = {}
+        for point, place, nodes in zip(self._points, places, self.nodes, strict=True):
+            row |= {f"{point.name}.{axis}": float(x) for axis, x in zip("xyz", place, strict=False)}
+            cells, weight = _weigh_cells(mesh, position, nodes, place)
+            for name, field in found.items():
+                value = float(weight @ field[cells])
+                row[f"{point.name}.{name}"] = max(value, 0.0) if field[cells].min() >= 0.0 else value
+        return row
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return what holds the points, for a checkpoint; nothing where there is none."""
+        return {"points.nodes": self.nodes, "points.share": self.share} if self._points else {}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take up what to_arrays gave."""
+        if self._points:
+            self.nodes, self.share = arrays["points.nodes"].copy(), arrays["points.share"].copy()
+
+
+def _weigh_cells(
+    mesh: Mesh, position: FloatArray, nodes: IndexArray, place: FloatArray
+) -> tuple[IndexArray, FloatArray]:
+    """Return the cells that touch nodes (k,), and their weights in a linear fit's value at a place (d,)."""
+    cells, middles, first = [], [], 0
+    for block in mesh.blocks:
+        own = np.flatnonzero(np.isin(block.connectivity, nodes).any(axis=1))
+        cells.append(first + own)
+        middles.append(position[block.connectivity[own]].mean(axis=1))
+        first += len(block.connectivity)
+    away = np.concatenate(middles) - place
+    basis = np.column_stack([np.ones(len(away)), away / max(float(np.abs(away).max()), 1e-300)])
+    return np.concatenate(cells), np.asarray(np.linalg.pinv(basis, rcond=1e-6)[0])
