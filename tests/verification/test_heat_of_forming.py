@@ -18,8 +18,8 @@ ENTHALPY = 7833e-12 * 586e6
 """Of a unit of volume [N/(mm2 K)]."""
 
 
-def compute(*, max_increment: float = 0.02, law: dict[str, Any] | None = None, **changes: Any) -> ImplicitProcedure:
-    """Upset a cylinder of 10 x 15 mm by 60 % without friction, unless told otherwise."""
+def upset(*, max_increment: float = 0.02, law: dict[str, Any] | None = None, **changes: Any) -> Case:
+    """Return a cylinder of 10 x 15 mm to be upset by 60 % without friction, unless told otherwise."""
     steel = {
         "young": "200e3 GPa",  # rigid, so that plastic strain is strain
         "poisson": 0.3,
@@ -29,7 +29,7 @@ def compute(*, max_increment: float = 0.02, law: dict[str, Any] | None = None, *
         "thermal": {"conductivity": 30, "specific_heat": "586 J/(kg*K)"},
         **(law or {}),
     }
-    case = Case.model_validate(
+    return Case.model_validate(
         {
             "title": "upsetting",
             "analysis": "axisymmetric",
@@ -43,7 +43,11 @@ def compute(*, max_increment: float = 0.02, law: dict[str, Any] | None = None, *
             **changes,
         }
     )
-    procedure = ImplicitProcedure(build_model(case), threads=1)
+
+
+def compute(**changes: Any) -> ImplicitProcedure:
+    """Compute such a case to its end."""
+    procedure = ImplicitProcedure(build_model(upset(**changes)), threads=1)
     for _ in procedure.advance():
         pass
     return procedure
@@ -71,6 +75,26 @@ def test_a_law_softens_by_the_heat_that_it_makes(steps) -> None:
     assert abs(rise / closed - 1) < 0.2 / steps
     stress = done.mechanics.flow_stress(0, done.state)
     assert stress == pytest.approx(700 * (1 - rise / 500), rel=1e-9)
+
+
+def test_increments_follow_the_change_of_temperature() -> None:
+    """The same law, in increments that may be long: none changes a temperature by more than 1.5 times the limit."""
+    heating = {"melting": 520, "exponent": 1.0, "reference": 20}
+    law = {"heating": heating, "hardening": {"law": "linear", "yield_stress": 700, "modulus": 0}}
+    closed = 500 * (1 - np.exp(-0.9 * 700 * np.log(1 / 0.4) / (ENTHALPY * 500)))
+    errors, counts = [], []
+    for limit in (4.0, 2.0, 1.0):
+        case = upset(max_increment=0.2, law=law, heat={"initial_temperature": 20, "max_change": limit})
+        done = ImplicitProcedure(build_model(case), threads=1)
+        rises = [0.0]
+        for _ in done.advance():
+            rises.append(float((done.state[HeatArrays].temperature - 20).mean()))
+        assert np.diff(rises).max() < 1.5 * limit
+        errors.append(abs(rises[-1] / closed - 1))
+        counts.append(len(rises) - 1)
+    assert counts[0] < counts[1] < counts[2] < 130
+    assert errors[1] < 0.4 * errors[0]
+    assert errors[2] < 0.4 * errors[1]
 
 
 def test_a_cold_tool_cools_the_surface_of_a_half_space() -> None:

@@ -23,6 +23,10 @@ from presswork.timing import Timing
 
 MOST_PASSES = 5
 """Times that equilibrium and heat are found in an increment."""
+REFUSED = 1.5
+"""Times the largest change of temperature: an increment that is taken again."""
+LEAST_INCREMENTS = 20.0
+"""Times solver.min_increment: an increment that is taken whatever its change of temperature."""
 
 
 class HeatOfIncrements:
@@ -38,6 +42,7 @@ class HeatOfIncrements:
         """What conducts and stores the heat."""
         self.tolerance = model.heat.tolerance
         """By how much temperatures given to laws may be off [K]."""
+        self._max_change = model.heat.max_change
         self._contacts = {contact.name: contact for contact in model.contacts}
 
     def at_points(self, state: State, block: int) -> FloatArray:
@@ -77,6 +82,19 @@ class HeatOfIncrements:
         self.spread(trial)
         pairs = zip(before, trial.cells.temperature, strict=True)
         return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0)
+
+    def find_change(self, state_n: State, trial: State) -> float:
+        """Return the largest change of a temperature given to a law in an increment, over that which may be."""
+        pairs = zip(state_n.cells.temperature, trial.cells.temperature, strict=True)
+        return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0) / self._max_change
+
+    def find_cut(self, state_n: State, trial: State, step: Step) -> float | None:
+        """Return the factor by which an increment must be shorter for the change of temperature; None: it need not."""
+        change, stage = self.find_change(state_n, trial), self._model.stages[step.stage]
+        shortest = LEAST_INCREMENTS * self._model.solver.min_increment * stage.duration
+        if stage.dwell or change <= REFUSED or step.dt <= shortest:
+            return None
+        return max(0.9 / change, 0.2)
 
     def _points(self, state: State) -> FloatArray:
         return self._model.mesh.points + state.nodes.displacement

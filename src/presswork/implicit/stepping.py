@@ -289,7 +289,8 @@ class ImplicitProcedure:
             if isinstance(off, Failed):
                 return Failed(log, off.reason, off.factor)
             if off <= heat.tolerance:
-                return Converged(log)
+                factor = heat.find_cut(state_n, trial, step)
+                return Failed(log, "temperatures change by much", factor) if factor else Converged(log)
             again = self.equilibrium.solve(state_n, trial, step, trial.nodes.increment)
             log.extend(again.log)
             if isinstance(again, Failed):
@@ -345,6 +346,8 @@ class ImplicitProcedure:
             size = min(size * GROWTH, settings.max_increment)
         elif log.smooth_iterations > settings.target_iterations + 4:
             size = max(0.7 * size, SMALLEST * settings.min_increment)
+        if self.heat is not None and (change := self.heat.find_change(state_n, trial)) > 0.0:
+            size = max(min(size, p.last_size / change), SMALLEST * settings.min_increment)
         p.next_size = size
         p.stage, p.fraction = stage, fraction
         is_over = fraction == 1.0 or self.ram.is_over(trial, stage)

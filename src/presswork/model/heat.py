@@ -164,6 +164,8 @@ class Heat:
     """Largest error that a time step may add at any node, as estimated [K]."""
     initial_step: float = 1e-4
     """First time step of each stage, over its duration."""
+    max_change: float = 50.0
+    """In implicit forming: largest change of a temperature given to a law in an increment, which is cut to it [K]."""
     max_step: float = 0.05
     """Largest time step over the duration of the stage."""
     fixed_step: float | None = None

@@ -145,6 +145,16 @@ class FormingHeat(Part):
     )
 
 
+class SolidHeat(FormingHeat):
+    """Heat of solids as they are formed."""
+
+    max_change: Number = Field(
+        default=model.Heat.max_change,
+        gt=0,
+        description="implicit: largest change of a temperature given to a law in an increment, to which it is cut [K]",
+    )
+
+
 def build_heat(
     case: schema.Case, bodies: tuple[model.Body, ...], dies: Mapping[str, model.DieMesh]
 ) -> model.Heat | None:
@@ -165,6 +175,7 @@ def build_heat(
         },
         plastic_fraction=heat.plastic_fraction,
         tolerance=heat.tolerance,
+        max_change=heat.max_change,
         effusivity=tuple(
             _find_effusivity(case.materials[part.material], start) for part, start in zip(parts, initial, strict=True)
         ),
