@@ -78,6 +78,7 @@ def test_newcomer_draws_a_cup_of_own_dimensions(browser: Any, site: Server, tmp_
     drawing = page.tab.frame_locator("#drawing")
     drawing.locator("html[data-ready]").wait_for(timeout=60_000)
     assert page.tab.get_by_role("img", name="Flow stress of dc04").is_visible()
+    assert page.tab.get_by_role("img", name="Forming limit of dc04, 0.8 mm thick").is_visible()
     person.press("Save and run")
     page.tab.wait_for_url("**/run?*", timeout=120_000)
     page.wait_until_drawn()

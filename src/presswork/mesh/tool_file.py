@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The surface of a rigid tool from a file: STL, or a mesh of triangles and quadrilaterals."""
+"""The surface of a rigid tool from a file: STL, a model in STEP, or a mesh of triangles and quadrilaterals."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from presswork.mesh.checks import MeshError, check_size
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
+from presswork.mesh.step import is_step, read_step
 from presswork.mesh.topology import count_corners
 from presswork.mesh.triangles import (
     double_areas,
@@ -35,6 +36,7 @@ def read_tool(
     closed: bool = False,
     facing: tuple[float, float, float] | None = None,
     usual_size: float | None = None,
+    tolerance: float | None = None,
 ) -> tuple[Triangulation, tuple[str, ...]]:
     """Read the surface of a tool; return it and notes on what was changed or looks odd.
 
@@ -42,10 +44,11 @@ def read_tool(
     alone will do. facing: direction out of the metal towards the sheet, for open surfaces: their mean normal must not
     point the other way, and is turned over if it does. usual_size: about the diagonal that the tool should have, such
     as that of the blank [mm]; where the file is in another unit, the unit that comes nearest is suggested first.
+    tolerance: of a model in STEP, the largest distance of its triangles from the surface [mm] (mesh/step.py).
     Points that coincide are merged, triangles without area and doubled ones dropped, quadrilaterals split, facets wound
     against most of their part turned over. Raises MeshError.
     """
-    raw = read_raw(path)
+    raw = read_step(path, tolerance) if is_step(path) else read_raw(path)
     points, cells = _take_facets(raw, scale)
     size = float(np.linalg.norm(np.ptp(points[cells.reshape(-1)], axis=0)))
     check_size("tool", size, scale, usual_size)

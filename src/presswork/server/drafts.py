@@ -35,7 +35,7 @@ _LONGEST = 60.0
 _DRAWING_BYTES = 1_000_000
 _LARGEST_CASE = 2_000_000
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_. -]{0,80}")
-_UPLOADS = ("stl", "dxf", "csv", "txt", "inp", "msh", "unv", "vtk", "toml")
+_UPLOADS = ("stl", "step", "stp", "dxf", "csv", "txt", "inp", "msh", "unv", "vtk", "toml")
 
 
 class Drafts:
@@ -234,5 +234,7 @@ def _require_content(ending: str, content: bytes) -> None:
         text = content.decode("latin-1")
     if "\x00" in text:
         raise RefusedError(f"this is no {ending.upper()} file: it has bytes that are no text")
+    if ending in ("step", "stp") and not text.lstrip().upper().startswith("ISO-10303-21"):
+        raise RefusedError("this is no STEP file: it does not begin with ISO-10303-21")
     if ending == "inp" and re.search(r"^\s*\*\s*include", text, re.IGNORECASE | re.MULTILINE):
         raise RefusedError("*INCLUDE takes in other files; join them into one first")

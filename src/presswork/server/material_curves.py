@@ -8,16 +8,21 @@ from typing import Any
 import numpy as np
 
 from presswork.case import CaseError
+from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.library import find_sheet, list_keys
 from presswork.case.material.sheet import SheetLaws, check_sheet_material
+from presswork.case.units import LENGTH, to_number
 
 _LARGEST_STRAIN = 0.8
+_THICKNESS = 1.0
+"""Of the sheet that a forming limit is shown for where no blank has one [mm]."""
 
 
 def describe_material(asked: dict[str, Any]) -> dict[str, Any]:
-    """Return flow stress over strain and sources of a material: `own`, a table of a case, or `name`, of the library.
+    """Return flow stress over strain, forming limit and sources of a material.
 
-    Empty for one that is not known, or not complete yet.
+    asked: `own`, a table of a case, or `name`, of the library; `thickness` of the blank. Empty for one that is not
+    known, or not complete yet.
     """
     name, own = str(asked.get("name", "")), asked.get("own")
     try:
@@ -35,4 +40,27 @@ def describe_material(asked: dict[str, Any]) -> dict[str, Any]:
         stress = laws.build_law().flow_stress(strain)[0]
     except (CaseError, ValueError, TypeError):
         return {}
-    return {"title": title, "strain": strain.tolist(), "stress": stress.tolist(), "sources": sources}
+    found = {"title": title, "strain": strain.tolist(), "stress": stress.tolist(), "sources": sources}
+    return {**found, **_describe_limit(laws, asked.get("thickness"))}
+
+
+def _describe_limit(laws: SheetLaws, asked: object) -> dict[str, Any]:
+    """Return the forming limit of a blank of a thickness, with its safety margin; empty without one."""
+    try:
+        thickness = float(to_number(asked, LENGTH)) if asked is not None else _THICKNESS
+        formability = build_formability(laws, "material", thickness)
+    except (CaseError, ValueError, TypeError):
+        return {}
+    if formability.curve is None:
+        return {}
+    minor = np.linspace(-0.3, 0.3, 61)
+    return {
+        "limit": {
+            "minor": minor.tolist(),
+            "major": formability.curve.limit(minor).tolist(),
+            "method": formability.curve.method,
+            "margin": formability.safety_margin,
+            "thickness": thickness,
+            "note": formability.note,
+        }
+    }

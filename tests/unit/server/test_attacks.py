@@ -241,6 +241,8 @@ def test_case_changed_elsewhere_is_not_written_over(server: Server, folder: Path
     [
         ("part.stl", b"\x00" * 80 + b"\xff\xff\xff\xff" + b"\x00" * 500, "no STL"),
         ("part.exe", b"MZ", "takes"),
+        ("part.step", b"MZ", "no STEP"),
+        ("part.stp", b"ISO-10303-21;\x00", "no text"),
         ("law.so", b"\x7fELF", "takes"),
         ("..%2Fpart.stl", b"solid x", "name"),
         ("%2Ftmp%2Fpart.stl", b"solid x", "name"),

@@ -54,7 +54,16 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         problems += _check_axis(case, mesh)
     of_tools = (np.zeros(0), np.zeros(0)) if case.analysis == "axisymmetric" else planes
     built = [
-        build_tool(name, tool, mesh, of_tools, _folder(case), find_way(case, name)) for name, tool in case.tools.items()
+        build_tool(
+            name,
+            tool,
+            mesh,
+            of_tools,
+            _folder(case),
+            find_way(case, name),
+            is_axisymmetric=case.analysis == "axisymmetric",
+        )
+        for name, tool in case.tools.items()
     ]
     problems += [tool for tool in built if isinstance(tool, Problem)]
     tools = tuple(tool for tool in built if isinstance(tool, model.Tool))

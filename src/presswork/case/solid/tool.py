@@ -22,6 +22,7 @@ from presswork.case.units import (
     Stiffness,
     fault,
 )
+from presswork.mesh.step import is_step
 
 Axis = Literal["x", "y"]
 
@@ -89,12 +90,18 @@ class Tool(Part):
     )
     profile_file: str | None = Field(
         default=None,
-        description="instead of profile: a text file of two columns, x and y, or a .dxf drawing, relative to the case",
+        description="instead of profile: a text file of two columns, x and y, a .dxf drawing, or the section of "
+        "a model in STEP, relative to the case",
     )
     unit: str | None = Field(
         default=None, description="length unit of the file, e.g. mm, m, inch; default: a drawing's own, or else mm"
     )
     layer: str | None = Field(default=None, description="the layer of the drawing that holds the profile")
+    section: Literal["xy", "xz", "yz"] | None = Field(
+        default=None,
+        description="STEP: the plane through the origin that cuts the model, its first axis x (axisymmetric: r, of "
+        "which the half r >= 0 is taken); default: xy",
+    )
     curve: Literal["polyline", "spline"] | None = Field(
         default=None,
         description="how points are joined: polyline, by lines (default for profile), or spline, by a smooth curve "
@@ -178,7 +185,12 @@ class Tool(Part):
         if self.profile_file is None:
             remedy = "give points [x, y], joined by lines, or profile_file"
             raise fault("missing key", remedy, key="profile")
-        if not self.profile_file.lower().endswith(".dxf"):
+        if self.section is not None and not is_step(self.profile_file):
+            raise fault("has a meaning with a STEP file only", "remove it", key="section")
+        if is_step(self.profile_file):
+            for key in {"layer", "unit"} & self.model_fields_set:
+                raise fault("has no meaning with a STEP file", "remove it", key=key)
+        elif not self.profile_file.lower().endswith(".dxf"):
             if self.layer is not None:
                 raise fault("has no meaning with a text file", "remove it", key="layer")
             self._check_spline(self.curve != "polyline")

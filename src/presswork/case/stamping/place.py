@@ -57,7 +57,13 @@ def _make_shape(name: str, tool: Tool, depth: float, radius: float, folder: Path
         return draw_shape(tool, depth, BEYOND * radius if width is None else width)
     try:
         scale = unit_factor(tool.unit, LENGTH)
-        read, notes = read_tool(folder / tool.path, scale=scale, facing=find_way(tool.kind), usual_size=2.0 * radius)
+        read, notes = read_tool(
+            folder / tool.path,
+            scale=scale,
+            facing=find_way(tool.kind),
+            usual_size=2.0 * radius,
+            tolerance=tool.tolerance,
+        )
     except MeshError as error:
         return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
     for note in notes:

@@ -31,13 +31,16 @@ def build_tool(
     symmetry_planes: tuple[FloatArray, FloatArray],
     folder: Path,
     way: tuple[float, float] = (0.0, 0.0),
+    *,
+    is_axisymmetric: bool = False,
 ) -> Tool | Problem:
     """Build a tool, or say why it cannot be.
 
     symmetry_planes: positions [mm] of the symmetry planes normal to x and to y; both empty in axisymmetry. folder: what
     the path of a profile file is relative to. way: direction of the tool's first motion, zero where it has none.
+    is_axisymmetric: of the section of a model in STEP the half r >= 0 counts.
     """
-    outline = _draw(name, tool, folder)
+    outline = _draw(name, tool, folder, is_axisymmetric)
     if isinstance(outline, Problem):
         return outline
     problem = _check_crossing(name, tool, outline)
@@ -148,11 +151,11 @@ def _key(name: str, tool: CaseTool) -> str:
     return f"tools.{name}.{'profile' if tool.profile_file is None else 'profile_file'}"
 
 
-def _draw(name: str, tool: CaseTool, folder: Path) -> Outline | Problem:
-    """Draw a tool's profile from its points or its file."""
+def _draw(name: str, tool: CaseTool, folder: Path, is_axisymmetric: bool) -> Outline | Problem:
+    """Draw a tool's profile from its points or its file; of a section of a model the half that revolves."""
     if tool.profile_file is not None:
         try:
-            return read_outline(folder / tool.profile_file, tool)
+            return read_outline(folder / tool.profile_file, tool, is_half=is_axisymmetric)
         except ProfileFileError as error:
             return Problem(_key(name, tool), error.fault, error.remedy, tool.profile_file)
     assert tool.profile is not None

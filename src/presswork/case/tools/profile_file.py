@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tool profiles from files: points in a text file, or a drawing in DXF."""
+"""Tool profiles from files: points in a text file, a drawing in DXF, or the section of a model in STEP."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ import numpy as np
 from presswork.case.solid.tool import ProfilePoint, Tool
 from presswork.case.tools.dxf import read_drawing
 from presswork.case.tools.profile import MEETING, Outline, ProfileError, draw_outline
+from presswork.case.tools.step_section import read_section
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.chain import ProfileFileError, join_pieces
+from presswork.mesh.step import is_step
 from presswork.text_file import UnreadableError, read_text
 
 
@@ -21,18 +23,21 @@ def is_drawing(path: str | Path) -> bool:
     return Path(path).suffix.lower() == ".dxf"
 
 
-def read_outline(path: Path, tool: Tool) -> Outline:
-    """Return the profile in a file, in mm; raises ProfileFileError.
+def read_outline(path: Path, tool: Tool, *, is_half: bool = False) -> Outline:
+    """Return the profile in a file, in mm; is_half: that of a section at x >= 0. Raises ProfileFileError.
 
     A text's points are joined by a smooth curve unless the tool says otherwise. In a drawing lines and arcs stay what
     they are; splines and ellipses become arcs.
     """
     if not path.is_file():
         raise ProfileFileError("no such file", "check the path, which is relative to the case file")
-    if not is_drawing(path):
+    if is_step(path):
+        chain = join_pieces(*read_section(path, tool.section or "xy", tool.tolerance, is_half=is_half))
+    elif is_drawing(path):
+        factor = None if tool.unit is None else unit_factor(tool.unit, LENGTH)
+        chain = join_pieces(*read_drawing(path, tool.layer, factor, tool.tolerance))
+    else:
         return _outline_of_text(path, tool)
-    factor = None if tool.unit is None else unit_factor(tool.unit, LENGTH)
-    chain = join_pieces(*read_drawing(path, tool.layer, factor, tool.tolerance))
     start, end = chain.segments[0, 0:2], chain.segments[-1, 2:4]
     extent = float(np.linalg.norm(np.ptp(chain.segments[:, 0:4].reshape(-1, 2), axis=0)))
     if tool.closed and np.linalg.norm(end - start) > MEETING * extent:

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""CAD models in STEP, read by Open CASCADE through netgen (extra `cad`), as triangles of their faces."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from presswork.mesh.checks import MeshError
+from presswork.mesh.raw import RawMesh
+from presswork.model import FloatArray
+
+STEP_ENDINGS = (".step", ".stp")
+RELATIVE_TOLERANCE = 1e-4
+"""Distance of triangles from the surface where none is asked for, as a part of the model's diagonal."""
+_MOST_ROUNDS = 5
+"""Triangulations, each finer, as Open CASCADE takes its tolerance for edges and is some times off inside of faces."""
+_ANGLE = 0.2
+"""Largest angle between neighbouring triangles on a curved face [rad]: eight to a quarter of a circle."""
+_REMEDY = "export it again as STEP AP214 or AP242"
+_ELSEWHERE = re.compile(rb"DOCUMENT_FILE|EXTERNALLY_DEFINED_|EXTERNAL_SOURCE", re.IGNORECASE)
+"""Entities of a file whose parts lie in other files."""
+
+
+def is_step(path: Path | str) -> bool:
+    """Say whether a file's name is that of a STEP model."""
+    return Path(path).suffix.lower() in STEP_ENDINGS
+
+
+def read_step(path: Path, tolerance: float | None = None) -> RawMesh:
+    """Return triangles that follow the faces of a model within a tolerance, their normals out of its solids.
+
+    tolerance: largest distance from the surface [mm], by default RELATIVE_TOLERANCE of the diagonal. Coordinates come
+    in mm, whatever the unit of the file. Raises MeshError.
+    """
+    geometry = open_step(path)
+    low, high = (np.array([*corner]) for corner in geometry.shape.bounding_box)
+    wanted = RELATIVE_TOLERANCE * float(np.linalg.norm(high - low)) if tolerance is None else tolerance
+    chord, angle = wanted, _ANGLE
+    for _ in range(_MOST_ROUNDS):
+        corners, normals = _triangulate(geometry, chord, angle)
+        error = _estimate_error(corners, normals)
+        if error <= wanted:
+            break
+        chord, angle = 0.7 * chord * wanted / error, angle * float(np.sqrt(0.7 * wanted / error))
+        geometry = open_step(path)
+    triangles = np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
+    a, b, c = corners.swapaxes(0, 1)
+    is_turned = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals.sum(axis=1)) < 0.0
+    triangles[is_turned] = triangles[is_turned][:, ::-1]
+    raw = RawMesh(corners.reshape(-1, 3))
+    raw.add_cells("tri3", triangles)
+    return raw
+
+
+def _triangulate(geometry: Any, chord: float, angle: float) -> tuple[FloatArray, FloatArray]:
+    """Return corners of triangles and the surface's normals there (n, 3, 3). Raises MeshError."""
+    found = geometry._visualizationData(chord, angle)
+    corners = np.asarray(found["vertices"], dtype=np.float64).reshape(-1, 3, 3)
+    if not len(corners):
+        raise MeshError("the model has no faces", "export a solid or its surfaces, not curves alone")
+    return corners, np.asarray(found["normals"], dtype=np.float64).reshape(-1, 3, 3)
+
+
+def _estimate_error(corners: FloatArray, normals: FloatArray) -> float:
+    """Return how far triangles lie from a surface with these normals at their corners, curved alike on each edge.
+
+    An edge e whose ends have the normals n rises by |e n|/4 over its chord, and the middle of a triangle by 4/9 of the
+    sum of its edges. The lesser of both ends counts: at the tip of a cone there is no normal.
+    """
+    edges = np.roll(corners, -1, axis=1) - corners
+    ends = [np.abs(np.einsum("ijk,ijk->ij", edges, normal)) for normal in (normals, np.roll(normals, -1, axis=1))]
+    rise = 0.25 * np.minimum(*ends)
+    return float(np.maximum(rise.max(axis=1), 4.0 / 9.0 * rise.sum(axis=1)).max())
+
+
+def open_step(path: Path) -> Any:
+    """Return the model of a file. Raises MeshError."""
+    try:
+        from netgen import occ
+    except ImportError as error:
+        raise MeshError(
+            "STEP files are read by netgen, which is not installed",
+            'pip install "presswork[cad]" (34 MB), or export the surface as STL',
+        ) from error
+    if not path.is_file():
+        raise MeshError(f"no such file ({path})", "check the path, which is relative to the case file")
+    content = path.read_bytes()
+    if not content.lstrip()[:13].upper().startswith(b"ISO-10303-21"):
+        raise MeshError(
+            "this is no STEP file: it does not begin with ISO-10303-21", "export it again as STEP AP214 or AP242"
+        )
+    if _ELSEWHERE.search(content):
+        raise MeshError("parts of this model lie in other files", "export the assembly as one file")
+    try:
+        geometry = occ.OCCGeometry(str(path))
+    except Exception as error:  # netgen's own, and what Open CASCADE raises through it
+        reason = " ".join(str(error).split())[:100]
+        raise MeshError(f"the model cannot be read ({reason})", _REMEDY) from error
+    return geometry

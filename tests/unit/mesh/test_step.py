@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Models in STEP become triangles within a tolerance, normals outwards; what cannot be read is said with its remedy."""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomli_w
+
+from presswork import build_model, read_case
+from presswork.case import CaseError
+from presswork.examples import copy_example
+from presswork.mesh.checks import MeshError
+from presswork.mesh.step import read_step
+from presswork.mesh.tool_file import read_tool
+from presswork.mesh.triangles import enclosed_volumes
+
+RADIUS, HEIGHT = 20.0, 30.0
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    """A punch with a hemispherical nose at z = 0, its shaft upwards."""
+    occ = pytest.importorskip("netgen.occ", reason='no netgen: pip install "presswork[cad]"')
+    nose = occ.Sphere((0.0, 0.0, RADIUS), RADIUS)
+    shaft = occ.Cylinder((0.0, 0.0, RADIUS), occ.Z, r=RADIUS, h=HEIGHT)
+    path = tmp_path / "punch.step"
+    (nose + shaft).WriteStep(str(path))
+    return path
+
+
+@pytest.mark.parametrize("tolerance", [0.02, 0.2])
+def test_triangles_lie_within_the_tolerance_and_face_outwards(model: Path, tolerance: float) -> None:
+    tool, notes = read_tool(model, closed=True, tolerance=tolerance)
+    assert not [note for note in notes if "rims" in note]
+    assert tool.is_closed
+    corners = tool.points[tool.triangles]
+    is_nose = (corners[..., 2] < RADIUS - 1e-3).any(axis=1)
+    middles = corners[is_nose].mean(axis=1) - [0.0, 0.0, RADIUS]
+    inside = RADIUS - np.linalg.norm(middles, axis=1)
+    assert inside.max() <= tolerance
+    assert np.abs(np.linalg.norm(corners[is_nose] - [0.0, 0.0, RADIUS], axis=2) - RADIUS).max() < 1e-4
+    volume = 2.0 / 3.0 * np.pi * RADIUS**3 + np.pi * RADIUS**2 * HEIGHT
+    part = np.zeros(len(tool.triangles), dtype=np.int64)
+    found = float(enclosed_volumes(tool.points, tool.triangles, part)[0])
+    assert 1.0 - 4.0 * tolerance / RADIUS < found / volume < 1.0
+
+
+def test_finer_tolerance_gives_more_triangles(model: Path) -> None:
+    counts = [len(read_step(model, tolerance).points) for tolerance in (0.5, 0.05, 0.005)]
+    assert counts[0] < counts[1] < counts[2]
+
+
+def test_unit_of_the_file_becomes_mm(model: Path) -> None:
+    size = np.ptp(read_step(model).points, axis=0)
+    np.testing.assert_allclose(size, [2 * RADIUS, 2 * RADIUS, RADIUS + HEIGHT], rtol=1e-3)
+    text = model.read_text()
+    model.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.CENTI.,.METRE.)"))
+    np.testing.assert_allclose(np.ptp(read_step(model).points, axis=0), 10.0 * size, rtol=1e-3)
+
+
+def test_damaged_models_are_refused_with_a_remedy(model: Path) -> None:
+    text = model.read_text()
+    faults = {
+        text[: len(text) // 2]: "export it again",
+        "solid x": "ISO-10303-21",
+        text.replace("PRODUCT_CONTEXT", "DOCUMENT_FILE"): "as one file",
+    }
+    for content, words in faults.items():
+        model.write_text(content)
+        with pytest.raises(MeshError, match=words):
+            read_step(model)
+    with pytest.raises(MeshError, match="no such file"):
+        read_step(model.with_name("other.step"))
+
+
+def test_without_netgen_the_remedy_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setitem(sys.modules, "netgen", None)
+    with pytest.raises(MeshError, match=r"presswork\[cad\].*STL"):
+        read_step(tmp_path / "punch.step")
+
+
+def test_stamping_takes_its_punch_from_a_model(model: Path) -> None:
+    """The same as one drawn by its dimensions: they touch the blank at the same place."""
+    case = copy_example("square_cup", model.parent)
+    data = tomllib.loads(case.read_text(encoding="utf-8"))
+    punch = next(name for name, tool in data["tools"].items() if tool["kind"] == "punch")
+    data["tools"][punch] = {"kind": "punch", "shape": "file", "path": "punch.step", "mu": 0.1, "tolerance": 0.1}
+    case.write_text(tomli_w.dumps(data), encoding="utf-8")
+    tool = next(tool for tool in build_model(read_case(case)).tools if tool.name == punch)
+    assert tool.shape.points[:, 2].min() == pytest.approx(0.0, abs=1e-6)
+    assert tool.position[2] == pytest.approx(0.5 * data["blank"]["thickness"], abs=1e-6)
+    faults = {"unit": ("inch", "says its unit itself"), "path": ("punch.stl", "no meaning with triangles")}
+    for key, (value, words) in faults.items():
+        changed = {**data["tools"][punch], key: value}
+        case.write_text(tomli_w.dumps({**data, "tools": {**data["tools"], punch: changed}}), encoding="utf-8")
+        with pytest.raises(CaseError, match=words):
+            read_case(case)
