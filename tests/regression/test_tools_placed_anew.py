@@ -12,6 +12,9 @@ import pytest
 from presswork import CaseError, Result, build_model, run_model
 from presswork.case import Case
 from presswork.recorder import Progress
+from presswork.view.all_plots import plot_all
+from presswork.view.operation_plot import list_operations, plot_operation
+from presswork.view.style import describe_step
 
 HEIGHT, STROKE, MORE = 10.0, 1.0, 0.4
 
@@ -57,7 +60,8 @@ def test_a_lifted_tool_leaves_the_block_free(twice: Result) -> None:
     """The floor carries nothing; what plane strain locks in across the plane stays below yield."""
     lifted = np.flatnonzero(np.asarray(twice.history["stage"]) == "lift")[-1]
     assert twice.history["punch.force"][lifted] == 0.0
-    assert twice.history["punch.stroke"][lifted] == pytest.approx(-3.0)
+    assert twice.history["punch.stroke"][lifted] == 0.0, "placing is no stroke"
+    assert twice.tool_displacement("punch", 2 * 2)[1] == pytest.approx(3.0)
     pressed = np.abs(twice.history["floor.force_y"]).max()
     assert abs(twice.history["floor.force_y"][lifted]) < 1e-3 * pressed
     step = int(np.argmin(np.abs(np.asarray(twice.times) - twice.history["time"][lifted])))
@@ -71,10 +75,9 @@ def test_energy_goes_back_with_what_is_let_go(twice: Result) -> None:
 
 def test_a_tool_that_touches_again_goes_on_where_the_block_was(twice: Result, tmp_path: Path) -> None:
     """Elastic return and reload: at the same place of the tool the force is that of a run without the lift."""
-    end = float(twice.history["punch.stroke"][-1])
-    again = np.asarray(twice.history["stage"]) == "again"
-    first = float(twice.history["punch.stroke"][again][0]) - MORE * 0.5
-    assert first < STROKE, "it begins where the block has sprung back to"
+    end = -float(twice.tool_displacement("punch")[1])
+    assert twice.history["punch.stroke"][-1] == pytest.approx(MORE), "it counts from where the tool was placed"
+    assert 0.98 * STROKE < end - MORE < STROKE, "it begins where the block has sprung back to"
     straight = {"name": "press", "tools": {"punch": {"stroke": end, "direction": [0, -1]}}}
     run_model(build_model(case(straight)), tmp_path / "once")
     once = Result(tmp_path / "once")
@@ -115,3 +118,43 @@ def test_a_tool_put_into_the_block_stops_the_run(tmp_path: Path) -> None:
     outcome = run_model(build_model(case(PRESS, deep)), tmp_path / "out")
     assert outcome.status == "gave_up"
     assert "into the workpiece when its stage begins" in outcome.reason
+
+
+def test_every_operation_has_its_stroke_and_its_picture(tmp_path: Path) -> None:
+    """A second punch waits above and is set onto the block: its stroke begins there, and titles name it."""
+    data = BLOCK | {"tools": BLOCK["tools"] | {"finisher": BLOCK["tools"]["punch"] | {"position": [0.0, 60.0]}}}
+    finish = {
+        "name": "finish it",
+        "tools": {
+            "punch": {"position": [0.0, 60.0]},
+            "finisher": {"position": [0.0, -0.9], "stroke": MORE, "direction": [0, -1]},
+        },
+    }
+    outcome = run_model(build_model(Case.model_validate(data | {"stages": [PRESS, finish]})), tmp_path / "out")
+    assert outcome.status == "completed", outcome.reason
+    result, history = outcome.result, outcome.result.history
+    own = history["stage"] == "finish it"
+    assert history["punch.stroke"][~own][-1] == pytest.approx(STROKE)
+    assert not history["punch.stroke"][own].any()
+    assert not history["finisher.stroke"][~own].any()
+    assert history["finisher.stroke"][-1] == pytest.approx(MORE)
+    assert [(o.name, o.tools) for o in list_operations(result)] == [
+        ("press", ("punch",)),
+        ("finish it", ("finisher",)),
+    ]
+    assert describe_step(result, 1).startswith("punch stroke 0.50 mm")
+    assert describe_step(result, -1).startswith(f"finisher stroke {MORE:.2f} mm")
+    assert describe_step(result, 0).startswith("punch stroke 0.00 mm")
+    names = {path.name for path in plot_all(result, tmp_path / "plots", ["effective_stress"])}
+    assert {"force_stroke.png", "force_stroke_press.png", "force_stroke_finish_it.png"} <= names
+    ax = plot_operation(result, list_operations(result)[1])
+    (line, *_) = ax.lines
+    assert line.get_xdata()[-1] == pytest.approx(MORE)
+    assert line.get_ydata()[-1] == pytest.approx(1e-3 * history["finisher.force"][-1])
+
+
+def test_a_run_without_placing_has_one_picture_of_forces(tmp_path: Path) -> None:
+    result = run_model(build_model(case(PRESS)), tmp_path / "out").result
+    assert list_operations(result) == []
+    names = {path.name for path in plot_all(result, tmp_path / "plots", ["effective_stress"])}
+    assert {name for name in names if name.startswith("force_stroke")} == {"force_stroke.png"}

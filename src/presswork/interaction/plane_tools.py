@@ -98,10 +98,12 @@ class PlaneTools(Interaction):
             motion = self._model.stages[stage].tool_motion.get(tool.name, ToolMotion())
             if motion.start is None:
                 continue
-            if motion.start == "touch":
+            if motion.start in ("touch", "touch_again"):
                 target = placed.displacement[t] + self._way_to_touch(state, t, motion)
             else:
                 target = np.subtract(motion.start, tool.position[:2])
+            if motion.start != "touch_again":
+                placed.placed[t] = target
             jump = target - placed.displacement[t]
             if not jump.any():
                 continue

@@ -25,14 +25,17 @@ class ToolArrays(Arrays):
 
     owner = "tools"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
-        ("displacement", "angle", "restart", "travel", "travel_increment", "gives", "force", "force_start"), RUN
+        ("displacement", "angle", "restart", "placed", "travel", "travel_increment", "gives", "force", "force_start"),
+        RUN,
     )
     displacement: FloatArray
     """Since the start (n_tools, 2) [mm]."""
     angle: FloatArray
     """(n_tools,) [rad]."""
     restart: FloatArray
-    """Part of displacement by which stages have placed tools anew (n_tools, 2) [mm]."""
+    """Part of displacement by which stages have placed tools anew, or blows have ended early (n_tools, 2) [mm]."""
+    placed: FloatArray
+    """Displacement at which a stage last placed each tool, from which its stroke counts (n_tools, 2) [mm]."""
     travel: FloatArray
     """Part of displacement that forces and springs have made (n_tools, 2) [mm]."""
     travel_increment: FloatArray
@@ -51,6 +54,7 @@ class ToolArrays(Arrays):
             displacement=np.zeros((n_tools, 2)),
             angle=np.zeros(n_tools),
             restart=np.zeros((n_tools, 2)),
+            placed=np.zeros((n_tools, 2)),
             travel=np.zeros((n_tools, 2)),
             travel_increment=np.zeros((n_tools, 2)),
             gives=np.zeros(n_tools, dtype=np.int8),

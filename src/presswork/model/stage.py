@@ -133,9 +133,10 @@ class ToolMotion:
     """In the plane: angle [rad], counter-clockwise, about the tool's centre."""
     push: Push | None = None
     """Force that places the tool, instead of a move."""
-    start: tuple[float, float] | Literal["touch"] | None = None
-    """In the plane: position of the origin of its frame when the stage begins [mm]; touch: where the tool first touches
-    the workpiece along its motion; None: where the stage before has left it."""
+    start: tuple[float, float] | Literal["touch", "touch_again"] | None = None
+    """In the plane: position of the origin of its frame when the stage begins [mm], from which its stroke counts;
+    touch: where the tool first touches the workpiece along its motion; touch_again: the same, but its stroke goes on;
+    None: where the stage before has left it."""
 
 
 @dataclass(frozen=True)

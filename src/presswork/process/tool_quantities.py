@@ -18,7 +18,8 @@ class ToolQuantities:
     """Of one tool, the whole of it: with its mirror image in plane strain, the whole ring in axisymmetry."""
 
     stroke: float
-    """Displacement along its first motion; of a tool on a spring how far it has given way [mm]."""
+    """Displacement along its first motion since it was last placed; of a tool on a spring how far it has given way
+    [mm]."""
     force: float
     """Against its first motion [N]: positive when the workpiece resists; on a spring, what presses the spring; of a
     tool that does neither, the vector's length."""
@@ -43,7 +44,8 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
             direction = np.asarray(tool.spring.direction)
             stroke, force = float(state[ToolArrays].travel[t] @ direction), float(vector @ direction)
         elif (way := find_way(procedure.model, tool)) is not None:
-            stroke, force = float(state[ToolArrays].displacement[t] @ way), -float(vector @ way)
+            moved = state[ToolArrays].displacement[t] - state[ToolArrays].placed[t]
+            stroke, force = float(moved @ way), -float(vector @ way)
         else:
             stroke, force = 0.0, float(np.linalg.norm(vector))
         motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
@@ -81,12 +83,15 @@ def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:
 
 def describe_plane(model: Model) -> Info:
     """Return what results say of a case in the plane."""
+    starts = [(stage.name, motion.start) for stage in model.stages for motion in stage.tool_motion.values()]
+    placing = dict.fromkeys(name for name, start in starts if start not in (None, "touch_again"))
     return {
         "title": model.title,
         "analysis": model.analysis,
         "depth": model.depth,
         "mirrored_x": "\n".join(t.name for t in model.plane_tools if t.mirrored_across[0]),
         "mirrored_y": "\n".join(t.name for t in model.plane_tools if t.mirrored_across[1]),
+        **({"placing": "\n".join(placing)} if placing else {}),
     }
 
 

@@ -33,6 +33,7 @@ from presswork.view.interface_plot import plot_interface
 from presswork.view.marked_points_plot import find_points, plot_points
 from presswork.view.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
 from presswork.view.mirror import Mirror
+from presswork.view.operation_plot import list_operations, plot_operation
 from presswork.view.outline_plot import plot_outline
 from presswork.view.press_plot import has_ram, plot_ram
 from presswork.view.section_plot import is_drawn_in, plot_draw_in, plot_section
@@ -73,12 +74,13 @@ def plot_all(
     """Write the pictures of a run as PNG and return their paths.
 
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell or a solid in
-    space one picture in space. For each moving tool: force against stroke; without one, for each set that is moved:
-    reaction against displacement, and nominal stress against nominal strain. For each tool in contact: contact stress
-    along the contact surface. Of dynamics and of stampings: energies against time; of a stamping the section along x,
-    the outline from above with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part,
-    mirrored by its symmetry planes. Of a sheet with a forming limit: the forming limit diagram. Of a press: force
-    and speed of the ram over stroke and time.
+    space one picture in space. For each moving tool: force against stroke, and one more for each operation where
+    stages place tools anew; without one, for each set that is moved: reaction against displacement, and nominal
+    stress against nominal strain. For each tool in contact: contact stress along the contact surface. Of dynamics and
+    of stampings: energies against time; of a stamping the section along x, the outline from above with the draw-in in
+    every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its symmetry planes. Of a
+    sheet with a forming limit: the forming limit diagram. Of a press: force and speed of the ram over stroke and
+    time.
     `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a stamping
     STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at the one
     with the widest range, and damage that has a critical value, and MICROSTRUCTURE; `out_dir` is the folder "plots" in
@@ -217,6 +219,10 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
     figure = bare_figure()
     plot_history(result, ax=figure.subplots())
     paths = [save_picture(figure, folder / ("force_angle.png" if turning else "force_stroke.png"))]
+    for operation in list_operations(result):
+        figure = bare_figure()
+        plot_operation(result, operation, figure.subplots())
+        paths.append(save_picture(figure, folder / f"force_stroke_{operation.file_name}.png"))
     for tool in turning:
         figure = bare_figure()
         plot_history(result, y=f"{tool}.torque", ax=figure.subplots())

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
 from presswork.view.history_marks import mark_history
-from presswork.view.style import begin_at_zero, break_at_parts, clean_axes, new_figure, require_matplotlib
+from presswork.view.style import (
+    begin_at_zero,
+    break_at_parts,
+    clean_axes,
+    count_operations,
+    new_figure,
+    require_matplotlib,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,6 +52,7 @@ def plot_history(
             parts = [name] if len(runs) > 1 else []
             parts += [ordinate.partition(".")[0]] if len(curves) > 1 else []
             shown = break_at_parts(history, _values(history, ordinate))
+            shown[1:][np.diff(count_operations(run)) > 0] = np.nan  # no line where tools are placed
             ax.plot(_values(history, abscissa), shown, label=", ".join(parts), linewidth=1.8)
         drawn += curves
     ax.set_xlabel(_label(sorted({abscissa for abscissa, _ in drawn})))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.fields.table import describe_field
-from presswork.model import FloatArray
+from presswork.model import FloatArray, IntArray
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
 
@@ -109,9 +109,14 @@ def measure_progress(result: Result, step: int) -> Progress | None:
     tool = find_working_tool(result, step)
     if tool is None:
         return None
-    axis = int(np.argmax(np.abs(result.tool_displacement(tool, step) - result.tool_displacement(tool, 0))))
+    strokes = find_strokes(result, step)
+    moved = result.tool_displacement(tool, step) - result.tool_displacement(tool, 0)
+    if strokes is not None:
+        at = step % len(result.times)
+        moved = result.tool_displacement(tool, at) - result.tool_displacement(tool, max(at - 1, 0))
+    axis = int(np.argmax(np.abs(moved)))
     extent = float(np.ptp(result.points(step)[:, axis])) / float(np.ptp(result.mesh.points[:, axis]))
-    stroke = float(np.linalg.norm(result.tool_displacement(tool, step)))
+    stroke = float(np.linalg.norm(result.tool_displacement(tool, step))) if strokes is None else abs(strokes[tool])
     return Progress(tool, stroke, ("width", "height")[axis], 1 - extent)
 
 
@@ -125,10 +130,39 @@ def find_working_tool(result: Result, step: int) -> str | None:
     at = step % len(result.times)
     for now in [*range(at, 0, -1), *range(at + 1, len(result.times))]:
         way = {name: float(np.linalg.norm(place(name, now) - place(name, now - 1))) for name in names}
+        strokes, before = find_strokes(result, now), find_strokes(result, now - 1)
+        if strokes is not None and before is not None:  # what placing moves does no work
+            anew = find_operation(result, now) != find_operation(result, now - 1)
+            way = {name: abs(strokes[name] - (0.0 if anew else before[name])) for name in names}
         tool = max(names, key=lambda name: way[name], default=None)
         if tool is not None and way[tool] > 0:
             return tool
     return None
+
+
+def find_strokes(result: Result, step: int) -> dict[str, float] | None:
+    """Return the stroke of each tool since it was placed [mm]; None of a run whose stages place no tools."""
+    if not result.info.get("placing"):
+        return None
+    row = find_history_row(result, step) if step % len(result.times) else {}
+    return {name: float(row.get(f"{name}.stroke", 0.0)) for name in result.tools}
+
+
+def find_operation(result: Result, step: int) -> int:
+    """Return the number of stages that have placed tools by a saved step."""
+    row = find_history_row(result, step) if step % len(result.times) else {}
+    if not row:
+        return 0
+    times = np.asarray(result.history["time"])
+    return int(count_operations(result)[np.abs(times - result.times[step]).argmin()])
+
+
+def count_operations(result: Result) -> IntArray:
+    """Return the number of stages that have placed tools by each row of the history (n_rows,)."""
+    stages = np.asarray(result.history["stage"])
+    begins = np.append(True, stages[1:] != stages[:-1])
+    placing = str(result.info.get("placing", "")).split("\n")
+    return np.cumsum(begins & np.isin(stages, placing)).astype(np.int32)
 
 
 def find_turning_tool(result: Result) -> str | None:

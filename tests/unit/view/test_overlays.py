@@ -25,6 +25,7 @@ class TwoStages:
 
     surfaces: dict[str, object] = {}  # noqa: RUF012
     is_onestep = False
+    info: dict[str, object] = {}  # noqa: RUF012
     tools = {"punch": np.zeros((1, 7)), "ejector": np.zeros((1, 7))}  # noqa: RUF012
     times = np.arange(5.0)
     _way = {"punch": [0, -4, -9, -9, -9], "ejector": [0, 0, 0, 2, 2]}  # noqa: RUF012

@@ -163,7 +163,7 @@ def _describe_stage(stage: model.Stage) -> Iterator[str]:
     if stage.drive is not None:
         yield describe_drive(stage.drive)
     for name, motion in stage.tool_motion.items():
-        if motion.start == "touch":
+        if motion.start in ("touch", "touch_again"):
             yield f"tool {name} starts where it touches the workpiece"
         elif motion.start is not None:
             yield f"tool {name} starts at ({motion.start[0]:g}, {motion.start[1]:g}) mm"

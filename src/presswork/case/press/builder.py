@@ -128,7 +128,7 @@ def list_blows(stage: model.Stage, press: StagePress | None, first: int) -> list
         name = stage.name if press.blows == 1 else f"{stage.name} {number + 1}"
         motions = dict(stage.tool_motion)
         if number > 0:
-            motions = {n: replace(m, start="touch") if any(m.move) else m for n, m in motions.items()}
+            motions = {n: replace(m, start="touch_again") if any(m.move) else m for n, m in motions.items()}
             back = {n: model.ToolMotion(move=tuple(0.0 - x for x in m.move)) for n, m in stage.tool_motion.items()}
             pause = press.pause or model.Stage("").duration
             found.append(model.Stage(f"{stage.name}, pause {number}", duration=pause, tool_motion=back))

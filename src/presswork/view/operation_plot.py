@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Force against stroke, operation by operation, of a run whose stages place tools anew."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from presswork.model import IntArray
+from presswork.results import Result
+from presswork.view.style import begin_at_zero, clean_axes, count_operations, new_figure, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True)
+class Operation:
+    """The rows of the history from one placing of tools to the next."""
+
+    name: str
+    """Of its first stage in which a tool is loaded."""
+    rows: IntArray
+    """To the last one in which a tool is loaded (n,)."""
+    tools: tuple[str, ...]
+    """Those that move and are loaded."""
+
+    @property
+    def file_name(self) -> str:
+        """The name in letters, digits and underscores."""
+        return re.sub(r"\W+", "_", self.name).strip("_")
+
+
+def list_operations(result: Result) -> list[Operation]:
+    """Return the operations in which tools are loaded; none of a run with fewer than two."""
+    history = result.history
+    number, stages = count_operations(result), np.asarray(history["stage"])
+    names = [name.removesuffix(".stroke") for name in history if name.endswith(".stroke")]
+    found = []
+    for own in (np.flatnonzero(number == n) for n in np.unique(number)):
+        tools = tuple(
+            name
+            for name in names
+            if np.any(history[f"{name}.force"][own]) and np.ptp(np.append(0.0, history[f"{name}.stroke"][own])) > 0
+        )
+        if not tools:
+            continue
+        loaded = np.any([history[f"{name}.force"][own] != 0.0 for name in tools], axis=0)
+        rows = own[: np.flatnonzero(loaded)[-1] + 1]
+        found.append(Operation(str(stages[own[loaded][0]]), rows.astype(np.int32), tools))
+    return found if len(found) > 1 else []
+
+
+def plot_operation(result: Result, operation: Operation, ax: Axes | None = None) -> Axes:
+    """Draw force [kN] against stroke [mm] since the tools were placed, with the largest force marked."""
+    require_matplotlib()
+    ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
+    history, rows = result.history, operation.rows
+    for tool in operation.tools:
+        stroke, force = history[f"{tool}.stroke"][rows], 1e-3 * history[f"{tool}.force"][rows]
+        ax.plot(stroke, force, label=tool, linewidth=1.8)
+        top = int(np.argmax(np.abs(force)))
+        ax.plot([stroke[top]], [force[top]], "o", color="0.2", markersize=4, zorder=4)
+        ax.annotate(
+            f"{force[top]:.4g} kN at {stroke[top]:.4g} mm", (stroke[top], force[top]), xytext=(-6, 6),
+            textcoords="offset points", ha="right", fontsize="small",
+        )  # fmt: skip
+    only = f"{operation.tools[0]} " if len(operation.tools) == 1 else ""
+    ax.set_xlabel(f"{only}stroke [mm]")
+    ax.set_ylabel(f"{only}force [kN]")
+    ax.set_title(f"{result.info.get('title', '')}: {operation.name}", fontsize="medium")
+    if len(operation.tools) > 1:
+        ax.legend(frameon=False)
+    begin_at_zero(ax)
+    clean_axes(ax)
+    return ax
