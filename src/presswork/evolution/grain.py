@@ -68,12 +68,13 @@ class GrainLaw(EvolutionLaw):
     def advance(self, values: Mapping[str, FloatArray], change: PointChange) -> dict[str, FloatArray]:
         """Return the values at the end of an increment."""
         found = {name: values[name].copy() for name in QUANTITIES}
-        if change.temperature is None or change.temperature_n is None:
-            assert self._grain.temperature is not None, "the case has seen to it"
-            kelvin = np.full_like(change.strain, self._grain.temperature + ZERO_CELSIUS)
-        else:
-            kelvin = 0.5 * (change.temperature + change.temperature_n) + ZERO_CELSIUS
         found[TOTAL] += np.maximum(change.strain, 0.0)
+        if change.temperature is not None and change.temperature_n is not None:
+            kelvin = 0.5 * (change.temperature + change.temperature_n) + ZERO_CELSIUS
+        elif self._grain.temperature is not None:
+            kelvin = np.full_like(change.strain, self._grain.temperature + ZERO_CELSIUS)
+        else:  # a part that springs back: cold, as it were
+            return found
         if change.dt <= 0.0:
             return found
         flows = (change.strain > NEW_STRAIN) | (change.rate > SLOW * found["grain_rate"])

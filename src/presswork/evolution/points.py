@@ -112,3 +112,5 @@ class Evolution:
                 after[name][block] = value.reshape(cells.eqps[block].shape)
             if law.softens:
                 cells.eqps[block] = law.hardening_strain(found).reshape(cells.eqps[block].shape)
+                if cells.history[block].ndim == 4:  # of shells, whose laws have it first
+                    cells.history[block][..., 0] = cells.eqps[block].reshape(cells.history[block].shape[:3])

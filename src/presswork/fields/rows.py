@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from presswork.evolution.of_material import QUANTITIES
+from presswork.evolution.of_material import BY_NAME, QUANTITIES
 from presswork.fields.field import LAMINA, PLACES, TENSOR, VECTOR, Field
 from presswork.fields.instant import Instant, NodalContact
 from presswork.fields.solid_fields import effective_stress
@@ -133,7 +133,8 @@ def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:
 
 
 def _evolved(name: str) -> Callable[[Instant], FloatArray | None]:
-    """Return what finds a quantity of evolution laws: the mean of a solid's points, the largest of a sheet's layers.
+    """Return what finds a quantity of evolution laws: the mean of a solid's points or of a sheet's layers, of layers
+    the largest where it decides.
 
     Those of a sheet that conducts heat are at the nodes: the mean of the cell.
     """
@@ -151,7 +152,8 @@ def _evolved(name: str) -> Callable[[Instant], FloatArray | None]:
             if len(values) == 0:
                 parts.append(np.full(n, np.nan))
             else:
-                parts.append(values.max(axis=1) if weight is None else (weight * values).sum(axis=1))
+                of_layers = values.max(axis=1) if BY_NAME[name].peak_counts else values.mean(axis=1)
+                parts.append(of_layers if weight is None else (weight * values).sum(axis=1))
         return np.concatenate(parts)
 
     return find

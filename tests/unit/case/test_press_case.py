@@ -74,7 +74,7 @@ def test_several_blows_are_stages_with_pauses_between() -> None:
     stages = build("stages.0.press", {"name": "hammer", "blows": 3, "pause": 0.5}).stages
     assert [s.name for s in stages] == ["forge 1", "forge, pause 1", "forge 2", "forge, pause 2", "forge 3"]
     assert [s.tool_motion["die"].move[1] for s in stages] == [-12, 12, -12, 12, -12]
-    assert [s.tool_motion["die"].start for s in stages] == [None, None, "touch", None, "touch"]
+    assert [s.tool_motion["die"].start for s in stages] == [None, None, "touch_again", None, "touch_again"]
     assert [s.duration for s in stages[1::2]] == [0.5, 0.5]
     blows = [s.drive.motion for s in stages[::2] if s.drive is not None]
     assert [b.number for b in blows if isinstance(b, Blow)] == [1, 2, 3]

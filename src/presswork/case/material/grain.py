@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -80,9 +80,37 @@ class Growth(Part):
         return model.GrainGrowth(A=self.A, exponent=self.exponent, energy=self.energy)
 
 
+STEELS: dict[str, dict[str, Any]] = {
+    "C-Mn": {
+        "deformation_energy": 300e3,
+        "dynamic": {
+            "critical_strain": {"A": 5.6e-4, "grain": 0.3, "zener": 0.17},
+            "half_strain": {"A": 1.144e-3, "grain": 0.28, "rate": 0.05, "energy": 6420.0 * 8.314462618},
+            "size": {"A": 1.6e4, "zener": -0.23},
+            "exponent": 2.0,
+        },
+        "metadynamic": {
+            "half_time": {"A": 1.1, "zener": -0.8, "energy": 230e3},
+            "size": {"A": 2.6e4, "zener": -0.23},
+            "exponent": 1.5,
+        },
+        "static": {
+            "half_time": {"A": 2.3e-15, "grain": 2.0, "strain": -2.5, "energy": 230e3},
+            "size": {"A": 343.0, "grain": 0.4, "strain": -0.5, "energy": -45e3},
+            "exponent": 1.0,
+        },
+    }
+}
+"""Laws of named steels. C-Mn: low-carbon steel with manganese, of hot rolling (Hodgson & Gibbs 1992, ISIJ Int. 32,
+1329-1338); the strain of half dynamic recrystallisation by Senuma & Yada (1986, 7th Riso Symposium, 547-552)."""
+
+
 class Grain(Part):
     """Grain size, and the laws by which it changes: those that are left out do not act."""
 
+    steel: Literal["C-Mn"] | None = Field(
+        default=None, description="a steel whose laws are known; those given beside it replace its own"
+    )
     initial: Number = Field(gt=0, le=10000, description="mean grain size at the start [um]")
     deformation_energy: Number | None = Field(default=None, gt=0, description="energy Q of Z [J/mol]")
     dynamic: Dynamic | None = Field(default=None, description="recrystallisation during deformation")
@@ -95,6 +123,11 @@ class Grain(Part):
         default=None, description="temperature of a run without [heat] and `heating` [degrees C]"
     )
     softens: bool = Field(default=False, description="whether what is recrystallised no longer hardens")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_steel(cls, data: Any) -> Any:
+        return {**STEELS[data["steel"]], **data} if isinstance(data, dict) and data.get("steel") in STEELS else data
 
     @model_validator(mode="after")
     def _check(self) -> Self:

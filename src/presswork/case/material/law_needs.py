@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from presswork.case.errors import Problem
+from presswork.case.material.grain import Grain
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.umat import UmatMaterial
@@ -37,6 +38,26 @@ def check_needs(
                 yield Problem(f"stages.{index}.duration", fault, "add it, in seconds")
         if not heated and (material.heating is None or material.heating.start is None):
             yield from _check_temperature(name, material)
+
+
+def check_grain(
+    key: str, grain: Grain, *, knows_temperature: bool, stages: Sequence[Part], procedure: str
+) -> list[Problem]:
+    """Return the problems of a grain size that lacks temperature or time; key: of the material."""
+    problems, own = [], f"{key}.grain.temperature"
+    if procedure == "explicit" and grain.softens:
+        fault, remedy = "explicit laws harden by the strain in all, so far", "leave it out, or compute implicitly"
+        problems.append(Problem(f"{key}.grain.softens", fault, remedy, grain.softens))
+    if grain.temperature is None and not knows_temperature:
+        remedy = "add it [degrees C], or [heat], or `heating` of the material"
+        problems.append(Problem(own, "missing key: recrystallisation needs a temperature", remedy))
+    if grain.temperature is not None and knows_temperature:
+        problems.append(Problem(own, "the run knows the temperature", "remove it", grain.temperature))
+    for index, stage in enumerate(stages):
+        if not any(getattr(stage, name, None) and name in stage.model_fields_set for name in TIMING):
+            fault = "missing key: recrystallisation takes time"
+            problems.append(Problem(f"stages.{index}.duration", fault, "add it [s], or a velocity or press"))
+    return problems
 
 
 def _check_temperature(name: str, material: PlasticLaws) -> Iterator[Problem]:

@@ -13,7 +13,7 @@ from presswork import _core, model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
-from presswork.case.material.law_needs import check_needs
+from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import list_keys
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
@@ -92,6 +92,12 @@ def _check_names(case: ShellCase) -> list[Problem]:
     problems += check_small_displacements(case.solver) + _check_inertia(case)
     if case.solver.control != "arc_length":
         problems += check_needs(case.materials, [piece.material], case.stages)
+        for name, material in case.materials.items():
+            if not isinstance(material, UmatMaterial) and material.grain is not None:
+                knows, stages = material.heating is not None, case.stages
+                problems += check_grain(
+                    f"materials.{name}", material.grain, knows_temperature=knows, stages=stages, procedure="implicit"
+                )
     if case.solver.control == "arc_length":
         for index, stage in enumerate(case.stages):
             if stage.displacement or stage.rotation:
@@ -99,6 +105,8 @@ def _check_names(case: ShellCase) -> list[Problem]:
                 problems.append(Problem("solver.control", f"{fault} (stages.{index})", remedy, "arc_length"))
         for name, material in case.materials.items():
             key = None if isinstance(material, UmatMaterial) else material.needs_time()
+            if not isinstance(material, UmatMaterial) and material.grain is not None:
+                key = "grain"
             if key is not None:
                 fault = f"along a path that arc length follows no time passes, which materials.{name}.{key} needs"
                 remedy = 'take control = "load", or a material that does not depend on the rate'

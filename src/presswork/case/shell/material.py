@@ -11,6 +11,7 @@ from pydantic.config import JsonDict
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from presswork.case.material.grain import Grain
 from presswork.case.material.heating import HEAVIEST, LIGHTEST, require_density
 from presswork.case.material.library import take_named
 from presswork.case.material.sheet import SheetLaws
@@ -63,13 +64,15 @@ class ShellMaterial(SheetLaws):
 
 
 class HeavyShellMaterial(ShellMaterial):
-    """A sheet material with its density."""
+    """A sheet material with its density and grain size."""
 
     density: Density | None = Field(
         default=None,
         description='density [t/mm^3], e.g. "7850 kg/m^3"; without it: that of a metal with this Young\'s modulus in '
         "which sound runs at 5.1 km/s, as in steel, aluminium, magnesium and titanium",
     )
+
+    grain: Grain | None = Field(default=None, description="grain size in hot forming")
 
     @model_validator(mode="after")
     def _check_density(self) -> Self:

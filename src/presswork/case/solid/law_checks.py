@@ -3,14 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from presswork.case.errors import Problem
-from presswork.case.material.grain import Grain
 from presswork.case.material.hot_hardening import HotLaw
-from presswork.case.material.law_needs import check_needs
+from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
-from presswork.case.part import Part
 from presswork.case.settings import Solver
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import list_bodies
@@ -79,26 +75,6 @@ def _check_pores_in(case: schema.Case, name: str, material: schema.Material) -> 
         if body.material == name and body.element == "quad4_1pt":
             fault = "its hourglass control needs the flow stress of a dense metal"
             problems.append(Problem(f"{place}.element", fault, "take quad4_fbar", body.element))
-    return problems
-
-
-def check_grain(
-    key: str, grain: Grain, *, knows_temperature: bool, stages: Sequence[Part], procedure: str
-) -> list[Problem]:
-    """Return the problems of a grain size that lacks temperature or time; key: of the material."""
-    problems, own = [], f"{key}.grain.temperature"
-    if procedure == "explicit":
-        fault, remedy = "grain size is for the implicit procedure alone, so far", "leave it out, or compute implicitly"
-        return [Problem(f"{key}.grain", fault, remedy)]
-    if grain.temperature is None and not knows_temperature:
-        remedy = "add it [degrees C], or [heat], or `heating` of the material"
-        problems.append(Problem(own, "missing key: recrystallisation needs a temperature", remedy))
-    if grain.temperature is not None and knows_temperature:
-        problems.append(Problem(own, "the run knows the temperature", "remove it", grain.temperature))
-    for index, stage in enumerate(stages):
-        if not {"duration", "velocity", "press"} & stage.model_fields_set:
-            fault = "missing key: recrystallisation takes time"
-            problems.append(Problem(f"stages.{index}.duration", fault, "add it [s], or a velocity or press"))
     return problems
 
 

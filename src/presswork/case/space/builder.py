@@ -9,11 +9,11 @@ from pathlib import Path
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.marked_points import build_points
-from presswork.case.material.law_needs import check_needs
+from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_materials
-from presswork.case.solid.law_checks import check_grain, check_integrator
+from presswork.case.solid.law_checks import check_integrator
 from presswork.case.solid.references import check_set_names
 from presswork.case.solid.workpiece import MeshFile
 from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage

@@ -8,7 +8,7 @@ import itertools
 import numpy as np
 
 from presswork.case.errors import Problem, suggest
-from presswork.case.material.law_needs import check_needs
+from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import list_keys
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import check_in_explicit, check_timing
@@ -41,6 +41,10 @@ def check_names(case: StampingCase) -> list[Problem]:
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
             problems += _check_umat(f"materials.{name}", material, case)
+        elif material.grain is not None:
+            knows = case.heat is not None or material.heating is not None
+            key, stages, procedure = f"materials.{name}", case.stages, case.procedure
+            problems += check_grain(key, material.grain, knows_temperature=knows, stages=stages, procedure=procedure)
     if case.blank.thickness < THINNEST:
         fault, remedy = "thinner than any rolled metal", 'plain numbers are mm: 0.8, or "0.8 mm"'
         problems.append(Problem("blank.thickness", fault, remedy, case.blank.thickness))

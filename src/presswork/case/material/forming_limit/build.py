@@ -92,7 +92,8 @@ def build_sheets(
         if isinstance(table, UmatMaterial):
             made = build_umat(name, table, folder, 3, run_user_code=run_user_code)
         else:
-            made = dataclasses.replace(table.to_model(name), density=table.find_density())
+            grain = table.grain.to_model() if table.grain else None
+            made = dataclasses.replace(table.to_model(name), density=table.find_density(), grain=grain)
         if isinstance(made, Problem):
             problems.append(made)
         else:
