@@ -136,6 +136,19 @@ void bind_walls(nb::class_<PlaneLoop>& c) {
           },
           nb::arg("wall"), "Impulse of a wall on the nodes since the start [N s].")
       .def(
+          "begin_wall_sums", [](PlaneLoop& self, int wall) { wall_of(self, wall).begin_sums(); }, nb::arg("wall"),
+          "Sum up anew what a wall presses and rubs.")
+      .def(
+          "wall_pressed",
+          [](const PlaneLoop& self, int wall) {
+            return copy(wall_of(self, wall).pressed, {std::size_t(self.nodes.n)});
+          },
+          nb::arg("wall"), "Impulse of a wall's pressure on the nodes since begin_wall_sums (n_nodes) [N s].")
+      .def(
+          "wall_rubbed",
+          [](const PlaneLoop& self, int wall) { return copy(wall_of(self, wall).rubbed, {std::size_t(self.nodes.n)}); },
+          nb::arg("wall"), "Work that friction on a wall has taken at the nodes since then (n_nodes) [N mm].")
+      .def(
           "move_wall",
           [](PlaneLoop& self, int wall, std::array<double, 2> velocity) {
             std::copy_n(velocity.begin(), 2, wall_of(self, wall).velocity);

@@ -1412,6 +1412,19 @@ class PlaneLoop:
     def wall_impulse(self, wall: int) -> list[float]:
         """Impulse of a wall on the nodes since the start [N s]."""
 
+    def begin_wall_sums(self, wall: int) -> None:
+        """Sum up anew what a wall presses and rubs."""
+
+    def wall_pressed(self, wall: int) -> NDArray[numpy.float64]:
+        """
+        Impulse of a wall's pressure on the nodes since begin_wall_sums (n_nodes) [N s].
+        """
+
+    def wall_rubbed(self, wall: int) -> NDArray[numpy.float64]:
+        """
+        Work that friction on a wall has taken at the nodes since then (n_nodes) [N mm].
+        """
+
     def move_wall(self, wall: int, velocity: Sequence[float]) -> None:
         """Set a wall's velocity [mm/s]."""
 

@@ -62,8 +62,8 @@ Work PlaneNodes::step_node(int node, const Step& step, bool whole, double after[
   // 2. walls: forces of pressure and of friction, and what the walls' own motion does by them
   double pressure[2] = {0.0, 0.0}, friction[2] = {0.0, 0.0}, by_pressure = 0.0, by_friction = 0.0;
   for (RigidWall* wall : walls) {
-    double* kept_force = &wall->force[at];
-    if (whole) kept_force[0] = kept_force[1] = 0.0;
+    double *kept_force = &wall->force[at], *kept_friction = &wall->friction[at];
+    if (whole) kept_force[0] = kept_force[1] = kept_friction[0] = kept_friction[1] = 0.0;
     if (!contact_[node] || m == 0.0) continue;
     const double w[2] = {step.velocity_scale * wall->velocity[0], step.velocity_scale * wall->velocity[1]};
     double normal[2], slide[2];
@@ -71,7 +71,7 @@ Work PlaneNodes::step_node(int node, const Step& step, bool whole, double after[
     for (int i = 0; i < 2; ++i) {
       pressure[i] += normal[i] / push, by_pressure += w[i] * normal[i] / push;
       friction[i] += slide[i] / push, by_friction += w[i] * slide[i] / push;
-      if (whole) kept_force[i] = (normal[i] + slide[i]) / push;
+      if (whole) kept_force[i] = (normal[i] + slide[i]) / push, kept_friction[i] = slide[i] / push;
     }
   }
   // 3. work, by the mean velocity of the step or that of its first half
@@ -93,6 +93,7 @@ void PlaneNodes::move_one(int node, const Step& step, Work& sum) {
   const std::size_t at = 2 * std::size_t(node);
   double after[2], *x = position.data() + 2 * at;
   sum.add(step_node(node, step, true, after));
+  const double mean[2] = {0.5 * (velocity.data()[at] + after[0]), 0.5 * (velocity.data()[at + 1] + after[1])};
   for (int i = 0; i < 2; ++i) {
     if (fixed_[at + i])
       reaction_impulse[at + i] +=
@@ -103,7 +104,11 @@ void PlaneNodes::move_one(int node, const Step& step, Work& sum) {
     x[i] += x[2 + i];
   }
   if (!contact_[node]) return;
-  for (RigidWall* wall : walls) wall->add_to_chunk(node);
+  for (RigidWall* wall : walls) {
+    const double w[2] = {step.velocity_scale * wall->velocity[0], step.velocity_scale * wall->velocity[1]};
+    wall->add_to_chunk(node);
+    wall->add_to_sums(node, step.mean_dt, mean, w);
+  }
 }
 
 void PlaneNodes::move_four(int first, const Step& step, Record& external, Record& damped) {

@@ -7,6 +7,7 @@
 // is lost when it strikes, as in a plastic impact.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -26,6 +27,9 @@ class RigidWall final : public Interaction<PlaneNodes> {
       : name(std::move(name)),
         mu(mu),
         force(2 * std::size_t(n_nodes)),
+        friction(2 * std::size_t(n_nodes)),
+        pressed(n_nodes),
+        rubbed(n_nodes),
         chunk_force_(2 * std::size_t(count_chunks(n_nodes))),
         segments_(std::move(segments)),
         prepared_(segments_.size() / 7),
@@ -38,6 +42,16 @@ class RigidWall final : public Interaction<PlaneNodes> {
   void open_chunk(int first_node) { std::fill_n(&chunk_force_[2 * std::size_t(first_node / chunk)], 2, 0.0); }
   void add_to_chunk(int node) {
     for (int i = 0; i < 2; ++i) chunk_force_[2 * std::size_t(node / chunk) + i] += force[2 * std::size_t(node) + i];
+  }
+  // Add what a node has got in a cycle over dt, in which it moved at v and the wall at w.
+  void add_to_sums(int node, double dt, const double v[2], const double w[2]) {
+    const double *whole = &force[2 * std::size_t(node)], *rub = &friction[2 * std::size_t(node)];
+    pressed[node] += dt * std::hypot(whole[0] - rub[0], whole[1] - rub[1]);
+    for (int i = 0; i < 2; ++i) rubbed[node] -= dt * rub[i] * (v[i] - w[i]);
+  }
+  void begin_sums() {
+    std::fill(pressed.begin(), pressed.end(), 0.0);
+    std::fill(rubbed.begin(), rubbed.end(), 0.0);
   }
   void move(const Step& step, int, double) override {
     for (int i = 0; i < 2; ++i) {
@@ -57,6 +71,9 @@ class RigidWall final : public Interaction<PlaneNodes> {
   double velocity[2] = {0.0, 0.0};  // [mm/s]
   double impulse[2] = {0.0, 0.0};   // given to the nodes since the start [N s]
   std::vector<double> force;        // (n_nodes, 2) on the nodes in the last cycle [N]
+  std::vector<double> friction;     // (n_nodes, 2) of that the friction [N]
+  // (n_nodes) since begin_sums: impulse of the pressure [N s], work that friction has taken [N mm]
+  std::vector<double> pressed, rubbed;
 
   // Correct the velocity v of a node at x over a step dt, in which the wall moves at w; free: 1 or 0 for each freedom.
   // Returns whether it touches; normal and slide are the changes of velocity by the wall's pressure and friction.

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswork import _core
-from presswork.model import ELEMENTS, FloatArray, IntArray, MaskArray, Mesh, Model, Thermal
+from presswork.model import ELEMENTS, FloatArray, IntArray, MaskArray, Model, Thermal
 
 
 def sum_at_nodes(nodes: IntArray, values: FloatArray, n_points: int) -> FloatArray:
@@ -36,13 +36,28 @@ class Enthalpy:
 
 
 class PointShapes:
-    """Carries quantities between nodes and the integration points of solids by the cells' shape functions."""
+    """Carries quantities between nodes and the integration points of solids by the cells' shape functions.
 
-    def __init__(self, mesh: Mesh) -> None:
+    A cell with one point gives its nodes by the parts of its volume that they stand for: in axisymmetry more to the
+    outer ones.
+    """
+
+    def __init__(self, model: Model) -> None:
+        mesh = model.mesh
         self._n_points = len(mesh.points)
-        self._connectivity = [block.connectivity for block in mesh.blocks]
+        self._connectivity = [np.ascontiguousarray(block.connectivity, dtype=np.int32) for block in mesh.blocks]
         rows = [ELEMENTS[block.element] for block in mesh.blocks]
         self._shapes = [np.asarray(_core.shapes_at_points(row.cell, row.points)) for row in rows]
+        self._parts = []
+        self.volumes: list[FloatArray] = []
+        """Of each block's cells at the start (n_cells,) [mm3]."""
+        for row, connectivity in zip(rows, self._connectivity, strict=True):
+            axisymmetric = model.analysis == "axisymmetric"
+            volume = _core.lump_volumes(
+                row.cell, connectivity, mesh.points, axisymmetric=axisymmetric, depth=model.depth
+            )
+            self.volumes.append(np.sum(volume, axis=1))
+            self._parts.append(np.asarray(volume) / self.volumes[-1][:, None])
 
     def to_points(self, block: int, nodal: FloatArray) -> FloatArray:
         """Return the values of a nodal quantity at a block's points (n_cells, q)."""
@@ -50,7 +65,8 @@ class PointShapes:
 
     def to_nodes(self, block: int, amounts: FloatArray) -> FloatArray:
         """Return what the points of a block (n_cells, q) give to the nodes (n_points,): the sum stays."""
-        return sum_at_nodes(self._connectivity[block], amounts @ self._shapes[block], self._n_points)
+        given = amounts * self._parts[block] if amounts.shape[1] == 1 else amounts @ self._shapes[block]
+        return sum_at_nodes(self._connectivity[block], given, self._n_points)
 
 
 class Conduction:

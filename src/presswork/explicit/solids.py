@@ -124,6 +124,11 @@ class ExplicitSolids(Dynamics):
         return self._given_temperature + self._loop.rise
 
     @property
+    def rise(self) -> Array:
+        """Rise of temperature by plastic work since the start (n_cells) [K]."""
+        return self._loop.rise
+
+    @property
     def given_temperature(self) -> Array:
         """What is given from outside (n_cells) [degrees C]; at first that of the materials' start."""
         return self._given_temperature.copy()

@@ -47,6 +47,20 @@ class Wall:
         """Forces of the wall on the nodes in the last cycle (n_nodes, 2) [N]; of the whole ring in axisymmetry."""
         return self._loop.wall_force(self._number)
 
+    def begin_sums(self) -> None:
+        """Sum up `pressed` and `rubbed` anew."""
+        self._loop.begin_wall_sums(self._number)
+
+    @property
+    def pressed(self) -> Array:
+        """Impulse of the wall's pressure on the nodes since begin_sums (n_nodes,) [N s]; of whole rings."""
+        return self._loop.wall_pressed(self._number)
+
+    @property
+    def rubbed(self) -> Array:
+        """Work that friction on the wall has taken at the nodes since begin_sums (n_nodes,) [N mm]."""
+        return self._loop.wall_rubbed(self._number)
+
     @property
     def force(self) -> Array:
         """Force of the solids on the wall in the last cycle (2,) [N]."""

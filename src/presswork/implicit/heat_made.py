@@ -28,7 +28,7 @@ class HeatSources:
     """Finds the heat that increments make."""
 
     def __init__(self, model: Model, heat: Heat) -> None:
-        self._model, self._heat, self._shapes = model, heat, PointShapes(model.mesh)
+        self._model, self._heat, self._shapes = model, heat, PointShapes(model)
         self._n_points = len(model.mesh.points)
         self._shares = self._share_friction()
         self._body_of = np.zeros(self._n_points, dtype=np.intp)
@@ -38,11 +38,11 @@ class HeatSources:
     def find(self, now: FormingInstant, surface: SurfaceNow) -> MadeHeat:
         """Return the heat of an increment."""
         plastic = np.zeros(self._n_points)
-        for i, work in enumerate(now.plastic):
-            plastic += self._shapes.to_nodes(i, work)
+        for i, heat in enumerate(now.plastic):
+            plastic += self._shapes.to_nodes(i, heat)
         share = self._shares[:, self._body_of]
         friction = (share * now.rubbed).sum(axis=0) + self._rub_bodies(now, surface)
-        return MadeHeat(self._heat.plastic_fraction * plastic, friction, (1.0 - share) * now.rubbed)
+        return MadeHeat(plastic, friction, (1.0 - share) * now.rubbed)
 
     def _rub_bodies(self, now: FormingInstant, surface: SurfaceNow) -> FloatArray:
         """Return the heat of friction between bodies at the nodes (n_points,) [N mm].

@@ -100,7 +100,7 @@ class HeatOfForming:
         self._equation = HeatEquation(self._dies.join(), none, timing, threads, iterative=True)
         self._surface = HeatSurface(model, model.heat, self._dies)
         self._sources = HeatSources(model, model.heat)
-        self._shapes = PointShapes(model.mesh)
+        self._shapes = PointShapes(model)
         self._n_points = len(model.mesh.points)
         self._skin = np.unique(model.mesh.boundary_edges)  # nodes that a tool may touch
         self._columns = {
@@ -116,6 +116,10 @@ class HeatOfForming:
     def dies(self) -> MeshedDies:
         """Tools with meshes."""
         return self._dies
+
+    def volumes(self) -> list[FloatArray]:
+        """Return the volumes of each block's cells at the start (n_cells,) [mm3]."""
+        return self._shapes.volumes
 
     def at_rest(self) -> HeatArrays:
         """Return the temperatures at the start."""

@@ -43,6 +43,7 @@ class HeatOfIncrements:
         self.tolerance = model.heat.tolerance
         """By how much temperatures given to laws may be off [K]."""
         self._max_change = model.heat.max_change
+        self._fraction = model.heat.plastic_fraction
         self._contacts = {contact.name: contact for contact in model.contacts}
 
     def at_points(self, state: State, block: int) -> FloatArray:
@@ -124,7 +125,7 @@ class HeatOfIncrements:
             holds=holds,
             push=push,
             gap=gap,
-            plastic=list(self._cells.plastic_work_at_points(state_n, trial, dt)),
+            plastic=[self._fraction * work for work in self._cells.plastic_work_at_points(state_n, trial, dt)],
             rubbed=rubbed,
             between=self._show_bodies(state_n, trial),
         )

@@ -43,7 +43,7 @@ class FormingInstant:
     gap: FloatArray
     """Distance of the nodes from the tools (n_tools, n_points) [mm]; infinite where it is not asked."""
     plastic: Sequence[FloatArray]
-    """Plastic work at the points of each block (n_cells, p) [N mm]."""
+    """Heat of plastic work at the points of each block (n_cells, p) [N mm]."""
     rubbed: FloatArray
     """Work that friction on tools has taken at the nodes (n_tools, n_points) [N mm]."""
     between: BetweenBodies = field(default_factory=lambda: BetweenBodies({}, {}, np.zeros((0, 2)), 0.0))

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.heat import Conduction
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.interaction.heat_of_sheet import KINDS as SHEET_KINDS
 from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
-from presswork.model import FloatArray, Model
+from presswork.model import FloatArray, IntArray, Model
 from presswork.process.recording import Row
 
 JOULE = 1e-3
@@ -36,6 +37,13 @@ def measure_heat(
         "heat_stored": stored,
         **{f"heat_{kind}": float(value) for kind, value in zip(kinds, heat, strict=True)},
     }
+
+
+def show_dies(forming: HeatOfForming, arrays: HeatArrays) -> dict[str, tuple[FloatArray, IntArray, FloatArray]]:
+    """Return the meshes of tools that conduct heat, and their temperatures."""
+    temperatures = forming.die_temperatures(arrays)
+    meshes = {die.name: die.mesh.mesh for die in forming.dies.dies}
+    return {name: (mesh.points, mesh.blocks[0].connectivity, temperatures[name]) for name, mesh in meshes.items()}
 
 
 def columns_of_sheet(sheet: HeatOfSheet, arrays: SheetHeatArrays) -> list[str]:

@@ -24,6 +24,8 @@ from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.process.epochs import NamedArrays
+from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself, names_of_heat
+from presswork.process.heat_quantities import show_dies, warn_of_tables
 from presswork.process.limits import Watched, measure_hydrostatic_stress
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.peaks import find_peaks, peak_columns, peak_row
@@ -32,8 +34,9 @@ from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_r
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.row_history import BlockPoints, RowHistory
-from presswork.process.rows import LAST_COLUMNS, STAGE, STAGE_WAY, RowRecording, RowReport, last_energies
+from presswork.process.rows import LAST_COLUMNS, ROW, STAGE, STAGE_WAY, RowRecording, RowReport, last_energies
 from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole
+from presswork.threads import available_threads
 
 ADDED_MASS = 2
 """Of the progress, after stage and row."""
@@ -57,7 +60,7 @@ class ExplicitImpact(RowRecording):
         assert isinstance(model.explicit, ExplicitSolid)
         super().__init__(model, threads, 4)
         self.settings = model.explicit
-        self._materials = [SolidMaterial.from_model(material) for material in model.materials]
+        self._materials = [SolidMaterial.from_model(heat_by_itself(model, material)) for material in model.materials]
         self._make_run({})
         self.solids.set_velocity("all", self.settings.velocity)
         self._force = np.zeros((len(self.walls), 2))
@@ -66,6 +69,7 @@ class ExplicitImpact(RowRecording):
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
+        self.heat = HeatOfRows(model, self.solids, self.walls, threads or available_threads()) if model.heat else None
         self.points = RowHistory(model.materials, [b.material for b in model.mesh.blocks], is_solid=True)
         self.points.start(self._find_points())
         self._begin_stage()
@@ -93,6 +97,8 @@ class ExplicitImpact(RowRecording):
         impulse = [wall.impulse for wall in self.walls]
         self.points.begin_row(self._find_points())
         self.solids.reset_reaction()
+        if self.heat is not None:
+            self.heat.begin_row()
         to = begin + stage.duration * (row + 1) / rows
         if stage.drive is not None and isinstance(stage.drive.motion, Blow):
             self._strike(number, stage.drive, to)
@@ -101,6 +107,8 @@ class ExplicitImpact(RowRecording):
         for i, wall in enumerate(self.walls):
             self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
         self._reaction = self.solids.reaction_impulse / (self.solids.time - time)
+        if self.heat is not None:
+            self.heat.advance()
         self.points.end_row(self._find_points(), self.solids.time - time)
         energies = self.solids.energies()
         self._progress[ADDED_MASS] = self.solids.added_mass().percent
@@ -127,6 +135,8 @@ class ExplicitImpact(RowRecording):
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe: the mean velocity of each motion over the stage."""
         number = int(self._progress[STAGE])
+        if self.heat is not None and self._progress[ROW] == 0:
+            self.heat.begin_stage()
         if number == len(self.model.stages):
             self._prescribe(self.solids)
             return
@@ -146,6 +156,7 @@ class ExplicitImpact(RowRecording):
         first = ["time", "stage", "increment", "cycles", *tools]
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         peaks = peak_columns(self.solids.damage)
+        first += self.heat.columns if self.heat else []
         points = self.marked.columns(self.show())
         return [*first, *peaks, *ram, *self.reactions.columns, *points, *EXTENTS, *LAST_COLUMNS]
 
@@ -175,6 +186,7 @@ class ExplicitImpact(RowRecording):
         row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
         for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
             row |= self._measure(tool, wall, mean)
+        row |= self.heat.row() if self.heat else {}
         row |= self._ram_row(report)
         row |= peak_row(self.solids.damage)
         displacement = self.solids.position - self.model.mesh.points
@@ -233,7 +245,7 @@ class ExplicitImpact(RowRecording):
     def show(self) -> Instant:
         """Return what the fields of the present state are computed from; a cell has one point."""
         solids, model = self.solids, self.model
-        heats = any(material.heating for material in model.materials)
+        heats = self.heat is not None or any(material.heating for material in model.materials)
         return Instant(
             model,
             solids.position - model.mesh.points,
@@ -247,6 +259,7 @@ class ExplicitImpact(RowRecording):
                 temperature=solids.temperature if heats else None,
             ),
             evolved={**solids.damage, **self.points.values},
+            temperature=self.heat.arrays.temperature if self.heat else None,
         )
 
     def _find_points(self) -> list[BlockPoints]:
@@ -255,7 +268,7 @@ class ExplicitImpact(RowRecording):
         ends = np.cumsum([len(block.connectivity) for block in blocks])[:-1]
         found = solids.stress.copy(), solids.equivalent_plastic_strain.copy(), solids.temperature.copy()
         parts = zip(blocks, *(np.split(values[:, None], ends) for values in found), strict=True)
-        heats = [material.heating is not None for material in self.model.materials]
+        heats = [self.heat is not None or material.heating is not None for material in self.model.materials]
         return [BlockPoints(stress, eqps, t if heats[b.material] else None) for b, stress, eqps, t in parts]
 
     def snapshot(self) -> Snapshot:
@@ -267,6 +280,7 @@ class ExplicitImpact(RowRecording):
             point_data=points,
             cell_data=cells,
             tools={t.name: start_profile(t) for t in model.tools},
+            dies=show_dies(self.heat.forming, self.heat.arrays) if self.heat else {},
             tool_centre={t.name: start_centre(t) for t in model.tools},
             tool_displacement={wall.name: wall.displacement for wall in self.walls},
             tool_angle={t.name: 0.0 for t in model.tools},
@@ -274,13 +288,16 @@ class ExplicitImpact(RowRecording):
         )
 
     def _state_arrays(self) -> NamedArrays:
-        return {"progress": self._progress.copy(), **self.points.to_arrays(), **self.solids.dump()}
+        heat = self.heat.arrays.to_arrays() if self.heat else {}
+        return {"progress": self._progress.copy(), **self.points.to_arrays(), **heat, **self.solids.dump()}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
         self.points.load_arrays(arrays)
-        own = self.points.to_arrays()
+        own = {*self.points.to_arrays(), *names_of_heat(arrays)}
         self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name not in own})
+        if self.heat is not None:
+            self.heat.restore(arrays)
         self._begin_stage()
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -305,12 +322,14 @@ class ExplicitImpact(RowRecording):
             "mass": {"workpiece_t": mass.mass, "added_percent": mass.percent},
             "energy": last_energies(history),
             "time_simulated": self.solids.time,
+            **(self.heat.summarise() if self.heat else {}),
             **summarise_ram(self.model, history),
             **self.points.window.summarise(self.model.materials),
             "warnings": [
                 *self.points.window.warnings(self.model.materials),
                 *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),
                 *warn_of_energies(history, advice),
+                *(warn_of_tables(self.model, history) if self.heat else ()),
                 *(warn_of_ram(self.model, history, np.ones(len(self.model.stages))) if has_ram(self.model) else ()),
             ],
         }

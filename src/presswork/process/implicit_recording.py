@@ -27,7 +27,7 @@ from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.tool_arrays import ToolArrays
 from presswork.model import FloatArray, IntArray, Model, ToolMotion
-from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat, warn_of_tables
+from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_sheet
 from presswork.process.peaks import peak_columns, peak_row
@@ -216,11 +216,7 @@ class ImplicitRecording(IncrementRecording):
     def _show_dies(self) -> dict[str, tuple[FloatArray, IntArray, FloatArray]]:
         """Return the meshes of tools that conduct heat, and their temperatures."""
         heat = self.procedure.heat
-        if heat is None:
-            return {}
-        temperatures = heat.forming.die_temperatures(self.procedure.state[HeatArrays])
-        meshes = {die.name: die.mesh.mesh for die in heat.forming.dies.dies}
-        return {name: (mesh.points, mesh.blocks[0].connectivity, temperatures[name]) for name, mesh in meshes.items()}
+        return show_dies(heat.forming, self.procedure.state[HeatArrays]) if heat else {}
 
     def _judged(self) -> Formability:
         """What the strains of a sheet are judged by: it is of one material."""

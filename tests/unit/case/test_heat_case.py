@@ -165,7 +165,6 @@ def test_heat_in_forming_is_taken() -> None:
 
 BAD_FORMING = [
     ("heat", None, "tools.die.heat", "has no meaning without [heat]"),
-    ("procedure", "explicit", "heat", "by the implicit procedure alone"),
     ("solver.displacements", "small", "heat", "for large displacements"),
     ("materials.steel.thermal", None, "materials.steel.thermal", "missing key"),
     ("materials.steel.density", None, "materials.steel.density", "missing key"),

@@ -207,7 +207,7 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
         yield from _check_no_heat(case)
         return
     if case.procedure == "explicit":
-        yield Problem("heat", "heat is conducted by the implicit procedure alone, so far", "leave [heat] out")
+        yield from _check_explicit(case)
     if case.solver.displacements == "small":
         yield Problem("heat", "heat in forming is for large displacements", "leave [heat] out")
     parts = {"workpiece": case.workpiece, **{f"bodies.{name}": body for name, body in case.bodies.items()}}
@@ -231,6 +231,13 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
             yield Problem(f"stages.{index}.duration", "missing key: heat takes time", remedy)
         if stage.press is not None and stage.press.blows > 1 and stage.press.pause is None:
             yield Problem(f"stages.{index}.press.pause", "missing key: heat takes time", "add it, in seconds")
+
+
+def _check_explicit(case: schema.Case) -> Iterator[Problem]:
+    """Yield what of heat the explicit procedure does not do."""
+    fault_text, remedy = "is for the implicit procedure alone, so far", 'leave it out, or set procedure = "implicit"'
+    if case.series is not None:
+        yield Problem("series", fault_text, remedy)
 
 
 def _gives_thermal(material: object) -> bool:

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Heat of solids in explicit dynamics: after each row of cycles heat flows for the time of the row
+(implicit/heat_of_forming.py).
+
+Within a row cells are heated by their own plastic work alone. The law keeps that rise; it is the plastic work of the
+row, cycle by cycle, and what is given to the cells from outside is what heat has made of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork import _core
+from presswork.explicit.solids import ExplicitSolids, Wall
+from presswork.geometry.pose import ToolPose, start_centre, start_profile
+from presswork.implicit.heat_of_forming import DIE_KINDS, KINDS, HeatArrays, HeatOfForming
+from presswork.interaction.forming_instant import FormingInstant
+from presswork.model import FloatArray, Heating, Material, Model
+from presswork.outcome import Failed, GaveUpError
+from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat
+from presswork.process.recording import Row
+from presswork.timing import Timing
+
+
+def heat_by_itself(model: Model, material: Material) -> Material:
+    """Return a material whose law is heated by its plastic work, with its specific heat at the start."""
+    if model.heat is None:
+        return material
+    assert material.thermal is not None
+    start = model.heat.initial[0]
+    capacity = float(np.interp(start, *material.thermal.specific_heat.T))
+    given = material.heating or Heating()
+    made = replace(given, start=start, heat_capacity=capacity, plastic_fraction=model.heat.plastic_fraction)
+    return replace(material, heating=made)
+
+
+class HeatOfRows:
+    """Heat of a model's bodies, beside the explicit loop."""
+
+    def __init__(self, model: Model, solids: ExplicitSolids, walls: Sequence[Wall], threads: int) -> None:
+        assert model.heat is not None
+        self._model, self._heat, self._solids, self._walls = model, model.heat, solids, walls
+        shortest = min(stage.duration for stage in model.stages)
+        self.forming = HeatOfForming(
+            model, Timing("assembly", "analysis", "solve"), threads, shortest / model.output.rows
+        )
+        self.arrays = self.forming.at_rest()
+        self._rim = np.unique(model.mesh.boundary_edges)
+        self._ends = np.cumsum([len(block.connectivity) for block in model.mesh.blocks])[:-1]
+        self._capacity = self._measure_capacity()
+        self._give()
+
+    def _measure_capacity(self) -> list[FloatArray]:
+        """Return the heat that warms each cell by a degree, as its law has it (n_cells, 1) [N mm/K]."""
+        model, found = self._model, []
+        for block, volume in zip(model.mesh.blocks, self.forming.volumes(), strict=True):
+            material = heat_by_itself(model, model.materials[block.material])
+            assert material.heating is not None
+            assert material.heating.heat_capacity is not None
+            found.append(volume[:, None] * material.density * material.heating.heat_capacity)
+        return found
+
+    def _give(self) -> None:
+        blocks = range(len(self._model.mesh.blocks))
+        cells = [self.forming.to_points(block, self.arrays.temperature)[:, 0] for block in blocks]
+        self._solids.given_temperature = np.concatenate(cells) - self._solids.rise
+
+    def begin_stage(self) -> None:
+        """Forget the rate of temperatures: what heats and cools jumps where a stage begins."""
+        self.arrays = self.arrays.duplicate()
+        self.forming.begin_stage(self.arrays)
+
+    def begin_row(self) -> None:
+        """Keep what a row of cycles begins with."""
+        self._time, self._rise = self._solids.time, self._solids.rise
+        for wall in self._walls:
+            wall.begin_sums()
+
+    def advance(self) -> None:
+        """Let heat flow for the time of the row. Raises GaveUpError where it finds no balance."""
+        dt = self._solids.time - self._time
+        found = self.forming.advance(self.arrays, self._show(dt), dt)
+        if isinstance(found, Failed):
+            raise GaveUpError(found.reason)
+        self.arrays = found
+        self._give()
+
+    def _show(self, dt: float) -> FormingInstant:
+        """Return what heat asks of a row of dt [s]."""
+        n, points = len(self._model.mesh.points), self._solids.position
+        shape = (len(self._walls), n)
+        pressed, rubbed = (
+            np.array([getattr(wall, name) for wall in self._walls]).reshape(shape) for name in ("pressed", "rubbed")
+        )
+        gap = np.full(shape, np.inf)
+        for t, (tool, wall) in enumerate(zip(self._model.plane_tools, self._walls, strict=True)):
+            own = self._heat.tools.get(tool.name)
+            if own is not None and own.gap > 0.0:
+                local = np.ascontiguousarray(points[self._rim] - wall.displacement)
+                gap[t, self._rim] = _core.touch_profile(start_profile(tool), local)[0]
+        rise = self._solids.rise - self._rise
+        parts = zip(np.split(rise[:, None], self._ends), self._capacity, strict=True)
+        return FormingInstant(
+            points=points,
+            poses=[
+                ToolPose(start_centre(tool), wall.displacement, 0.0)
+                for tool, wall in zip(self._model.plane_tools, self._walls, strict=True)
+            ],
+            holds=pressed > 0.0,
+            push=pressed / dt,
+            gap=gap,
+            plastic=[warmed * capacity for warmed, capacity in parts],
+            rubbed=rubbed,
+        )
+
+    # --- what is recorded --------------------------------------------------------------------------------------------
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        hottest = [f"{name}.temperature_max" for name in self.forming.hottest(self.arrays)]
+        return [*heat_columns(KINDS), *hottest, *(["dies_heat_stored"] if self.forming.dies.dies else [])]
+
+    def row(self) -> Row:
+        """Return what `columns` names."""
+        forming, own = self.forming, self.arrays
+        row = measure_heat(forming.conduction, own.temperature, forming.stored(own), KINDS, own.heat)
+        row |= {f"{name}.temperature_max": value for name, value in forming.hottest(own).items()}
+        return row | ({"dies_heat_stored": forming.stored_in_dies(own)} if forming.dies.dies else {})
+
+    def summarise(self) -> dict[str, Any]:
+        """Return the balance of heat."""
+        forming, own = self.forming, self.arrays
+        found: dict[str, Any] = summarise_heat(forming.stored(own), KINDS, own.heat)
+        if forming.dies.dies:
+            found["dies"] = summarise_heat(forming.stored_in_dies(own), DIE_KINDS, own.die_heat)
+        return {"heat": found}
+
+    def restore(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take up what the arrays gave that a checkpoint has."""
+        taken = self.forming.at_rest()
+        taken.load_arrays(arrays)
+        self.arrays = taken
+        self._give()
+
+
+def names_of_heat(arrays: Mapping[str, NDArray[Any]]) -> set[str]:
+    """Return the names of the arrays of heat in a checkpoint."""
+    return {name for name in arrays if name.startswith(f"{HeatArrays.owner}.")}
