@@ -46,7 +46,7 @@ class IncrementRecording(EpochRecording):
     def advance(self) -> Iterator[IncrementReport]:
         """Compute increment after increment, and change the mesh between them. Raises GaveUpError."""
         while self.remaining() > 0.0:
-            if self.number > 0 and self._made_at != self.number:
+            if self._made_at != self.number:
                 self._may_change_mesh()
             try:
                 report = next(self.procedure.advance())

@@ -29,21 +29,24 @@ from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
 from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.new_balance import balance_new_mesh
 from presswork.process.recording import Row
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import NewSection, OldSection, check_budget, measure_sizes, remesh_section
 from presswork.remesh.size_field import measure_power
-from presswork.remesh.triggers import find_cut_edge, find_flat_cell, find_long_edge
+from presswork.remesh.triggers import TOO_DEEP, TOO_LONG, find_cut_edge, find_flat_cell, find_long_edge
 from presswork.state import State
 
 MOST_JUMP = 0.02
-"""Change of a tool's force, of the largest, from which on a finer mesh is tried."""
+"""Change of a tool's force, of the largest, beyond which another mesh is tried, and none taken that can wait."""
+WAIT = 1.5
+"""Factor on all triggers, up to which the present mesh goes on rather than one that changes the force too much."""
+PARTS = (1.0, 0.7, 0.85)
+"""Of the size that is asked for, in meshes tried one after the other."""
 MOST_GIVEN_BACK = 1e-3
 """Part of the volume, lost by cells before, that one remesh gives back at most."""
 LAST_CUT = 0.25
 """Depth of a tool in an edge, over its length, that ends a first mesh that is to stay."""
-FINER = 0.7
-"""Of the size that is asked for, in such a mesh."""
 
 
 class RemeshedForming(ImplicitRecording):
@@ -55,6 +58,10 @@ class RemeshedForming(ImplicitRecording):
         self.settings: Remeshing = model.remeshing
         volume = self.procedure.state.cells.volume
         self._first_volumes = [sum(float(volume[i].sum()) for i in body.blocks) for body in self._bodies()]
+        self._stayed = False
+        """Whether a new mesh was refused after the last increment."""
+        if not self.settings.keeps_first:
+            self._made_at = -1  # the first mesh is looked at, too
         self._obstacle = self._find_obstacle()
         if self._obstacle and not self.settings.keeps_first:
             raise StartError(f"{self._obstacle}: leave out [remesh]")
@@ -86,20 +93,23 @@ class RemeshedForming(ImplicitRecording):
         if self._obstacle:
             return False
         if failure:
-            return not self._made_at == self.number > 0 and self._remesh("the next increment fails")
+            may = self._stayed or not self._made_at == self.number > 0
+            return may and self._remesh("the next increment fails", must=True)
         found = self._reason()
         return found is not None and self._remesh(*found)
 
-    def _reason(self) -> tuple[str, set[int]] | None:
-        """Return why the present mesh should not go on, and of which bodies."""
-        if self.settings.every > 0.0 and self._passed_fraction():
+    def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
+        """Return why the present mesh should not go on, and of which bodies; wait: factor on the triggers."""
+        if self.settings.every > 0.0 and self.number > 0 and self._passed_fraction():
             return "due", set(range(self._n_bodies))
         if self.settings.keeps_first and self.epoch == 0:
             return self._reason_to_leave_first()
         found: dict[int, str] = {}
         increment = self.procedure.state.nodes.increment
         for number, old in enumerate(self._sections()):
-            reason = self._reason_of(old, increment[old.points.start : old.points.stop], self._settings_of(number))
+            reason = self._reason_of(
+                old, increment[old.points.start : old.points.stop], self._settings_of(number), wait
+            )
             if reason is not None:
                 found[number] = reason
         return ("; ".join(dict.fromkeys(found.values())), set(found)) if found else None
@@ -114,18 +124,19 @@ class RemeshedForming(ImplicitRecording):
         return None
 
     @staticmethod
-    def _reason_of(old: OldSection, increment: FloatArray, settings: Remeshing) -> str | None:
-        """Return why a body's mesh should not go on."""
-        flat = find_flat_cell(old.position, increment, old.corners(), settings.quality)
+    def _reason_of(old: OldSection, increment: FloatArray, settings: Remeshing, wait: float) -> str | None:
+        """Return why a body's mesh should not go on; wait: factor on the triggers."""
+        flat = find_flat_cell(old.position, increment, old.corners(), settings.quality / wait)
         if flat is not None:
             return flat
         lines = [old.position[chain] for chain in old.chains()]
         for line in lines:
-            cut = find_cut_edge(line, old.profiles)
+            cut = find_cut_edge(line, old.profiles, deepest=wait * TOO_DEEP)
             if cut is not None:
                 return cut
         size = measure_sizes(old, settings)
-        return next((long for line in lines if (long := find_long_edge(line, size)) is not None), None)
+        longest = wait * TOO_LONG
+        return next((long for line in lines if (long := find_long_edge(line, size, longest=longest)) is not None), None)
 
     @property
     def _n_bodies(self) -> int:
@@ -200,17 +211,18 @@ class RemeshedForming(ImplicitRecording):
         lost = self._first_volumes[number] / unloaded - 1.0
         return float(np.clip(lost, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
 
-    def _remesh(self, reason: str, bodies: set[int] | None = None) -> bool:
+    def _remesh(self, reason: str, bodies: set[int] | None = None, *, must: bool = False) -> bool:
         """Make new meshes of bodies (None: of all), and go on with them; the old ones stay where that fails.
 
-        Where a tool's force changes by more than MOST_JUMP a second, finer mesh is tried; the better one is taken.
-        Quadratic cells all give way at once: bodies have as many nodes on an edge.
+        Where a tool's force changes by more than MOST_JUMP, finer meshes are tried. The best one is taken if it keeps
+        the force, or if there must be one. Quadratic cells all give way at once: bodies have as many nodes on an edge.
         """
         old: list[OldSection] = self._sections()
         own = bodies if bodies and self.model.mesh.boundary_edges.shape[1] == 2 else set(range(len(old)))
         found: list[_NewEpoch] = []
         faults: list[str] = []
-        for part in (1.0, FINER):
+        self._stayed = False
+        for part in PARTS:
             try:
                 found.append(self._try_mesh(old, own, part))
             except (MeshError, GaveUpError) as error:
@@ -221,6 +233,8 @@ class RemeshedForming(ImplicitRecording):
         if not found:
             return self._stay(reason, faults[0])
         new = min(found, key=lambda mesh: mesh.jump)
+        if new.jump > MOST_JUMP and not must and self._reason(WAIT) is None:
+            return self._stay(reason, f"the largest force of a tool would change by {new.jump:.2%}")
         self._begin_on(new.procedure, new.origin, new.procedure.model.mesh.points)
         volume = new.procedure.volume() / new.procedure.initial_volume - 1.0
         cells = sum(len(block.connectivity) for block in self.model.mesh.blocks)
@@ -247,7 +261,7 @@ class RemeshedForming(ImplicitRecording):
         for part_of, made in zip(parts, new, strict=True):
             if made is not None:
                 mark_lap(after.state, part_of.new_points.start + made.line.laps, after.state[Progress].time)
-        outcome = after.balance_at_rest()
+        outcome = balance_new_mesh(after)
         if isinstance(outcome, Failed):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
         origin = carrier.material(self.mesh.points)
@@ -257,7 +271,7 @@ class RemeshedForming(ImplicitRecording):
     def _stay(self, reason: str, fault: str) -> bool:
         """Go on with the old mesh."""
         self._notes.append(f"not remeshed ({reason}): {fault}")
-        self._made_at = self.number
+        self._made_at, self._stayed = self.number, True
         return False
 
     def _show(self) -> Instant:
@@ -324,4 +338,5 @@ def _measure_jump(before: State, after: State) -> float:
     if ToolArrays not in before:
         return 0.0
     force, force_n = (state[ToolArrays].force[:, :2] for state in (after, before))
-    return float(np.abs(force - force_n).max(initial=0.0) / max(np.abs(force_n).max(initial=0.0), 1e-300))
+    largest = float(np.abs(force_n).max(initial=0.0))
+    return float(np.abs(force - force_n).max(initial=0.0)) / largest if largest > 0.0 else 0.0

@@ -5,7 +5,8 @@ A place on the old line is a number: the old node before it, and the part of the
 follows its profile, on a free arc a cubic through the old nodes, in a plane the straight line. Hard places become nodes
 at even places of the new line: corners of more than CORNER, ends of planes and of named sets, corners of tools inside
 the contact. Between them nodes follow at equal ways over the size of cells; the nearest ones go to the ends of
-contacts. One offset of all free nodes along their normals gives the volume back.
+contacts. Contact reaches half an edge beyond its last node, on the old line and on the new one. One offset of all free nodes
+along their normals gives the volume back (volume.py).
 """
 
 from __future__ import annotations
@@ -22,10 +23,9 @@ from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.checks import MeshError
 from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.fill import SizeField
+from presswork.remesh.volume import enclosed_volume, give_volume_back
 
 CORNER = np.radians(30.0)
-LARGEST_OFFSET = 0.25
-"""Of the mean free edge, by which the volume is given back at most."""
 VOID = 1.05
 """Way along an inner bend of a tool over its chord, from which on the metal is taken not to fill it."""
 LONGEST_LAP = 12
@@ -34,8 +34,9 @@ _CLOSE = 0.35
 """Of the size of cells, within which another hard place replaces a corner."""
 _BULGE = 0.3
 """Of its chord, by which a cubic may leave an edge; the edge stays straight where it would leave it by more."""
+_STEEP = 0.5
+"""Of its distance from the end of a contact, by which a node may lie off the tool and come to lie on it."""
 _SAMPLES = 16
-_ROUNDS = 8
 FREE, PLANE_X, PLANE_Y, TOOL = -1, -2, -3, 0
 """Kinds of edges; from TOOL on the number of the tool."""
 
@@ -76,16 +77,6 @@ class NewLine:
     """Nodes between which loops were left out in which the line crossed itself (n,)."""
 
 
-def enclosed_volume(line: FloatArray, *, ring: bool) -> float:
-    """Return the area within a closed line (n, 2) [mm2], or the volume that it encloses about x = 0 [mm3]."""
-    after = np.roll(line, -1, axis=0)
-    rise = after[:, 1] - line[:, 1]
-    if ring:
-        square = line[:, 0] ** 2 + line[:, 0] * after[:, 0] + after[:, 0] ** 2
-        return float(np.pi / 3.0 * (square * rise).sum())
-    return float(0.5 * ((line[:, 0] + after[:, 0]) * rise).sum())
-
-
 def refuse_fold(sides: FloatArray) -> None:
     """Raise MeshError where sides (n, 2, 2) cross each other."""
     fold = find_fold(sides)
@@ -123,14 +114,16 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     ]
     places = np.mod(np.concatenate(spread), len(old.points))
     points, is_free = curve.at(places), curve.is_free(places)
-    points, is_free, offset = _give_volume_back(points, is_free, old)
+    curve.extend_contact(places, points, is_free)
+    target = enclosed_volume(old.points, ring=old.ring) * (1.0 + old.lost)
+    points, is_free, offset = give_volume_back(points, is_free, target, old.profiles, ring=old.ring)
     fold, laps = find_fold(list_sides(points)), np.zeros(0, dtype=np.intp)
     if fold is not None:
         kept = _close_lap(points, fold, is_free)
         beside = kept & (np.roll(~kept, 1) | np.roll(~kept, -1))
         laps = np.flatnonzero(beside[kept])
         places = places[kept]
-        points, is_free, offset = _give_volume_back(points[kept], is_free[kept], old)
+        points, is_free, offset = give_volume_back(points[kept], is_free[kept], target, old.profiles, ring=old.ring)
         refuse_fold(list_sides(points))
     return NewLine(points, places, is_free, offset, laps)
 
@@ -275,6 +268,24 @@ class _Curve:
         held: BoolArray = np.asarray(self.old.on_tool.any(axis=0) | self.old.in_plane.any(axis=1))
         return np.asarray(np.where(places == edge, ~held[edge], self.kind[edge] == FREE), dtype=bool)
 
+    def extend_contact(self, places: FloatArray, points: FloatArray, is_free: BoolArray) -> None:
+        """Put free points at places within half an edge of the end of a contact onto the tool, in place.
+
+        The last node in contact bore the pressure on half the edge beyond it. Finer nodes there must bear it, or the
+        contact shrinks and the tool's force falls. Edges steeper to the tool than _STEEP stay as they are.
+        """
+        edge = places.astype(int) % self.n
+        part, after = places - places.astype(int), (edge + 1) % self.n
+        held = self.old.on_tool.any(axis=0) | self.old.in_plane.any(axis=1)
+        for t, profile in enumerate(self.old.profiles):
+            on = self.old.on_tool[t]
+            gap, normal, *_ = _core.touch_profile(np.ascontiguousarray(profile), np.ascontiguousarray(points))
+            for end, other, way in ((edge, after, part), (after, edge, 1.0 - part)):
+                near = is_free & (self.kind[edge] == FREE) & on[end] & ~held[other] & (way < 0.5 + 1e-6)
+                near &= (gap > 0.0) & (gap < _STEEP * np.linalg.norm(points - self.old.points[end], axis=1))
+                points[near] -= gap[near, None] * normal[near]
+                is_free[near] = False
+
     def hard_places(self) -> tuple[FloatArray, FloatArray]:
         """Return places that must be nodes, and those that shall be unless they lie close to others."""
         corners = [np.flatnonzero(self._is_corner & ~self._firm).astype(float)]
@@ -333,62 +344,3 @@ def _spread(place: FloatArray, w: FloatArray, first: float, last: float, soft: F
     found[0] = first
     found[number.astype(int)] = soft[which]
     return np.asarray(found)
-
-
-def _give_volume_back(points: FloatArray, is_free: BoolArray, old: OldLine) -> tuple[FloatArray, BoolArray, float]:
-    """Move free nodes by one offset along their normals until the volume is the old one; none ends in a tool."""
-    target = enclosed_volume(old.points, ring=old.ring) * (1.0 + old.lost)
-    points, is_free, total = points.copy(), is_free.copy(), 0.0
-    for _ in range(_ROUNDS):
-        inside = _put_on_tools(points, is_free, old.profiles)
-        is_free &= ~inside
-        if not is_free.any():
-            break
-        offset = _find_offset(points, is_free, target, ring=old.ring)
-        moved = points + offset * _normals(points) * is_free[:, None]
-        total += offset
-        points = moved
-        if abs(enclosed_volume(points, ring=old.ring) / target - 1.0) < 1e-12 and not inside.any():
-            break
-    edges = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-    own = is_free & np.roll(is_free, -1)
-    if own.any() and abs(total) > LARGEST_OFFSET * float(edges[own].mean()):
-        raise MeshError(
-            f"an offset of {total:.3g} mm of the free surface would be needed to keep the volume", "smaller cells"
-        )
-    return points, is_free, total
-
-
-def _put_on_tools(points: FloatArray, is_free: BoolArray, profiles: Sequence[FloatArray]) -> BoolArray:
-    """Put free points that lie inside tools onto them, in place; return which."""
-    inside = np.zeros(len(points), dtype=bool)
-    for profile in profiles:
-        gap, normal, *_ = _core.touch_profile(np.ascontiguousarray(profile), np.ascontiguousarray(points))
-        own = is_free & (gap < 0.0) & ~inside
-        points[own] -= gap[own, None] * normal[own]
-        inside |= own
-    return inside
-
-
-def _normals(line: FloatArray) -> FloatArray:
-    """Return unit normals outwards (n, 2)."""
-    along: FloatArray = np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0)
-    return np.asarray(np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True))
-
-
-def _find_offset(points: FloatArray, is_free: BoolArray, target: float, *, ring: bool) -> float:
-    """Return the offset of the free nodes with which the line encloses the volume asked for [mm]."""
-    normals = _normals(points) * is_free[:, None]
-
-    def lack(offset: float) -> float:
-        return enclosed_volume(points + offset * normals, ring=ring) - target
-
-    size = float(np.ptp(points, axis=0).max())
-    a, b = 0.0, 1e-6 * size
-    fa, fb = lack(a), lack(b)
-    for _ in range(20):
-        if fb == fa or abs(fb) < 1e-14 * abs(target):
-            break
-        a, b, fa = b, b - fb * (b - a) / (fb - fa), fb
-        fb = lack(b)
-    return b if abs(fb) < abs(fa) else a

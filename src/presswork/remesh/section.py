@@ -12,7 +12,7 @@ from presswork.geometry.polygon import list_sides
 from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import chain_edges, count_corners, find_boundary_edges
 from presswork.model import BoolArray, ElementName, FloatArray, IndexArray, IntArray, Mesh, Remeshing
-from presswork.remesh.boundary import NewLine, OldLine, enclosed_volume, refuse_fold, resample
+from presswork.remesh.boundary import NewLine, OldLine, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
 from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
 from presswork.remesh.size_field import (
@@ -24,6 +24,7 @@ from presswork.remesh.size_field import (
     metal_thickness,
     tool_curvature,
 )
+from presswork.remesh.volume import enclosed_volume
 
 LEAST_ACROSS = 1.5
 """Cells across the metal below which a budget is too small."""

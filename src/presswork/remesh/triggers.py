@@ -29,13 +29,13 @@ def find_flat_cell(position: FloatArray, increment: FloatArray, cells: IndexArra
     return f"a cell near ({x:.4g}, {y:.4g}) of quality {expected[worst]:.2g} after the next increment"
 
 
-def find_long_edge(line: FloatArray, size: SizeField) -> str | None:
+def find_long_edge(line: FloatArray, size: SizeField, *, longest: float = TOO_LONG) -> str | None:
     """Say which edge of a closed line (n, 2) is too long for the tools ahead of it or the metal beneath it."""
     after = np.roll(line, -1, axis=0)
     middle = 0.5 * (line + after)
     ratio = np.linalg.norm(after - line, axis=1) / size(middle)
     worst = int(np.argmax(ratio))
-    if ratio[worst] <= TOO_LONG:
+    if ratio[worst] <= longest:
         return None
     x, y = middle[worst]
     return f"an edge {ratio[worst]:.2g} times too long near ({x:.4g}, {y:.4g})"

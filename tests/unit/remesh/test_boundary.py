@@ -9,7 +9,8 @@ import pytest
 from presswork.geometry.polygon import list_sides
 from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.checks import MeshError
-from presswork.remesh.boundary import OldLine, enclosed_volume, find_fold, resample
+from presswork.remesh.boundary import OldLine, find_fold, resample
+from presswork.remesh.volume import enclosed_volume
 
 FLAT = np.array([[60, 10, -5, 10, 0, 0, 0.0]])
 

@@ -6,7 +6,6 @@ import pytest
 
 from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import find_boundary_edges
-from presswork.remesh.boundary import enclosed_volume
 from presswork.remesh.fill import fill_with_quadrilaterals, measure_quality
 
 

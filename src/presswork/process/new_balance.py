@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Equilibrium of a state that has come to a new mesh.
+
+Metal that flows answers any disturbance by yielding, so a tool at rest loses force: 1 to 3 % until it moves on. Where
+the motion of tools alone drives the metal it therefore answers elastically. That disturbs the force by no more than
+the transfer does (0.1 to 0.4 %), and leaves stresses beyond the flow stress by half a per cent, which the next
+increment returns to the law while the tools drive the flow.
+
+A force that stays would press such metal on beyond its limit load. So metal under loads or pushed tools answers by its
+law, and so it does when a stage has ended and the next one lets go.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.law.elastic_plastic import is_plain
+from presswork.model import Hardening, Model
+from presswork.outcome import Converged, Failed
+
+_NEVER_FLOWS = Hardening("linear", np.array([1e12, 0.0]))
+
+
+def balance_new_mesh(run: ImplicitProcedure) -> Converged | Failed:
+    """Find equilibrium with the tools at rest; run.state is converged then."""
+    model = run.model
+    plain = all(is_plain(m) for m in model.materials)
+    if run.state[Progress].fraction == 0.0 or not plain or not _is_driven_by_motion(model):
+        return run.balance_at_rest()
+    materials = tuple(replace(m, hardening=_NEVER_FLOWS) for m in model.materials)
+    elastic = ImplicitProcedure(replace(model, materials=materials), before=run)
+    elastic.state = run.state
+    outcome = elastic.balance_at_rest()
+    run.state = elastic.state
+    return outcome
+
+
+def _is_driven_by_motion(model: Model) -> bool:
+    """Say whether no load and no force on a tool acts in any stage."""
+    return not any(
+        stage.forces or stage.pressures or stage.edge_forces or stage.face_forces or stage.face_pressures
+        or stage.body_forces or stage.drive or any(motion.push for motion in stage.tool_motion.values())
+        for stage in model.stages
+    )  # fmt: skip
