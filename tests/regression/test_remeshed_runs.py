@@ -225,16 +225,18 @@ def test_a_run_that_gives_up_names_a_tool_that_ends_on_the_metal(tmp_path):
     assert "the profile of punch ends on the metal, at (12, " in outcome.reason
 
 
-def test_a_force_that_jumps_asks_for_a_second_finer_mesh(monkeypatch):
-    """No mesh keeps the force to the last bit: the better one of two is taken, and the log says so."""
+def test_a_mesh_that_changes_the_force_is_refused_unless_it_cannot_wait(monkeypatch):
+    """No mesh keeps the force to the last bit: three are tried, and the best one is taken where the old one fails."""
 
-    def log(most):
+    def log(most, wait):
         monkeypatch.setattr(remeshing, "MOST_JUMP", most)
+        monkeypatch.setattr(remeshing, "WAIT", wait)
         recording = RemeshedForming(build_model(upsetting(3.0, remesh={"every": 0.5})), threads=1)
         return [line for report in recording.advance() for line in recording.log_lines(report)]
 
-    assert not any("none of" in line for line in log(1.0))
-    assert any("none of 2 meshes keeps the force" in line for line in log(0.0))
+    assert not any("not remeshed" in line for line in log(1.0, 1.5))
+    assert any("not remeshed (due): the largest force of a tool would change by" in line for line in log(0.0, 1.5))
+    assert any("none of 3 meshes keeps the force" in line for line in log(0.0, 1e-3))
 
 
 def test_check_says_that_there_are_new_meshes():

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a new mesh may not change: homogeneous states, forces, closed forms."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -137,3 +139,6 @@ def test_hub_on_a_sharp_corner_is_forged_to_full_die(tmp_path):
     assert abs(summary["energy"]["error_percent"]) < 1.0
     contact = summary["contact"]
     assert contact["largest_edge_penetration_mm"] < 0.25 * contact["shortest_edge_mm"]
+    changes = re.findall(r"largest force of a tool changes by ([\d.]+)%", (tmp_path / "run" / "run.log").read_text())
+    assert len(changes) == summary["remeshes"]
+    assert max(map(float, changes)) < 1.0

@@ -25,11 +25,11 @@ from presswork.outcome import Converged, Failed
 _NEVER_FLOWS = Hardening("linear", np.array([1e12, 0.0]))
 
 
-def balance_new_mesh(run: ImplicitProcedure) -> Converged | Failed:
-    """Find equilibrium with the tools at rest; run.state is converged then."""
+def balance_new_mesh(run: ImplicitProcedure, *, may_yield: bool = False) -> Converged | Failed:
+    """Find equilibrium with the tools at rest; run.state is converged then. may_yield: the metal follows its law."""
     model = run.model
     plain = all(is_plain(m) for m in model.materials)
-    if run.state[Progress].fraction == 0.0 or not plain or not _is_driven_by_motion(model):
+    if may_yield or run.state[Progress].fraction == 0.0 or not plain or not _is_driven_by_motion(model):
         return run.balance_at_rest()
     materials = tuple(replace(m, hardening=_NEVER_FLOWS) for m in model.materials)
     elastic = ImplicitProcedure(replace(model, materials=materials), before=run)

@@ -93,14 +93,14 @@ class RemeshedForming(ImplicitRecording):
         if self._obstacle:
             return False
         if failure:
-            may = self._stayed or not self._made_at == self.number > 0
-            return may and self._remesh("the next increment fails", must=True)
+            again = self._made_at == self.number and not self._stayed
+            return self._remesh("the next increment fails", must=True, again=again)
         found = self._reason()
         return found is not None and self._remesh(*found)
 
     def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
         """Return why the present mesh should not go on, and of which bodies; wait: factor on the triggers."""
-        if self.settings.every > 0.0 and self.number > 0 and self._passed_fraction():
+        if wait == 1.0 and self.number > 0 and self._passed_fraction():
             return "due", set(range(self._n_bodies))
         if self.settings.keeps_first and self.epoch == 0:
             return self._reason_to_leave_first()
@@ -147,6 +147,8 @@ class RemeshedForming(ImplicitRecording):
         return self.settings.of_body(self.model.bodies[body].name) if self.model.bodies else self.settings
 
     def _passed_fraction(self) -> bool:
+        if self.settings.every == 0.0:
+            return False
         progress = self.procedure.state[Progress]
         before = progress.fraction or 1.0
         last = before - progress.last_size if progress.fraction else 1.0 - self.settings.every
@@ -211,11 +213,12 @@ class RemeshedForming(ImplicitRecording):
         lost = self._first_volumes[number] / unloaded - 1.0
         return float(np.clip(lost, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
 
-    def _remesh(self, reason: str, bodies: set[int] | None = None, *, must: bool = False) -> bool:
+    def _remesh(self, reason: str, bodies: set[int] | None = None, *, must: bool = False, again: bool = False) -> bool:
         """Make new meshes of bodies (None: of all), and go on with them; the old ones stay where that fails.
 
         Where a tool's force changes by more than MOST_JUMP, finer meshes are tried. The best one is taken if it keeps
-        the force, or if there must be one. Quadratic cells all give way at once: bodies have as many nodes on an edge.
+        the force, or if there must be one. again: the last one has failed at once; now the metal may yield while the
+        tools are at rest. Quadratic cells all give way at once: bodies have as many nodes on an edge.
         """
         old: list[OldSection] = self._sections()
         own = bodies if bodies and self.model.mesh.boundary_edges.shape[1] == 2 else set(range(len(old)))
@@ -224,7 +227,7 @@ class RemeshedForming(ImplicitRecording):
         self._stayed = False
         for part in PARTS:
             try:
-                found.append(self._try_mesh(old, own, part))
+                found.append(self._try_mesh(old, own, part, may_yield=again))
             except (MeshError, GaveUpError) as error:
                 faults.append(str(error))
                 continue
@@ -245,7 +248,7 @@ class RemeshedForming(ImplicitRecording):
         )
         return True
 
-    def _try_mesh(self, old: list[OldSection], own: set[int], part: float) -> _NewEpoch:
+    def _try_mesh(self, old: list[OldSection], own: set[int], part: float, *, may_yield: bool) -> _NewEpoch:
         """Return equilibrium on new meshes of bodies, of a part of the size. Raises MeshError or GaveUpError."""
         before = self.procedure
         new = [
@@ -261,7 +264,7 @@ class RemeshedForming(ImplicitRecording):
         for part_of, made in zip(parts, new, strict=True):
             if made is not None:
                 mark_lap(after.state, part_of.new_points.start + made.line.laps, after.state[Progress].time)
-        outcome = balance_new_mesh(after)
+        outcome = balance_new_mesh(after, may_yield=may_yield)
         if isinstance(outcome, Failed):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
         origin = carrier.material(self.mesh.points)

@@ -5,8 +5,8 @@ A place on the old line is a number: the old node before it, and the part of the
 follows its profile, on a free arc a cubic through the old nodes, in a plane the straight line. Hard places become nodes
 at even places of the new line: corners of more than CORNER, ends of planes and of named sets, corners of tools inside
 the contact. Between them nodes follow at equal ways over the size of cells; the nearest ones go to the ends of
-contacts. Contact reaches half an edge beyond its last node, on the old line and on the new one. One offset of all free nodes
-along their normals gives the volume back (volume.py).
+contacts. Contact reaches half an edge beyond its last node, on the old line and on the new one. One offset of all free
+nodes along their normals gives the volume back (volume.py).
 """
 
 from __future__ import annotations

@@ -136,3 +136,18 @@ def test_a_small_lap_of_the_free_surface_is_closed():
         place = np.flatnonzero((new.points == corner).all(axis=1))
         assert place.tolist()
         assert place[0] % 2 == 0
+
+
+def test_contact_reaches_half_an_old_edge_beyond_its_last_node():
+    """An edge leaves the tool at 8 degrees: finer nodes on its nearer half lie on the tool, those beyond do not."""
+    points = np.array([[0, 0], [12, 0], [12, 5], [12, 9.7], [10, 10], [8, 10], [4, 10], [0, 10], [0, 5]], float)
+    held = (points[:, 1] == 10) & (points[:, 0] <= 10)
+    new = resample(old_line(points, on_tool=held, ring=False), uniform(0.25))
+    on_tool = new.points[:, 1] == 10
+    assert 10.75 < new.points[on_tool, 0].max() < 11.05
+    assert not new.is_free[on_tool].any()
+    assert enclosed_volume(new.points, ring=False) == pytest.approx(enclosed_volume(points, ring=False), rel=1e-12)
+    steep = points.copy()
+    steep[3] = [12, 8.8]
+    new = resample(old_line(steep, on_tool=held, ring=False), uniform(0.25))
+    assert new.points[new.points[:, 1] == 10, 0].max() == 10.0

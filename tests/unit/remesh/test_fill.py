@@ -7,6 +7,7 @@ import pytest
 from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import find_boundary_edges
 from presswork.remesh.fill import fill_with_quadrilaterals, measure_quality
+from presswork.remesh.volume import enclosed_volume
 
 
 def polygon(corners, size):
