@@ -231,10 +231,16 @@ def locate(points: FloatArray, cells: IndexArray, wanted: FloatArray) -> Places:
 def interpolate_along(points: FloatArray, values: FloatArray, part: FloatArray) -> FloatArray:
     """Return values (n, m) on a line, each at a part (n,) of the way from the second to the third of four points.
 
-    points: of the line one after the other (n, 4, 2) [mm]; values: there (n, 4, m).
+    points: of the line one after the other (n, 4, 2) [mm]; values: there (n, 4, m). What lies round a corner of more
+    than 30 degrees does not count.
     """
-    length = np.linalg.norm(np.diff(points, axis=1), axis=2)[..., None]
+    sides = np.diff(points, axis=1)
+    length = np.linalg.norm(sides, axis=2)[..., None]
     rise = np.diff(values, axis=1) / length
+    for beyond in (0, 2):
+        along = (sides[:, beyond] * sides[:, 1]).sum(axis=1) / (length[:, beyond] * length[:, 1])[:, 0]
+        corner = along < np.cos(np.radians(30.0))
+        rise[corner, beyond], length[corner, beyond] = rise[corner, 1], length[corner, 1]
     before, after = (_mean_slope(rise[:, i : i + 2], length[:, i : i + 2]) * length[:, 1] for i in (0, 1))
     t = part[:, None]
     found = values[:, 1] + t**2 * (3.0 - 2.0 * t) * (values[:, 2] - values[:, 1])
