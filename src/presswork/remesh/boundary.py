@@ -276,7 +276,7 @@ class _Curve:
         """
         edge = places.astype(int) % self.n
         part, after = places - places.astype(int), (edge + 1) % self.n
-        held = self.old.on_tool.any(axis=0) | self.old.in_plane.any(axis=1)
+        held: BoolArray = np.asarray(self.old.on_tool.any(axis=0) | self.old.in_plane.any(axis=1))
         for t, profile in enumerate(self.old.profiles):
             on = self.old.on_tool[t]
             gap, normal, *_ = _core.touch_profile(np.ascontiguousarray(profile), np.ascontiguousarray(points))
