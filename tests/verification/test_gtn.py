@@ -162,6 +162,68 @@ def test_a_resumed_run_gives_the_same_bits(tmp_path) -> None:
     assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
 
 
+NECK = """
+[boundary.grip]
+set = "top"
+fix = ["x"]
+"""
+
+
+def test_new_meshes_keep_pores_and_their_neighbourhood(tmp_path) -> None:
+    """A bar that necks, with four new meshes on the way and none: force and the largest porosity within 2 %.
+
+    Neighbourhoods are counted where the material was at first: with those of the drawn shape the porosity of the neck
+    would be averaged over fewer points.
+    """
+    settings = ["stages.0.displacement.0.value=1.5", "solver.max_increment=0.025"]
+    found = []
+    for number, more in enumerate(("", "[remesh]\nevery = 0.2\nsize = 0.7\n")):
+        case = read_case(read(tmp_path, cells="[6, 9]", porosity=0.02, more=NECK + more).source, settings)
+        model = build_model(case)
+        outcome = run_model(model, tmp_path / str(number), threads=1)
+        assert outcome.status == "completed", outcome.reason
+        result = outcome.result
+        porosity = result.field("porosity")
+        found.append((result.history["top.force_y"][-1], porosity.max(), porosity.mean()))
+    assert result.summary["remeshes"] >= 4
+    assert found[0][1] > 0.03
+    np.testing.assert_allclose(found[1], found[0], rtol=0.02)
+    assert result.field("porosity").min() > 0.0
+    calls = 0
+
+    def stop_late(progress) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 30:
+            raise KeyboardInterrupt
+
+    run_model(model, tmp_path / "cut", threads=1, on_increment=stop_late)
+    run_model(model, tmp_path / "cut", threads=1, resume=True)
+    assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "1/history.csv").read_bytes()
+
+
+def test_a_porous_bar_conducts_heat_and_is_heated_by_its_plastic_work(tmp_path) -> None:
+    """Without a way out 0.9 of the plastic work warms the bar: its heat over capacity, and the balance closes."""
+    hot = """
+[materials.steel.thermal]
+conductivity = 30
+specific_heat = "500 J/(kg*K)"
+[heat]
+initial_temperature = 20
+"""
+    case = read(tmp_path, porosity=0.01, more=hot)
+    path = case.source
+    text = path.read_text().replace("poisson = 0.3", 'poisson = 0.3\ndensity = "7800 kg/m^3"')
+    path.write_text(text.replace('name = "pull"', 'name = "pull"\nduration = 1e-3'))
+    result = run_model(build_model(read_case(path)), tmp_path / "out", threads=1).result
+    assert result.summary["heat"]["balance_error"] < 1e-8
+    mass = 7.8e-9 * np.pi * 16.0 * 6.0
+    rise = result.field("temperature").mean() - 20.0
+    work = result.summary["energy"]["external_work"] - result.summary["energy"]["elastic_energy"]
+    assert rise == pytest.approx(0.9 * work / (mass * 5e8), rel=0.03)
+    assert rise > 5.0
+
+
 @pytest.mark.parametrize(
     ("old", "new", "key"),
     [
@@ -178,7 +240,7 @@ def test_a_resumed_run_gives_the_same_bits(tmp_path) -> None:
             'law = "table", points = [[0, 300], [1, 500]]',
             "hardening.law",
         ),
-        ("[output]", "[remesh]\n[output]", "materials.steel.gtn"),
+        ("poisson = 0.3", "poisson = 0.3\nheating = {melting = 1500, exponent = 1}", "heating"),
     ],
 )
 def test_pores_that_cannot_be_computed_are_refused(tmp_path, old: str, new: str, key: str) -> None:

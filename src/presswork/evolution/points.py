@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork.evolution.contract import EvolutionLaw, PointChange
 from presswork.evolution.of_material import BY_NAME, make_laws
-from presswork.model import FloatArray, Model
+from presswork.model import POROSITY, FloatArray, Model
 from presswork.state import POINT, Arrays, OnNewMesh, State
 
 if TYPE_CHECKING:
@@ -41,11 +41,17 @@ class Evolution:
         is_solid = model.analysis not in ("shell", "stamping")
         by_material = [make_laws(material, is_solid=is_solid) for material in model.materials]
         self._laws = [by_material[block.material] for block in model.mesh.blocks]
+        self._of_blocks = [model.materials[block.material] for block in model.mesh.blocks]
         self._porosity: NonlocalPorosity | None = None
-        if any(material.gtn for material in model.materials):
+        self._model = model
+        self.place(None)
+
+    def place(self, origin: FloatArray | None) -> None:
+        """Say where the material of the nodes was when the run began (n_points, 2) [mm]; None: at the mesh's points."""
+        if any(material.gtn for material in self._model.materials):
             from presswork.evolution.porosity import NonlocalPorosity  # loads scipy, which dense metals do without
 
-            self._porosity = NonlocalPorosity(model)
+            self._porosity = NonlocalPorosity(self._model, origin)
 
     @property
     def names(self) -> list[str]:
@@ -81,6 +87,9 @@ class Evolution:
 
     def clip(self, state: State) -> None:
         """Bring values that were fitted on another mesh back to what their quantities can have."""
+        for block, material in zip(state.cells.history, self._of_blocks, strict=True):
+            if material.gtn is not None:
+                block[..., POROSITY] = np.clip(block[..., POROSITY], 0.0, 1.0)
         for name in self.names:
             bounds = BY_NAME[name].lowest, BY_NAME[name].highest
             state[EvolvedArrays].values[name] = [np.clip(of, *bounds) for of in state[EvolvedArrays].values[name]]

@@ -23,12 +23,14 @@ MOST = 1.0
 class NonlocalPorosity:
     """Averages the growth of pores in all blocks of each material that has them."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, origin: FloatArray | None = None) -> None:
+        """origin: where the material of the nodes was at the start (n_points, 2) [mm]; None: at the mesh's points."""
+        first = model.mesh.points if origin is None else origin
         self._groups: list[tuple[list[int], csr_array]] = []
         for number, material in enumerate(model.materials):
             blocks = [i for i, block in enumerate(model.mesh.blocks) if block.material == number]
             if material.gtn is not None and blocks:
-                places = np.concatenate([place_points(model.mesh.blocks[i], model.mesh.points) for i in blocks])
+                places = np.concatenate([place_points(model.mesh.blocks[i], first) for i in blocks])
                 self._groups.append((blocks, find_weights(places, material.gtn.length)))
 
     def advance(self, trial: State) -> None:

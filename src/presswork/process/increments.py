@@ -85,6 +85,7 @@ class IncrementRecording(EpochRecording):
         places = self.marked.places(find_position(self.procedure))
         self.marked.find(procedure.model.mesh, position, places)
         self.procedure, self._made_at = procedure, self.number
+        procedure.evolution.place(origin)
         self._begin_epoch(procedure.model.mesh, origin)
 
     def find_peaks(self) -> tuple[Peak, ...]:
@@ -120,6 +121,7 @@ class IncrementRecording(EpochRecording):
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self.procedure = ImplicitProcedure(change_mesh(self.procedure.model, self.model.mesh), before=self.procedure)
+        self.procedure.evolution.place(self._origin)
 
     def _state_arrays(self) -> NamedArrays:
         return self.procedure.state.to_arrays()

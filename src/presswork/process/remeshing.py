@@ -207,6 +207,8 @@ class RemeshedForming(ImplicitRecording):
         cells, unloaded = self.procedure.state.cells, 0.0
         for block in body.blocks:
             material = self.model.materials[self.model.mesh.blocks[block].material]
+            if material.gtn is not None:  # its pores grow
+                return 0.0
             stress, volume = cells.stress[block], cells.volume[block]
             dilatation = stress[..., :3].sum(axis=-1) * (1.0 - 2.0 * material.poisson) / material.young
             unloaded += float((volume * np.exp(-dilatation)).sum())

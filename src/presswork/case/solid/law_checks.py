@@ -49,7 +49,7 @@ def check_pores(key: str, material: schema.Material) -> list[Problem]:
     """Return the problems of pores in a metal whose other laws they do not go with; key: of the material."""
     if material.gtn is None:
         return []
-    beside = [name for name in (*BESIDE, "grain", "thermal") if getattr(material, name) is not None]
+    beside = [name for name in (*BESIDE, "grain") if getattr(material, name) is not None]
     if material.yield_function.law != "von_mises":
         beside.insert(0, "yield_function")
     fault = "pores are for a metal of von Mises with isotropic hardening alone"
@@ -67,10 +67,6 @@ def _check_pores_in(case: schema.Case, name: str, material: schema.Material) -> 
     problems, key = [], f"materials.{name}.gtn"
     if case.procedure == "explicit":
         problems.append(Problem(key, "pores are for the implicit procedure alone, so far", "compute implicitly"))
-    if case.remesh is not None:
-        problems.append(Problem(key, "does not go together with [remesh], so far", "leave one of them out"))
-    if case.heat is not None:
-        problems.append(Problem(key, "does not go together with [heat], so far", "leave one of them out"))
     for _, (place, body) in list_bodies(case).items():
         if body.material == name and body.element == "quad4_1pt":
             fault = "its hourglass control needs the flow stress of a dense metal"
