@@ -72,7 +72,8 @@ void bind_element(nb::module_& m) {
          Doubles eqps_n, Doubles hourglass_n, MutableDoubles stress, MutableDoubles eqps, MutableDoubles hourglass,
          MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric,
          std::optional<Doubles> history_n, std::optional<MutableDoubles> history, double dt, int first_cell,
-         std::optional<Doubles> temperature, std::optional<UmatPlace> when, LawFault* fault) {
+         std::optional<Doubles> temperature, std::optional<Doubles> temperature_n, std::optional<UmatPlace> when,
+         LawFault* fault) {
         const auto element = element_named(name);
         const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width;
         const std::size_t freedoms = element.dim() * element.nodes, q = n * element.points;
@@ -89,6 +90,7 @@ void bind_element(nb::module_& m) {
         require(!stiffness || stiffness->size() == packs * freedoms * freedoms * pack_width,
                 "stiffness must have shape (n_packs, freedoms, freedoms, pack_width)");
         require(!temperature || temperature->size() == q, "temperature must have shape (n_cells, points)");
+        require(!temperature_n || temperature_n->size() == q, "temperature_n must have shape (n_cells, points)");
         BlockView block{static_cast<int>(n),
                         connectivity.data(),
                         points.data(),
@@ -127,6 +129,7 @@ void bind_element(nb::module_& m) {
         }
         if (when) block.when = *when;
         if (temperature) block.temperature = temperature->data();
+        if (temperature_n) block.temperature_n = temperature_n->data();
         block.first_cell = first_cell, block.dt = dt;
         LawFault unheard;
         LawFault& told = fault ? *fault : unheard;
@@ -145,8 +148,8 @@ void bind_element(nb::module_& m) {
       nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"), nb::arg("stress"), nb::arg("eqps"),
       nb::arg("hourglass"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(),
       nb::arg("symmetric") = false, nb::arg("history_n") = nb::none(), nb::arg("history") = nb::none(),
-      nb::arg("dt") = 0.0, nb::arg("first_cell") = 0, nb::arg("temperature") = nb::none(), nb::arg("when") = nb::none(),
-      nb::arg("fault") = nb::none(),
+      nb::arg("dt") = 0.0, nb::arg("first_cell") = 0, nb::arg("temperature") = nb::none(),
+      nb::arg("temperature_n") = nb::none(), nb::arg("when") = nb::none(), nb::arg("fault") = nb::none(),
       "Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. "
       "history (n_cells, points, n_history) is what the law keeps besides stress and eqps; temperature (n_cells, "
       "points) [degrees C] is given at the end of the increment, without it that of the law's start. Returns the index "

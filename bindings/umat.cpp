@@ -41,7 +41,7 @@ void bind_umat(nb::module_& m) {
       },
       nb::arg("components"),
       "Values that a point keeps behind the state variables of a UMAT: whole deformation gradient (9) by columns, sum "
-      "of strain increments, energies (3), work of the last increment per volume.");
+      "of strain increments, energies (3), heat generated in and work of the last increment per volume.");
 
   nb::class_<Umat>(m, "Umat", "A material law from a shared library with Abaqus's UMAT interface.")
       .def(nb::init<const std::string&, const std::vector<double>&, int, UmatJacobian, bool, int>(), nb::arg("library"),

@@ -29,11 +29,12 @@ struct BlockView {
   const double* history_n = nullptr;  // (n_cells, q, n_history)
   double* history = nullptr;
   int n_history = 0;
-  double dt = 0.0;                      // of the increment [s]
-  const double* temperature = nullptr;  // (n_cells, q) given to the points [degrees C]; null: that of the law's start
-  int first_cell = 0;                   // of the block in the mesh
-  UmatPlace when = {};                  // stage, increment and times
-  LawFault* fault = nullptr;            // (n_packs)
+  double dt = 0.0;                        // of the increment [s]
+  const double* temperature = nullptr;    // (n_cells, q) given to the points [degrees C]; null: that of the law's start
+  const double* temperature_n = nullptr;  // the same when the increment began, for laws from shared libraries
+  int first_cell = 0;                     // of the block in the mesh
+  UmatPlace when = {};                    // stage, increment and times
+  LawFault* fault = nullptr;              // (n_packs)
 };
 
 // Values of point q, of n_points, in N components, and back. Those that a law from a shared library keeps it reads and

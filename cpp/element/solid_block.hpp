@@ -102,6 +102,11 @@ struct BlockPoints {
       place.length = dim == 2 ? std::sqrt(size[lane]) : std::cbrt(size[lane]);
       place.cell = b.first_cell + cells[lane] + 1;
       place.point = q + 1;
+      if (b.temperature && b.temperature_n) {
+        const std::size_t point = static_cast<std::size_t>(cells[lane]) * n_points + q;
+        place.temperature[0] = b.temperature_n[point];
+        place.temperature[1] = b.temperature[point] - b.temperature_n[point];
+      }
       const std::size_t start = (static_cast<std::size_t>(cells[lane]) * n_points + q) * row;
       lanes.history_n[lane] = b.history_n + start;
       lanes.history[lane] = b.history + start;

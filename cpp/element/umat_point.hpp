@@ -18,8 +18,9 @@ struct UmatHistory {
   static constexpr int F = 0;           // of the whole deformation, by columns
   static constexpr int strain = 9;      // sum of the turned increments (N)
   static constexpr int energy = 9 + N;  // elastic, plastic, creep per volume, as the routine keeps them
-  static constexpr int work = 12 + N;   // of the stress in the last increment, per volume, by the trapezoidal rule
-  static constexpr int size = 13 + N;
+  static constexpr int heat = 12 + N;   // that the routine says it has generated in the last increment, per volume
+  static constexpr int work = 13 + N;   // of the stress in the last increment, per volume, by the trapezoidal rule
+  static constexpr int size = 14 + N;
 };
 
 // The lanes of one point in a pack.
@@ -117,6 +118,7 @@ LawStatus advance(const Umat& law, const UmatLanes& lanes, int lane, const Turn<
   std::copy_n(p.energy, 3, tail + History::energy);
   double work = 0.0;
   for (int i = 0; i < N; ++i) work += 0.5 * (before[i] + p.stress[i]) * step[i];
+  tail[History::heat] = p.heat * lanes.place[lane].dt;
   tail[History::work] = work;
   std::copy_n(p.stress, N, stress);
   eqps = law.plastic_strain ? history[law.plastic_strain - 1] : 0.0;

@@ -109,18 +109,19 @@ LawStatus Umat::call(int components, const UmatPlace& place, UmatPoint& p, doubl
   std::fill(p.tangent, p.tangent + n * n, 0.0);
   std::fill(p.tangent + n * n, p.tangent + UmatPoint::most * UmatPoint::most, unwritten);
   p.step_factor = 1.0;
-  double rpl = 0.0, drpldt = 0.0, ddsddt[UmatPoint::most] = {}, drplde[UmatPoint::most] = {};
+  p.heat = 0.0;
+  double drpldt = 0.0, ddsddt[UmatPoint::most] = {}, drplde[UmatPoint::most] = {};
   const double zero = 0.0;
   const int ndi = n == 3 ? 2 : 3, nshr = n - ndi, one = 1, step[4] = {place.stage, 1, 1, 0};
   char name[80];
   std::memset(name, ' ', sizeof name);
   std::memcpy(name, "PRESSWORK", 9);
   try {
-    function_(p.stress, statev.data(), p.tangent, &p.energy[0], &p.energy[1], &p.energy[2], &rpl, ddsddt, drplde,
-              &drpldt, p.strain, p.increment, place.time, &place.dt, &zero, &zero, &zero, &zero, name, &ndi, &nshr, &n,
-              &n_state, properties_.data(), &n_properties_, place.coordinates, p.rotation, &p.step_factor,
-              &place.length, p.F_n, p.F, &place.cell, &place.point, &one, &place.section_point, step, &place.increment,
-              sizeof name);
+    function_(p.stress, statev.data(), p.tangent, &p.energy[0], &p.energy[1], &p.energy[2], &p.heat, ddsddt, drplde,
+              &drpldt, p.strain, p.increment, place.time, &place.dt, &place.temperature[0], &place.temperature[1],
+              &zero, &zero, name, &ndi, &nshr, &n, &n_state, properties_.data(), &n_properties_, place.coordinates,
+              p.rotation, &p.step_factor, &place.length, p.F_n, p.F, &place.cell, &place.point, &one,
+              &place.section_point, step, &place.increment, sizeof name);
   } catch (const Stopped&) {
     return LawStatus::stopped;
   }
@@ -128,7 +129,8 @@ LawStatus Umat::call(int components, const UmatPlace& place, UmatPoint& p, doubl
   if (!is_all(unwritten, p.stress + n, UmatPoint::most - n)) return LawStatus::components;
   if (!is_all(unwritten, p.tangent + n * n, UmatPoint::most * UmatPoint::most - n * n)) return LawStatus::components;
   if (p.step_factor < 1.0) return LawStatus::smaller;
-  if (!all_finite(p.stress, n) || !all_finite(p.tangent, n * n) || !all_finite(statev.data(), n_state))
+  if (!std::isfinite(p.heat) || !all_finite(p.stress, n) || !all_finite(p.tangent, n * n) ||
+      !all_finite(statev.data(), n_state))
     return LawStatus::not_finite;
   swap_last_shears(n, p.stress);
   for (int column = 0; column < n; ++column) swap_last_shears(n, p.tangent + n * column);

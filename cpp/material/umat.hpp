@@ -8,8 +8,8 @@
 //   space                           NDI 3, NSHR 3, NTENS 6: 11, 22, 33, 12, 13, 23; the last two the other way round in
 //                                   all arrays of presswork, which `call` sees to
 // Stress and STRAN come already turned by DROT, DSTRAN is the increment's strain in the turned axes, DFGRD0 and DFGRD1
-// are of the whole deformation; tensors among the state variables the routine turns itself. There is no temperature, no
-// field variable and no creep of time steps: TEMP, PREDEF and what belongs to them are zero.
+// are of the whole deformation; tensors among the state variables the routine turns itself. There is no field variable
+// and no creep of time steps: PREDEF and what belongs to it are zero, as are TEMP and DTEMP where no heat is computed.
 #pragma once
 
 #include <memory>
@@ -54,6 +54,7 @@ struct UmatPlace {
   int stage = 1, increment = 1;             // from 1
   double time[2] = {0.0, 0.0};              // of stage and process when the increment begins [s]
   double dt = 1.0;                          // [s]
+  double temperature[2] = {0.0, 0.0};       // when the increment begins, and its change [degrees C]
 };
 
 // One point of N components in one increment, in the order of law.hpp; matrices by columns. Stress and tangent [MPa].
@@ -66,6 +67,7 @@ struct UmatPoint {
   double energy[3];                      // both: elastic, plastic, creep, per volume
   double tangent[most * most];           // out: (N, N)
   double step_factor;                    // out: PNEWDT
+  double heat;                           // out: RPL, generated per volume and time [MPa/s]
 };
 
 class Umat {

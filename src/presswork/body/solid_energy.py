@@ -20,11 +20,15 @@ def elastic_energy(model: Model, state: State) -> float:
         if material.umat is not None:
             continue  # told with the plastic work
         young = present_young(material, eqps, find_temperature(material, state, i))
-        trace = stress[..., :3].sum(axis=-1)
-        square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * (stress[..., 3:] ** 2).sum(axis=-1)
-        density = ((1 + material.poisson) * square - material.poisson * trace**2) / (2 * young)
-        total += float((density * volume).sum())
+        total += float((elastic_density(stress, young, material.poisson) * volume).sum())
     return total
+
+
+def elastic_density(stress: FloatArray, young: FloatArray | float, poisson: float) -> FloatArray:
+    """Return the elastic energy of a unit of volume (...) [MPa] at stresses (..., 4 | 6) [MPa]."""
+    trace = stress[..., :3].sum(axis=-1)
+    square = (stress[..., :3] ** 2).sum(axis=-1) + 2 * (stress[..., 3:] ** 2).sum(axis=-1)
+    return np.asarray(((1 + poisson) * square - poisson * trace**2) / (2 * young))
 
 
 def stress_in_axes(state: State, block: int) -> FloatArray:

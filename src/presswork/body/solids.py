@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
+from presswork.body.heat_of_umat import find_heat
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
 from presswork.body.shells import ShellMechanics
@@ -229,6 +230,7 @@ class Mechanics:
                 history=trial.cells.history[i],
                 first_cell=int(self._first_cell[i]),
                 temperature=trial.cells.temperature[i] if trial.cells.temperature[i].size else None,
+                temperature_n=state_n.cells.temperature[i] if state_n.cells.temperature[i].size else None,
                 when=self._when,
                 dt=dt,
                 fault=fault,
@@ -341,6 +343,17 @@ class Mechanics:
         Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
         """
         return sum(float(work.sum()) for work in self.plastic_work_at_points(state_n, trial, dt))
+
+    def plastic_heat_at_points(self, state_n: State, trial: State, dt: float, fraction: float) -> Iterator[FloatArray]:
+        """Yield the heat of an increment over dt [s] at the points of block after block (n_cells, n_points) [N mm].
+
+        fraction: of the plastic work. A UMAT tells its heat, or its dissipation (body/heat_of_umat.py).
+        """
+        for i, work in enumerate(self.plastic_work_at_points(state_n, trial, dt)):
+            if isinstance(self._laws[i], _core.Umat):
+                yield find_heat(self._material(i), state_n, trial, i, fraction) * trial.cells.volume[i]
+            else:
+                yield fraction * work
 
     def plastic_work_at_points(self, state_n: State, trial: State, dt: float) -> Iterator[FloatArray]:
         """Yield the same of every point, block by block (n_cells, n_points) [N mm]."""

@@ -125,7 +125,7 @@ class HeatOfIncrements:
             holds=holds,
             push=push,
             gap=gap,
-            plastic=[self._fraction * work for work in self._cells.plastic_work_at_points(state_n, trial, dt)],
+            plastic=list(self._cells.plastic_heat_at_points(state_n, trial, dt, self._fraction)),
             rubbed=rubbed,
             between=self._show_bodies(state_n, trial),
         )

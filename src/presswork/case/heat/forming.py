@@ -193,7 +193,6 @@ def build_heat(
 
 def _find_effusivity(material: schema.Material | UmatMaterial, temperature: float) -> float:
     """Return the effusivity at a temperature [N/(mm K s^0.5)]."""
-    assert not isinstance(material, UmatMaterial)
     assert material.thermal is not None
     assert material.density is not None
     thermal = material.thermal.to_thermal(material.density)
@@ -236,8 +235,14 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
 def _check_explicit(case: schema.Case) -> Iterator[Problem]:
     """Yield what of heat the explicit procedure does not do."""
     fault_text, remedy = "is for the implicit procedure alone, so far", 'leave it out, or set procedure = "implicit"'
+    for name, material in case.materials.items():
+        if isinstance(material, UmatMaterial):
+            umat = "in the explicit procedure a UMAT knows no heat, so far"
+            yield Problem(f"materials.{name}.umat", umat, 'give a law of presswork, or set procedure = "implicit"')
     if case.series is not None:
         yield Problem("series", fault_text, remedy)
+    if case.heat is not None and "max_change" in case.heat.model_fields_set:
+        yield Problem("heat.max_change", "is for the implicit procedure", "take more rows: output.rows")
 
 
 def _gives_thermal(material: object) -> bool:
@@ -262,15 +267,13 @@ def _check_no_heat(case: schema.Case) -> Iterator[Problem]:
 
 def _check_material(name: str, material: schema.Material | UmatMaterial | None) -> Iterator[Problem]:
     """Yield what the material of a body lacks."""
-    if isinstance(material, UmatMaterial):
-        yield Problem(f"materials.{name}.umat", "a UMAT knows no heat in forming, so far", "give a law of presswork")
-    elif material is not None:
+    if material is not None:
         if material.thermal is None:
             remedy = "add it: conductivity and specific_heat of the body"
             yield Problem(f"materials.{name}.thermal", "missing key", remedy)
         if material.density is None:
             yield Problem(f"materials.{name}.density", "missing key", 'add it; steel has "7850 kg/m^3"')
-        heating = material.heating
+        heating = None if isinstance(material, UmatMaterial) else material.heating
         if heating is not None and heating.heat_capacity is not None:
             fault_text = "plastic work would heat twice: [heat] does so with the specific heat of `thermal`"
             yield Problem(f"materials.{name}.heating.heat_capacity", fault_text, "remove it")
@@ -300,6 +303,6 @@ def warn_of_temperatures(case: schema.Case, materials: Iterable[model.Material])
 
 def start_hot(material: model.Material, heat: FormingHeat | None) -> model.Material:
     """Return a material whose law begins at the initial temperature of the case."""
-    if heat is None or not depends_on_temperature(material):
+    if heat is None or not (material.umat is not None or depends_on_temperature(material)):
         return material
     return replace(material, heating=replace(material.heating or model.Heating(), start=heat.initial_temperature))

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from pydantic import Field
 
 from presswork import model
 from presswork.case.errors import Problem
+from presswork.case.heat.thermal import Thermal
 from presswork.case.part import Part
 from presswork.case.settings import Whole
 from presswork.case.units import Density, Number, Stress
@@ -59,7 +61,10 @@ class UmatMaterial(Part):
         description="what DDSDDE is: stress_increment, d(stress increment)/d(strain increment), or jaumann_kirchhoff, "
         "of laws of the whole deformation gradient",
     )
-    density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3", for dynamics')
+    density: Density | None = Field(
+        default=None, description='density [t/mm^3], e.g. "7850 kg/m^3", for dynamics and heat'
+    )
+    thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
     thread_safe: bool = Field(
         default=False, description="whether several threads may call the routine at once; most Fortran routines may not"
     )
@@ -92,6 +97,10 @@ def build_umat(
         remedy = f"no such file: {path}; `presswork material compile law.f` makes one"
         return Problem(f"{key}.umat", "cannot be opened", remedy, material.umat)
     n_state, n_props = material.state_variables, len(material.props)
+    thermal = material.thermal.to_thermal(material.find_density()) if material.thermal and material.density else None
+    if material.thermal is not None and components != 4:
+        fault = f"{FAMILIES[components]}: heat of a UMAT is for implicit solids in the plane and in axisymmetry"
+        return Problem(f"{key}.thermal", fault, "leave it out")
     if (material.plastic_strain or 0) > n_state:
         fault = f"there are only {n_state} state variables"
         return Problem(f"{key}.plastic_strain", fault, "count from 1", material.plastic_strain)
@@ -107,8 +116,10 @@ def build_umat(
         material.plastic_strain or 0,
         material.yield_stress or 0.0,
     )
+    density = material.find_density()
+    made = model.Material(name, math.nan, math.nan, hardening=None, umat=law, density=density, thermal=thermal)
     if not run_user_code:
-        return model.Material(name, math.nan, math.nan, hardening=None, umat=law, density=material.find_density())
+        return made
     trial = try_umat(law, components)
     if trial.fault:
         remedy = "compile it with `presswork material compile`"
@@ -122,4 +133,4 @@ def build_umat(
         fault = "its first call, at a strain of one millionth, gives no tangent (DDSDDE) of a solid"
         return Problem(f"{key}.umat", fault, f"check the {n_props} props and their units (MPa, mm, s)", material.umat)
     young, poisson = elastic_constants(tangent)
-    return model.Material(name, young, poisson, hardening=None, umat=law, density=material.find_density())
+    return replace(made, young=young, poisson=poisson)

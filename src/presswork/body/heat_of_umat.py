@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The heat that a law from a shared library makes, from what the routine tells (docs/adding_a_law.md)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.body.solid_energy import elastic_density
+from presswork.model import FloatArray, Material
+from presswork.state import State
+
+WORK, HEAT, CREEP, PLASTIC = -1, -2, -3, -4
+"""Places from the end of what a point keeps (cpp/element/umat_point.hpp)."""
+
+
+def find_heat(material: Material, state_n: State, trial: State, block: int, fraction: float) -> FloatArray:
+    """Return the heat of an increment per volume at a block's points (n_cells, n_points) [MPa].
+
+    RPL times the increment's time where the routine sets it. Else a fraction of what SPD and SCD have grown by. Of a
+    routine that sets none of them: of the work of the stress less the change of the elastic energy, with the elastic
+    constants of its first tangent.
+    """
+    before, after = (state.cells.history[block] for state in (state_n, trial))
+    if after[..., HEAT].any():
+        return np.asarray(after[..., HEAT])
+    told = after[..., PLASTIC] + after[..., CREEP]
+    if told.any():
+        return np.asarray(fraction * (told - before[..., PLASTIC] - before[..., CREEP]))
+    stored, stored_n = (
+        elastic_density(state.cells.stress[block], material.young, material.poisson) for state in (trial, state_n)
+    )
+    return np.asarray(fraction * (after[..., WORK] - stored + stored_n))
