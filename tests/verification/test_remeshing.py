@@ -132,7 +132,12 @@ def test_hub_on_a_sharp_corner_is_forged_to_full_die(tmp_path):
     assert run_model(build_model(case), tmp_path / "run", threads=1).status == "completed"
     result = Result(tmp_path / "run")
     assert measure_die_fill(result, "die", x_range=(0, 20.4)).filled == pytest.approx(1.0)
-    summary = result.summary
+    summary, rows = result.summary, result.history
+    fill = summary["die_fill"]["die"]
+    assert fill["wall_filled"] == rows["die.fill"][-1] == pytest.approx(1.0)
+    assert fill["largest_gap_mm"] < 0.11
+    assert fill["flash_thickness_mm"] == rows["die.flash_thickness"][-1] == pytest.approx(2.0, abs=0.02)
+    assert 0.2 < rows["die.fill"][len(rows["time"]) // 2] < 0.9
     assert summary["remeshes"] >= 4
     volume = summary["volume"]
     assert abs(volume["change_percent"] - volume["elastic_part_percent"]) < 0.01

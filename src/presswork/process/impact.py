@@ -22,7 +22,8 @@ from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
-from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
+from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Mesh, Model, Stage, Tool, ToolMotion
+from presswork.process.die_fill import DieFill
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself, names_of_heat
 from presswork.process.heat_quantities import show_dies, warn_of_tables
@@ -65,7 +66,7 @@ class ExplicitImpact(RowRecording):
         self.solids.set_velocity("all", self.settings.velocity)
         self._force = np.zeros((len(self.walls), 2))
         self.reactions = Reactions(model, 2, [t.name for t in model.tools])
-        self.marked = MarkedPoints(model)
+        self.marked, self.fill = MarkedPoints(model), DieFill(model)
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
@@ -157,7 +158,7 @@ class ExplicitImpact(RowRecording):
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         peaks = peak_columns(self.solids.damage)
         first += self.heat.columns if self.heat else []
-        points = self.marked.columns(self.show())
+        points = [*self.fill.columns, *self.marked.columns(self.show())]
         return [*first, *peaks, *ram, *self.reactions.columns, *points, *EXTENTS, *LAST_COLUMNS]
 
     @property
@@ -191,6 +192,7 @@ class ExplicitImpact(RowRecording):
         row |= peak_row(self.solids.damage)
         displacement = self.solids.position - self.model.mesh.points
         row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
+        row |= self.fill.measure(*self._find_dies())
         row |= self.marked.measure(self.show()) if self.model.points else {}
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
         return {
@@ -206,6 +208,10 @@ class ExplicitImpact(RowRecording):
         stroke, against = (0.0, np.hypot(*force)) if way is None else (wall.displacement @ way, -force @ way)
         values = {"stroke": stroke, "force": against, "force_x": force[0], "force_y": force[1], "force_z": 0.0}
         return {f"{tool.name}.{name}": float(value) for name, value in values.items()}
+
+    def _find_dies(self) -> tuple[Mesh, FloatArray, dict[str, FloatArray]]:
+        """Return the mesh, where its nodes are, and how far the tools have moved (2,) [mm]."""
+        return self.model.mesh, self.solids.position, {wall.name: wall.displacement for wall in self.walls}
 
     def watch(self) -> Watched:
         """Return how far the present state is towards its limits."""
@@ -323,6 +329,7 @@ class ExplicitImpact(RowRecording):
             "energy": last_energies(history),
             "time_simulated": self.solids.time,
             **(self.heat.summarise() if self.heat else {}),
+            **self.fill.summarise(*self._find_dies()),
             **summarise_ram(self.model, history),
             **self.points.window.summarise(self.model.materials),
             "warnings": [

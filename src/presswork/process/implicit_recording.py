@@ -26,9 +26,10 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.tool_arrays import ToolArrays
-from presswork.model import FloatArray, IntArray, Model, ToolMotion
+from presswork.model import FloatArray, IntArray, Mesh, Model, ToolMotion
+from presswork.process.die_fill import DieFill
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
-from presswork.process.increments import IncrementRecording
+from presswork.process.increments import IncrementRecording, find_position
 from presswork.process.limits import Watched, measure_hydrostatic_stress, watch_sheet
 from presswork.process.peaks import peak_columns, peak_row
 from presswork.process.penetration import Penetration, measure_bodies
@@ -60,6 +61,7 @@ class ImplicitRecording(IncrementRecording):
         self.penetration = Penetration()
         taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
         self.reactions = Reactions(model, self.procedure.mechanics.freedoms, taken)
+        self.fill = DieFill(model)
         self._tools: dict[str, ToolQuantities] = {}
 
     @property
@@ -77,7 +79,7 @@ class ImplicitRecording(IncrementRecording):
         peaks = peak_columns(find_evolved(self.procedure.state))
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         first = [*history_columns(tools, self.turning, contacts), *ram, *heat, *peaks]
-        return [*first, *self.reactions.columns, *self.marked.columns(self._show())]
+        return [*first, *self.reactions.columns, *self.fill.columns, *self.marked.columns(self._show())]
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -118,6 +120,7 @@ class ImplicitRecording(IncrementRecording):
             row |= {"dies_heat_stored": bodies.stored_in_dies(own)} if bodies.dies.dies else {}
         row |= peak_row(find_evolved(state))
         moved = self.moved(state.nodes.displacement)
+        row |= self.fill.measure(*self._find_dies())
         row |= self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
         return row | (self.marked.measure(self._show()) if self.model.points else {})
 
@@ -157,6 +160,12 @@ class ImplicitRecording(IncrementRecording):
             return []
         tools = state[ToolArrays]
         return [(moved, float(angle)) for moved, angle in zip(tools.displacement, tools.angle, strict=True)]
+
+    def _find_dies(self) -> tuple[Mesh, FloatArray, dict[str, FloatArray]]:
+        """Return the mesh, where its nodes are, and how far the tools in the plane have moved (2,) [mm]."""
+        moved = [displacement for displacement, _ in self._tool_places()]
+        names = [tool.name for tool in self.model.plane_tools]
+        return self.model.mesh, find_position(self.procedure), dict(zip(names, moved, strict=False))
 
     def _placed_profiles(self) -> dict[str, FloatArray]:
         """Return the segments of each tool in the plane where it stands, by its name."""
@@ -269,6 +278,7 @@ class ImplicitRecording(IncrementRecording):
             },
             "contact": contact,
             "energy": procedure.energy_balance(),
+            **self.fill.summarise(*self._find_dies()),
             **self._summarise_heat(),
             **summarise_ram(model, history),
             **state[LawWindow].summarise(model.materials),

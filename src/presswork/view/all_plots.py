@@ -20,6 +20,7 @@ from presswork.view.die_plot import plot_dies, plot_parts
 from presswork.view.flow_lines_plot import has_remeshed, is_section, plot_flow_lines
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
+    find_dies,
     find_energies,
     find_moved_sets,
     find_moving_tools,
@@ -161,6 +162,10 @@ def _plot_all(
     paths += [*_plot_forces(result, folder), *_plot_energies(result, folder), *_plot_temperatures(result, folder)]
     if find_points(result.history) and len(result.history["time"]):
         paths.append(save_picture(plot_points(result, bare_figure()), folder / "points.png"))
+    for die in find_dies(result.history):
+        figure = bare_figure()
+        plot_history(result, y=f"{die}.fill", ax=figure.subplots())
+        paths.append(save_picture(figure, folder / f"fill_{die}.png"))
     if has_ram(result.history):
         figure = bare_figure()
         figure.set_size_inches(9.6, 4.2)

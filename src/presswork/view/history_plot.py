@@ -86,6 +86,11 @@ def plot_energies(result: Result, ax: Axes | None = None) -> Axes:
     return ax
 
 
+def find_dies(history: dict[str, NDArray[Any]]) -> list[str]:
+    """Return the tools with a cavity that metal fills."""
+    return [name.removesuffix(".fill") for name in history if name.endswith(".fill")]
+
+
 def find_energies(history: dict[str, NDArray[Any]]) -> list[str]:
     """Return the columns of energies and work."""
     return [name for name in history if name.endswith(("_energy", "_work"))]
@@ -203,6 +208,13 @@ def _label(columns: Sequence[str]) -> str:
     tool, _, quantity = columns[0].rpartition(".")
     units = {f"displacement_{axis}": " [mm]" for axis in "xyz"}
     units |= {f"rotation_{axis}": " [degree]" for axis in "xyz"} | {f"moment_{axis}": " [N m]" for axis in "xyz"}
-    units |= {"stroke": " [mm]", "time": " [s]", "angle": " [degree]", "torque": " [N m]"}
+    units |= {
+        "flash_thickness": " [mm]",
+        "fill": " [part of the cavity's wall]",
+        "stroke": " [mm]",
+        "time": " [s]",
+        "angle": " [degree]",
+        "torque": " [N m]",
+    }
     unit = " [kN]" if "force" in quantity else units.get(quantity, "")
     return f"{tool + ' ' if tool and len(columns) == 1 else ''}{quantity.replace('_', ' ')}{unit}"
