@@ -136,5 +136,8 @@ def test_values_along_a_side_stay_even_linear_and_in_their_range() -> None:
     assert even[0, 0] == 0.1
     linear = interpolate_along(places, 2.0 + 3.0 * places[..., :1], part)
     assert linear[0, 0] == pytest.approx(2.0 + 3.0 * 1.21, abs=1e-14)
-    corner = interpolate_along(places, np.array([[[0.0], [0.0], [1.0], [1.0]]]), np.array([0.1]))
-    assert 0.0 < corner[0, 0] < 0.1
+    ends = 1.0 - np.abs(places[..., :1] - 1.0)  # linear on either side of the second place
+    beside_kink = interpolate_along(places, ends, part)
+    assert beside_kink[0, 0] == pytest.approx(1.0 - 0.21, abs=1e-14)
+    step = interpolate_along(places, np.array([[[0.0], [0.1], [1.0], [1.0]]]), np.array([0.1]))
+    assert 0.1 < step[0, 0] < 0.2

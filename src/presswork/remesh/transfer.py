@@ -10,7 +10,8 @@ neighbours along the mesh: what lies beyond a fold does not count.
 Nodes: the shape functions of the old cell they lie in, its plane continued where they lie outside by a little.
 
 Boundary: cubic Hermite polynomials along its arc, with slopes that keep monotone values monotone (Fritsch & Carlson
-1980, with the means of Fritsch & Butland 1984): values that are the same all along a side stay so to the bit.
+1980, with the means of Fritsch & Butland 1984) but for kinks, such as corners: linear values along a side stay so, and
+those that are the same all along it to the bit.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from scipy.spatial import cKDTree
 from presswork.model import BoolArray, FloatArray, IndexArray
 
 DONORS, RINGS = 12, 4
+KINK = 0.25
+"""Slope on one side of a node of a line over that on the other, below which the line of values has a kink there."""
 _REACH, _LEAST_WEIGHT, _RIDGE = 1.05, 1e-3, 1e-13
 _MISSED = 1e-6
 """Part of a value that a fit may miss without a peak being lost."""
@@ -231,28 +234,23 @@ def locate(points: FloatArray, cells: IndexArray, wanted: FloatArray) -> Places:
 def interpolate_along(points: FloatArray, values: FloatArray, part: FloatArray) -> FloatArray:
     """Return values (n, m) on a line, each at a part (n,) of the way from the second to the third of four points.
 
-    points: of the line one after the other (n, 4, 2) [mm]; values: there (n, 4, m). What lies round a corner of more
-    than 30 degrees does not count.
+    points: of the line one after the other (n, 4, 2) [mm]; values: there (n, 4, m).
     """
-    sides = np.diff(points, axis=1)
-    length = np.linalg.norm(sides, axis=2)[..., None]
+    length = np.linalg.norm(np.diff(points, axis=1), axis=2)[..., None]
     rise = np.diff(values, axis=1) / length
-    for beyond in (0, 2):
-        along = (sides[:, beyond] * sides[:, 1]).sum(axis=1) / (length[:, beyond] * length[:, 1])[:, 0]
-        corner = along < np.cos(np.radians(30.0))
-        rise[corner, beyond], length[corner, beyond] = rise[corner, 1], length[corner, 1]
-    before, after = (_mean_slope(rise[:, i : i + 2], length[:, i : i + 2]) * length[:, 1] for i in (0, 1))
+    before, after = (_mean_slope(rise[:, i : i + 2], length[:, i : i + 2], 1 - i) * length[:, 1] for i in (0, 1))
     t = part[:, None]
     found = values[:, 1] + t**2 * (3.0 - 2.0 * t) * (values[:, 2] - values[:, 1])
     return np.asarray(found + t * (1.0 - t) ** 2 * before - t**2 * (1.0 - t) * after)
 
 
-def _mean_slope(rise: FloatArray, length: FloatArray) -> FloatArray:
-    """Return the slope (n, m) between two sides with slopes (n, 2, m) and lengths (n, 2, 1); zero at an extreme."""
+def _mean_slope(rise: FloatArray, length: FloatArray, own: int) -> FloatArray:
+    """Return the slope (n, m) between two sides with slopes (n, 2, m) and lengths (n, 2, 1); at a kink that of one."""
     weight = length.sum(axis=1, keepdims=True) + length[:, ::-1]
-    agrees = (rise[:, 0] * rise[:, 1] > 0.0)[:, None]
-    inverse = (weight / np.where(agrees, rise, 1.0)).sum(axis=1)
-    return np.asarray(np.where(agrees[:, 0], weight.sum(axis=1) / inverse, 0.0))
+    low, high = np.minimum(rise[:, 0], rise[:, 1]), np.maximum(rise[:, 0], rise[:, 1])
+    is_smooth = (low > KINK * high) & (low > 0.0) | (high < KINK * low) & (high < 0.0)
+    inverse = (weight / np.where(is_smooth[:, None], rise, 1.0)).sum(axis=1)
+    return np.asarray(np.where(is_smooth, weight.sum(axis=1) / inverse, rise[:, own]))
 
 
 def _measure_inside(points: FloatArray, triangle: IndexArray, wanted: FloatArray) -> tuple[FloatArray, FloatArray]:
