@@ -296,7 +296,7 @@ class HeatOfForming:
 
     @staticmethod
     def _estimate_error(now: _Instant, found: HeatStep, part: float) -> float:
-        """Return the largest error of a time step [K], as in process.heat; 0 where a stage begins."""
+        """Return the largest error of a time step [K] (docs/theory/heat.md); 0 where a stage begins."""
         if now.last_step == 0.0:
             return 0.0
         foretold = now.temperature + part * now.rate

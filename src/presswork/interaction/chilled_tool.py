@@ -14,8 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.body.heat import sum_at_nodes
-from presswork.interaction.heat_films import HeatFlow
+from presswork.interaction.heat_films import HeatFlow, LastingFilm
 from presswork.model import FloatArray, IntArray
 
 CELLS = 20
@@ -34,13 +33,16 @@ class Column:
         difference = np.diff(np.eye(CELLS), axis=0)
         self._conduction = difference.T @ (between[:, None] * difference)
         self._capacity = capacity * width
+        self._answers: tuple[float, FloatArray] | None = None  # of the last time step, to which they belong
         self.surface = float(width[0] / (2 * conductivity))
         """Resistance from the surface to the first temperature [mm s K/N]."""
 
     def step(self, temperature: FloatArray, dt: float) -> tuple[FloatArray, FloatArray]:
         """Return the temperatures after dt [s] without a flux (n, CELLS), and what a flux of 1 adds (CELLS,)."""
         storage = self._capacity / dt
-        answers = np.linalg.inv(np.diag(storage) + self._conduction)  # of each cell to a flux into each
+        if self._answers is None or self._answers[0] != dt:
+            self._answers = dt, np.linalg.inv(np.diag(storage) + self._conduction)  # of each cell to a flux into each
+        answers = self._answers[1]
         return np.einsum("ij,nj->ni", answers, storage * temperature), answers[:, 0]
 
     def content(self, temperature: FloatArray) -> FloatArray:
@@ -70,13 +72,12 @@ class ColumnFilm:
         """
         self._answer, self._still = answer, still + rubbed[:, None] * answer
         resistance = 1.0 / np.maximum(conductance, 1e-12) + column.surface + answer[0]
-        self.nodes, self._area, self._through = nodes, area, 1.0 / resistance
+        self.nodes, self._through = nodes, 1.0 / resistance
+        self._lasting = LastingFilm(nodes, area * self._through, self._still[:, 0])
 
     def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
         """Return the flow."""
-        n, factor = len(temperature), self._area * self._through
-        flow = factor * (self._still[:, 0] - temperature[self.nodes])
-        return HeatFlow(sum_at_nodes(self.nodes, flow, n), sum_at_nodes(self.nodes, factor, n))
+        return self._lasting.evaluate(temperature)
 
     def finish(self, temperature: FloatArray) -> FloatArray:
         """Return the columns at the end of the step (n, CELLS), from the temperatures of all nodes."""

@@ -100,9 +100,12 @@ class ConvectionFilm:
 
     def __init__(self, entry: Convection, area: FloatArray) -> None:
         self._entry, self._area = entry, area
+        self._slope = area * entry.coefficient[0, 1]  # of a coefficient that does not depend on temperature
 
     def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
         """Return the flow."""
+        if len(self._entry.coefficient) == 1:
+            return HeatFlow(self._slope * (read_at(self._entry.ambient, time) - temperature), self._slope)
         coefficient, slope = interpolate(self._entry.coefficient, temperature)
         excess = temperature - read_at(self._entry.ambient, time)
         return HeatFlow(-self._area * coefficient * excess, self._area * (coefficient + slope * excess))
@@ -124,6 +127,24 @@ class RadiationFilm:
         return HeatFlow(-self._factor * (cube * kelvin - ambient**4), 4 * self._factor * cube)
 
 
+class LastingFilm:
+    """Nodes that each exchange heat with a temperature of its own, in proportion to the difference."""
+
+    def __init__(self, nodes: IntArray, factor: FloatArray, other: FloatArray | float) -> None:
+        """Take nodes (n,), each once, factors [N mm/(s K)] and the temperatures on the other side (n,) [degrees C]."""
+        self._nodes, self._factor, self._other = nodes, factor, other
+        self._slope: FloatArray = np.zeros(0)
+
+    def evaluate(self, temperature: FloatArray) -> HeatFlow:
+        """Return the flow."""
+        if len(self._slope) != len(temperature):
+            self._slope = np.zeros(len(temperature))
+            self._slope[self._nodes] = self._factor
+        power = np.zeros(len(temperature))
+        power[self._nodes] = self._factor * (self._other - temperature[self._nodes])
+        return HeatFlow(power, self._slope)
+
+
 class ToolFilm:
     """Conductance between nodes and a tool of constant temperature."""
 
@@ -131,13 +152,11 @@ class ToolFilm:
 
     def __init__(self, temperature: float, nodes: IntArray, area: FloatArray, conductance: FloatArray) -> None:
         """Take the tool's temperature, nodes (n,), the areas that they stand for [mm2] and conductances there (n,)."""
-        self._temperature, self._nodes, self._factor = temperature, nodes, area * conductance
+        self._lasting = LastingFilm(nodes, area * conductance, temperature)
 
     def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
         """Return the flow."""
-        n = len(temperature)
-        flow = self._factor * (self._temperature - temperature[self._nodes])
-        return HeatFlow(sum_at_nodes(self._nodes, flow, n), sum_at_nodes(self._nodes, self._factor, n))
+        return self._lasting.evaluate(temperature)
 
 
 def make_surroundings(surroundings: Surroundings, area: FloatArray) -> list[Film]:

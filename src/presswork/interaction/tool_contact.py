@@ -53,6 +53,7 @@ class Contact:
         self.gap = np.full((2 * len(model.plane_tools), len(self.nodes)), np.inf)
         self.normal = np.zeros((2 * len(model.plane_tools), len(self.nodes), 2))
         self.segment = np.full(self.gap.shape, -1, dtype=np.int32)  # of the tool's profile; -1 where there is no gap
+        self._searched: tuple[FloatArray, FloatArray, FloatArray] | None = None  # nodes and tools of the last search
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
         self._by_shear = np.array(
             [t.friction.law in ("shear", "coulomb_capped") for t in model.plane_tools], dtype=bool
@@ -92,6 +93,11 @@ class Contact:
         if not len(self.nodes):
             return
         x = self._model.mesh.points[self.nodes] + displacement[self.nodes]
+        placed = state[ToolArrays]
+        asked = x, placed.displacement, placed.angle
+        if self._searched is not None and all(map(np.array_equal, self._searched, asked)):
+            return
+        self._searched = x, placed.displacement.copy(), placed.angle.copy()
         for t, segments in enumerate(self._segments):
             local = np.ascontiguousarray(to_tool_frame(x, self._pose(state, t)))
             gap, normal, second_gap, second_normal, segment, second_segment = _core.touch_profile(segments, local)
