@@ -72,7 +72,7 @@ def describe_field(name: str) -> str:
     row = find_row(name)
     if row is None:
         return name.replace("_", " ")
-    return (row.label or row.name.replace("_", " ")).format(_stands_for(row, name))
+    return (row.label or row.name.replace("_", " ")).format((_stands_for(row, name) or "").replace("_", " "))
 
 
 def split_components(name: str, values: FloatArray) -> dict[str, FloatArray]:

@@ -6,7 +6,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from presswork.model import FloatArray
 from presswork.report.pack import Blocks
 from presswork.results import OutputError, Result
 from presswork.view.history_plot import find_energies, find_moved_sets, find_moving_tools, find_turning_tools
@@ -23,6 +25,8 @@ _UNITS = {
     "angle": ("degrees", 1.0),
     "time": ("s", 1.0),
     "temperature": ("°C", 1.0),
+    "speed": ("mm/s", 1.0),
+    "way": ("mm", 1.0),
     "heat": ("kJ", 1e-6),
     "stress": ("MPa", 1.0),
     **dict.fromkeys(("thickness", "x", "y", "z"), ("mm", 1.0)),
@@ -47,8 +51,9 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
         history = result.history
     except OutputError:  # one step has none
         history = {}
+    ways = {} if result.is_stamping else _find_ways(history)
     columns = []
-    for name, values in history.items():
+    for name, values in {**history, **ways}.items():
         if name == "stage":
             continue
         label, unit, factor = describe_column(name)
@@ -58,8 +63,67 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
     for stage in history.get("stage", ()):
         if not stages or stages[-1] != str(stage):
             stages.append(str(stage))
-    curves = _choose_curves(result, history)
-    return {"columns": columns, "stages": stages, "curves": curves, "energies": find_energies(history)}
+    curves = [(name, name.replace(".way_in_stage", ".force")) for name in ways] or _choose_curves(result, history)
+    idle = _find_idle(history)
+    parts = np.asarray(history.get("part", ()), dtype=np.float64)
+    return {
+        "columns": columns,
+        "stages": stages,
+        "curves": curves,
+        "charts": _choose_charts(history),
+        "idle": idle.tolist(),
+        "begins": (np.flatnonzero(np.diff(parts) > 0.0) + 1).tolist(),
+    }
+
+
+def _find_idle(history: dict[str, NDArray[Any]]) -> NDArray[np.int64]:
+    """Return the rows of stages in which no ram works though others have one, such as the pauses between blows."""
+    if "ram_speed" not in history or not np.any(np.asarray(history["ram_speed"]) > 0.0):
+        return np.zeros(0, dtype=np.int64)
+    stages, speed = np.asarray(history["stage"]), np.asarray(history["ram_speed"], dtype=np.float64)
+    working = [stage for stage in dict.fromkeys(stages.tolist()) if np.any(speed[stages == stage] > 0.0)]
+    return np.flatnonzero(~np.isin(stages, working))
+
+
+def _find_ways(history: dict[str, NDArray[Any]]) -> dict[str, FloatArray]:
+    """Return how far each tool has come in the stage in which it works, where tools of a run take turns; nan elsewhere.
+
+    Its stroke would tell of the places to which it was moved between operations, too. The first increment is taken to
+    be as long as the second.
+    """
+    tools = find_moving_tools(history)
+    stages = np.asarray(history["stage"]) if tools else np.zeros(0)
+    works = {
+        tool: [stage for stage in dict.fromkeys(stages.tolist()) if np.any(history[f"{tool}.force"][stages == stage])]
+        for tool in tools
+    }
+    turns = [stage for own in works.values() for stage in own]
+    if len(tools) < 2 or len(turns) > len(set(turns)):
+        return {}
+    ways = {}
+    for tool in tools:
+        way = np.full(len(stages), np.nan)
+        for stage in works[tool]:
+            rows = np.flatnonzero(stages == stage)
+            stroke = np.asarray(history[f"{tool}.stroke"], dtype=np.float64)[rows]
+            first = stroke[1] - stroke[0] if len(rows) > 1 else 0.0
+            way[rows] = np.abs(stroke - stroke[0] + first)
+        ways[f"{tool}.way_in_stage"] = way
+    return ways
+
+
+def _choose_charts(history: dict[str, NDArray[Any]]) -> list[dict[str, Any]]:
+    """Return what is drawn below the first curves: title, abscissa and ordinates of each chart."""
+    time = "process_time" if "process_time" in history else "time"
+    temperatures = [name for name in history if "temperature" in name.rpartition(".")[2]]
+    damage = [name for name in history if name.startswith("damage_") and np.any(history[name])]
+    charts = [("Temperature", time, temperatures), ("Damage, largest", time, damage)]
+    if "ram_speed" in history and np.any(np.asarray(history["ram_speed"]) > 0.0):
+        charts = [("Force on the ram", time, ["ram_force"]), ("Speed of the ram", time, ["ram_speed"]), *charts]
+    charts.append(("Energy", "time", list(find_energies(history))))
+    if "iterations" in history:
+        charts.append(("Convergence: iterations an increment", "time", ["iterations"]))
+    return [{"title": title, "over": over, "columns": names} for title, over, names in charts if names]
 
 
 def _choose_curves(result: Result, history: dict[str, Any]) -> list[tuple[str, str]]:

@@ -19,7 +19,7 @@ function findRange(series, name, isTight) {
 }
 
 /**
- * A chart in an element. series: {x, y, label, colour, dash, isPoints, colours}; marks: {x, y, label} drawn on top;
+ * A chart in an element. series: {x, y, label, colour, dash, isPoints, colours, begins}, begins: rows that begin a line; marks: {x, y, label} drawn on top;
  * onPick(x, y, toPixels): called with the place that is clicked.
  */
 export class Chart {
@@ -114,13 +114,13 @@ export class Chart {
   }
 }
 
-function drawLine(context, { x, y, colour, dash, width }, at, ratio) {
+function drawLine(context, { x, y, colour, dash, width, begins }, at, ratio) {
   context.beginPath();
   let isOn = false;
   for (let i = 0; i < x.length; i++) {
     if (!Number.isFinite(x[i]) || !Number.isFinite(y[i])) { isOn = false; continue; }
     const place = at(x[i], y[i]);
-    isOn ? context.lineTo(...place) : context.moveTo(...place);
+    isOn && !begins?.has(i) ? context.lineTo(...place) : context.moveTo(...place);
     isOn = true;
   }
   context.strokeStyle = colour;

@@ -9,7 +9,9 @@ const FRAME = 180; // ms a step when playing, at least
 /** Return the fields of a run as options in groups: chosen first, components below. */
 function groupFields(run) {
   const isPart = (name) => /_(xx|yy|zz|xy|yz|xz|x|y|z)$/.test(name);
-  const toOption = (field) => [field.name, field.unit && field.unit !== "–" ? `${field.label} [${field.unit}]` : field.label];
+  const isTwice = (field) => run.fields.filter(({ label }) => label === field.label).length > 1;
+  const toLabel = (field) => (isTwice(field) ? `${field.label} at ${field.kind === "cell" ? "cells" : "nodes"}` : field.label);
+  const toOption = (field) => [field.name, field.unit && field.unit !== "–" ? `${toLabel(field)} [${field.unit}]` : toLabel(field)];
   const whole = run.fields.filter((field) => !isPart(field.name)), parts = run.fields.filter((field) => isPart(field.name));
   return parts.length ? [...whole.map(toOption), { label: "Components", options: parts.map(toOption) }] : whole.map(toOption);
 }

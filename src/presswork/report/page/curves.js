@@ -14,15 +14,16 @@ export class CurvesPanel {
       return;
     }
     const first = main.curves.curves;
-    this.x = first[0]?.[0] ?? "time";
-    this.ys = first.length ? first.map(([, y]) => y) : [main.curves.columns.at(-1).name];
+    this.first = first.length ? first : [["time", main.curves.columns.at(-1).name]];
+    this.x = this.y = "";
     this.box = make("div");
     this.values = make("div");
     const columns = main.curves.columns.map(({ name, label, unit }) => [name, withUnit(label, unit)]);
-    const forces = first.length ? [["", first.map(([, y]) => main.findColumn(y).label).join(", ")]] : [];
+    const own = new Set(this.first.map(([x]) => x)), label = (name) => main.findColumn(name)?.label ?? name;
+    const forces = [["", this.first.map(([, y]) => label(y)).join(", ")]], over = [["", own.size === 1 ? withUnit(label(this.first[0][0]), main.findColumn(this.first[0][0])?.unit) : "each tool's own way"]];
     parent.append(make("div", { class: "row" },
-      makeSelect("y", [...forces, ...columns], first.length ? "" : this.ys[0], (name) => { this.ys = name ? [name] : first.map(([, y]) => y); this.#draw(); }),
-      makeSelect("over", columns, this.x, (name) => { this.x = name; this.#draw(); })), this.box);
+      makeSelect("y", [...forces, ...columns], "", (name) => { this.y = name; this.#draw(); }),
+      makeSelect("over", [...over, ...columns], "", (name) => { this.x = name; this.#draw(); })), this.box);
     this.#addFixed(parent, main);
     parent.append(this.values);
     this.#draw();
@@ -34,7 +35,8 @@ export class CurvesPanel {
   async #draw() {
     this.chart?.destroy();
     this.box.replaceChildren();
-    this.chart = await this.#makeChart(this.box, this.x, this.ys, 290);
+    const { first, x, y } = this, pairs = y ? [[x || first[0][0], y]] : first.map(([own, force]) => [x || own, force]);
+    this.chart = await this.#makeChart(this.box, pairs, { height: 290, hasIdle: Boolean(y) });
     this.update([]);
   }
 
@@ -42,40 +44,39 @@ export class CurvesPanel {
   async #drawAgain() {
     for (const chart of [this.chart, ...this.charts]) {
       if (!chart) continue;
-      const series = chart.series.map(async (one) => ({ ...one, x: await one.run.history(one.over), y: await one.run.history(one.column) }));
+      const series = chart.series.map(async (one) => ({ ...one, x: await one.run.history(one.over), y: withoutRows(await one.run.history(one.column), one.hasIdle ? [] : one.run.curves.idle), begins: new Set(one.run.curves.begins) }));
       chart.setSeries(await Promise.all(series));
     }
     await this.update([]);
   }
 
   #addFixed(parent, main) {
-    const energies = main.curves.energies, iterations = ["iterations", "cycles"].find((name) => main.findColumn(name));
-    const add = async (title, ys) => {
+    for (const { title, over, columns } of main.curves.charts) {
       const box = make("div");
       parent.append(make("h2", {}, title), box);
-      this.charts.push(await this.#makeChart(box, "time", ys, 200));
-      this.update([]);
-    };
-    if (energies.length) add("Energy", energies);
-    if (iterations === "iterations") add("Convergence: iterations an increment", ["iterations"]);
+      this.#makeChart(box, columns.map((name) => [over, name]), { height: 200, hasIdle: true, isTitled: true }).then((chart) => {
+        this.charts.push(chart);
+        this.update([]);
+      });
+    }
   }
 
-  async #makeChart(parent, x, ys, height) {
+  /** Return a chart of columns over others. pairs: names of abscissa and ordinate; hasIdle: with the pauses between blows. */
+  async #makeChart(parent, pairs, { height, hasIdle, isTitled }) {
     const series = [], { runs } = this;
     for (const run of runs) {
-      const xs = await run.history(x);
-      if (!xs) continue;
-      for (const y of ys) {
-        const values = await run.history(y);
-        if (!values) continue;
+      for (const [x, y] of pairs) {
+        const xs = await run.history(x), values = withoutRows(await run.history(y), hasIdle ? [] : run.curves.idle);
+        if (!xs || !values) continue;
         const name = run.findColumn(y).label, label = runs.length > 1 ? `${run.name}: ${name}` : name;
-        series.push({ x: xs, y: values, label, colour: LINES[series.length % LINES.length], run, column: y, over: x });
+        series.push({ x: xs, y: values, label, colour: LINES[series.length % LINES.length], run, column: y, over: x, hasIdle, begins: new Set(run.curves.begins) });
       }
     }
-    const known = runs.find((run) => run.findColumn(x)), xColumn = known?.findColumn(x), yColumn = known && runs.map((run) => run.findColumn(ys[0])).find(Boolean);
+    const find = (name) => runs.map((run) => run.findColumn(name)).find(Boolean), [[x, y]] = pairs, xColumn = find(x), yColumn = find(y);
+    const isOne = new Set(pairs.map(([name]) => name)).size === 1;
     const chart = new Chart(parent, {
       label: `${yColumn?.label ?? ""} over ${xColumn?.label ?? ""}`, height,
-      xLabel: withUnit(xColumn?.label ?? x, xColumn?.unit), yLabel: withUnit(ys.length > 1 ? "" : yColumn?.label ?? "", yColumn?.unit).trim(),
+      xLabel: withUnit(isOne ? xColumn?.label ?? x : "way of each tool in its stage", xColumn?.unit), yLabel: withUnit(pairs.length > 1 || isTitled ? "" : yColumn?.label ?? "", yColumn?.unit).trim(),
       onPick: (px, py, toPixels) => this.#go(series, px, py, toPixels),
     });
     chart.setSeries(series);
@@ -88,7 +89,7 @@ export class CurvesPanel {
     for (const one of series)
       for (let i = 0; i < one.x.length; i++) {
         const [x, y] = toPixels(one.x[i], one.y[i]), distance = Math.hypot(x - px, y - py);
-        if (!best || distance < best.distance) best = { distance, run: one.run, row: i };
+        if (Number.isFinite(distance) && (!best || distance < best.distance)) best = { distance, run: one.run, row: i };
       }
     if (!best) return;
     const time = (await best.run.history("time"))[best.row], { run } = this.store.state;
@@ -123,6 +124,14 @@ export class CurvesPanel {
   destroy() {
     for (const chart of [this.chart, ...this.charts]) chart?.destroy();
   }
+}
+
+/** Return a column in which some rows have no value. */
+function withoutRows(values, rows) {
+  if (!values || !rows.length) return values;
+  const found = values.slice();
+  for (const row of rows) found[row] = NaN;
+  return found;
 }
 
 /** Return the row nearest to a time; -1 before the first. */
