@@ -28,7 +28,7 @@ REFUSED = {
     "fading_loads": "of shells",
     "shells": "of shells",
     "sheet_heat": "sheets are refined, not remeshed",
-    "sheet_tools": "of shells",
+    "space_tools": "of shells",
     "inertia": "the key solver.inertia is refused with [remesh]",
 }
 """Owners whose arrays cannot pass to a new mesh of a solid, and why no run asks for it."""

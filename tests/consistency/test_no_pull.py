@@ -18,7 +18,7 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_contact import RELEASE as RELEASE_OF_SLOTS
 from presswork.interaction.body_interface import InterfaceArrays
-from presswork.interaction.tool_arrays import ContactArrays, SheetToolArrays
+from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays
 from presswork.model import FloatArray
 from presswork.process.implicit_stamping import make_shell_model
 from tests.regression.test_implicit_stamping import CUP
@@ -143,9 +143,9 @@ def pulls_of_sheet_tools(procedure: ImplicitProcedure) -> tuple[FloatArray, floa
     """Return the forces on the nodes of a sheet along the outward normals of the tools."""
     state, pushes = procedure.state, []
     for tool, force, moved in zip(
-        procedure.model.sheet_tools,
-        state[SheetToolArrays].force - state[SheetToolArrays].friction,
-        state[SheetToolArrays].displacement,
+        procedure.model.space_tools,
+        state[SpaceToolArrays].force - state[SpaceToolArrays].friction,
+        state[SpaceToolArrays].displacement,
         strict=True,
     ):
         touched = np.linalg.norm(force, axis=1) > 0.0
@@ -162,7 +162,7 @@ CONTACTS: dict[str, tuple[Callable[[], ImplicitProcedure], Callable[..., tuple[F
     **{f"tool_heel_{e}": (lambda e=e, m=m: drag_heel(e, m), pulls_of_edges) for e, m in HEELS.items()},
     "self_contact": (fold_spring, pulls_of_slots),
     "self_contact_tools": (fold_spring, pulls_of_tools),
-    "sheet_tools": (draw_sheet, pulls_of_sheet_tools),
+    "space_tools": (draw_sheet, pulls_of_sheet_tools),
 }
 
 

@@ -66,7 +66,7 @@ def test_clamped_square_plate_under_a_small_ball_bends_as_under_a_point_force() 
     stages = (Stage("press", tool_motion={"ball": ToolMotion((0.0, 0.0, -deep))}),)
     procedure, _ = run(sheet_model(mesh, supports, stages, (ball,), poisson))
     middle = np.argmin(np.linalg.norm(mesh.points, axis=1))
-    force = 4.0 * procedure.interactions.sheet_tools.contact.tool_forces(procedure.state)[0]
+    force = 4.0 * procedure.interactions.space_tools.contact.tool_forces(procedure.state)[0]
     stiffness = YOUNG * thickness**3 / (12.0 * (1.0 - poisson**2)) / (0.00560 * side**2)
     assert force[2] > 0.0
     assert force[2] == pytest.approx(stiffness * -procedure.state.nodes.displacement[middle, 2], rel=0.01)
@@ -107,7 +107,7 @@ def test_rope_round_a_drum_obeys_euler_and_eytelwein(mu: float) -> None:
     state = procedure.state
     pull = float(state.nodes.reaction[model.mesh.node_sets["right"], 0].sum())
     assert pull == pytest.approx(HOLD * np.exp(mu * 0.5 * np.pi), rel=1e-3)
-    on_drum = procedure.interactions.sheet_tools.contact.tool_forces(state)[0]
+    on_drum = procedure.interactions.space_tools.contact.tool_forces(state)[0]
     np.testing.assert_allclose(on_drum, [pull, 0.0, HOLD], rtol=1e-4, atol=1e-4 * HOLD)
     assert iterations <= 5
 

@@ -5,8 +5,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from presswork import _core
-from presswork.model import Surface, SweptProfile
+from presswork.model import Plane, Surface, SweptProfile, Triangulation
+
+ENDLESS = 1e5
+"""Half the width of the square that stands for a plane without end [mm]."""
 
 
 def make_surface(shape: Surface, depth: float = math.inf, *, smooth: bool = False) -> _core.ToolSurface:
@@ -16,6 +21,18 @@ def make_surface(shape: Surface, depth: float = math.inf, *, smooth: bool = Fals
     half of what lies between its faces. smooth: round off triangles, so that normals do not jump from facet to facet; a
     swept profile is smooth in any case. Raises ValueError where profile and plan do not fit.
     """
+    if isinstance(shape, Plane):
+        shape = cut_plane(shape, ENDLESS)
     if isinstance(shape, SweptProfile):
         return _core.ToolSurface.swept(shape.half_widths, shape.corner_radius, shape.segments, depth=depth)
     return _core.ToolSurface.triangles(shape.points, shape.triangles, depth=depth, smooth=smooth)
+
+
+def cut_plane(plane: Plane, half_width: float) -> Triangulation:
+    """Return a square of a plane about its origin, of two triangles; half_width: of the square [mm]."""
+    normal = np.asarray(plane.normal)
+    along = np.cross(normal, np.eye(3)[int(np.abs(normal).argmin())])
+    along *= half_width / np.linalg.norm(along)
+    across = np.cross(normal, along)
+    points = np.array([-along - across, along - across, along + across, across - along])
+    return Triangulation(points, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32), False)

@@ -12,7 +12,7 @@ from presswork.body.sheet_heat import LayerMap
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import ShellMechanics
 from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays, SheetInstant
-from presswork.interaction.tool_arrays import SheetToolArrays
+from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import FloatArray, Model
 from presswork.outcome import Step
 from presswork.state import State
@@ -35,7 +35,7 @@ class HeatOfStamping:
             )
             for block in model.mesh.blocks
         ]
-        self._positions = np.array([tool.position for tool in model.sheet_tools]).reshape(-1, 3)
+        self._positions = np.array([tool.position for tool in model.space_tools]).reshape(-1, 3)
 
     def at_rest(self) -> SheetHeatArrays:
         """Return the temperatures at the start."""
@@ -57,7 +57,7 @@ class HeatOfStamping:
 
         Raises GaveUpError if there is no balance of heat.
         """
-        tools, tools_n = trial[SheetToolArrays], state_n[SheetToolArrays]
+        tools, tools_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
         moved = tools.displacement - tools_n.displacement
         plastic = np.zeros_like(trial[SheetHeatArrays].temperature)
         for layers, work in zip(

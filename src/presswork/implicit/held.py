@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.interaction.of_model import Interactions
-from presswork.interaction.supports import NotHeldError, check_shell_held, check_solid_held
+from presswork.interaction.supports import NotHeldError, check_held_in_space
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import Body, BoolArray, Model
 from presswork.state import State
@@ -16,13 +16,10 @@ def check_held(model: Model, interactions: Interactions, state: State) -> None:
     """Refuse bodies that the first increment would push away."""
     if interactions.inertia:
         return
-    if model.analysis == "shell":
-        sheet = interactions.sheet_tools
-        touched = sheet.contact.held_directions(state) if sheet else None
-        check_shell_held(model, interactions.supports.fixed(0), touched)
-        return
-    if model.analysis == "solid":
-        check_solid_held(model, interactions.supports.fixed(0))
+    if model.dimension == 3:
+        tools = interactions.space_tools
+        touched = tools.contact.held_directions(state) if tools else None
+        check_held_in_space(model, interactions.supports.fixed(0), touched)
         return
     whole = Body("workpiece", range(len(model.mesh.points)), range(len(model.mesh.blocks)))
     bodies = model.bodies or (whole,)

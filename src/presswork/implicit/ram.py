@@ -18,7 +18,7 @@ from typing import ClassVar
 import numpy as np
 
 from presswork.implicit.energy import Work
-from presswork.interaction.tool_arrays import SheetToolArrays, ToolArrays
+from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.model import Blow, Drive, FloatArray, Model, SpeedTable, ToolMotion
 from presswork.outcome import Step
 from presswork.state import RUN, Arrays, OnNewMesh, State
@@ -160,8 +160,8 @@ class Ram:
         moves = [np.array(motions.get(t.name, ToolMotion()).move) for t in self._model.tools]
         if ToolArrays in state:
             forces = np.pad(state[ToolArrays].force[:, :2], ((0, 0), (0, 1)))
-        elif SheetToolArrays in state:
-            forces = -state[SheetToolArrays].force.sum(axis=1)
+        elif SpaceToolArrays in state:
+            forces = -state[SpaceToolArrays].force.sum(axis=1)
         else:
             return 0.0
         work = sum(float(force @ move) for force, move in zip(forces, moves, strict=True))

@@ -260,7 +260,7 @@ class ImplicitProcedure:
 
         Between tools contact leads the sheet, and another start has not been seen to help.
         """
-        return self.model.analysis == "shell" and not self.model.sheet_tools and bool(self.state.nodes.increment.any())
+        return self.model.analysis == "shell" and not self.model.space_tools and bool(self.state.nodes.increment.any())
 
     def _attempt(
         self, stage: int, fraction_n: float, fraction: float, *, gently: bool = False, from_rest: bool = False

@@ -18,7 +18,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.interaction.coulomb import return_to_limit
-from presswork.interaction.tool_arrays import SheetToolArrays
+from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.topology import count_corners
 from presswork.model import BoolArray, Drawbead, FloatArray, IndexArray, IntArray, Model
 from presswork.state import Arrays, State
@@ -62,7 +62,7 @@ class SheetBeads:
         self._across = np.concatenate([np.zeros((0, 2)), *(b.across for b in beads)])
         self._limit = np.concatenate([np.zeros(0), *(b.force * b.length for b in beads)])
         self._of = np.repeat(np.arange(len(beads)), [len(b.place) for b in beads])
-        names = [t.name for t in model.sheet_tools]
+        names = [t.name for t in model.space_tools]
         self._tool = [names.index(b.tool) if b.tool is not None else -1 for b in beads]
         blocks = [b.connectivity[:, : count_corners(b.connectivity.shape[1])] for b in model.mesh.blocks]
         self._sheet = _core.SheetUnder([np.ascontiguousarray(b, dtype=np.int32) for b in blocks])
@@ -118,7 +118,7 @@ class SheetBeads:
     def _carried(self, state_n: State, trial: State) -> FloatArray:
         """Return how far tools have carried the lines in the increment (n_bead_points, 3) [mm]."""
         of_tool = np.vstack(
-            [trial[SheetToolArrays].displacement - state_n[SheetToolArrays].displacement, np.zeros((1, 3))]
+            [trial[SpaceToolArrays].displacement - state_n[SpaceToolArrays].displacement, np.zeros((1, 3))]
         )  # last: none
         return np.asarray(of_tool[np.array(self._tool, dtype=int)][self._of], dtype=np.float64)
 

@@ -123,8 +123,8 @@ class HeatOfSheet:
             model.mesh.points, model.cells, material.thermal, section.thickness, model.heat.levels, self._steel
         )
         self._thickness = section.thickness
-        self._tools = [model.heat.tools.get(tool.name) for tool in model.sheet_tools]
-        self._surfaces = [make_surface(tool.surface) for tool in model.sheet_tools]
+        self._tools = [model.heat.tools.get(tool.name) for tool in model.space_tools]
+        self._surfaces = [make_surface(tool.surface) for tool in model.space_tools]
         usual = 0.02 * min(s.duration * s.slower for s in model.stages)
         self._columns = [Column(*t.steel, usual) if t is not None and t.steel else None for t in self._tools]
         self._dwelt: tuple[Dwell, tuple[FloatArray, ...], _Faces] | None = None
@@ -181,7 +181,7 @@ class HeatOfSheet:
 
     def hottest(self, arrays: SheetHeatArrays) -> dict[str, float]:
         """Return the highest temperature at the surface of every tool that warms up [degrees C]."""
-        names = [tool.name for tool in self._model.sheet_tools]
+        names = [tool.name for tool in self._model.space_tools]
         each = enumerate(self._columns)
         return {names[i]: float(arrays.columns[i, :, 0].max()) for i, column in each if column is not None}
 

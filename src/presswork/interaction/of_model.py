@@ -13,8 +13,8 @@ from presswork.interaction.inertia import Inertia
 from presswork.interaction.laps import LapMarks
 from presswork.interaction.loads import Loads
 from presswork.interaction.plane_tools import PlaneTools
-from presswork.interaction.sheet_tools import SheetTools
 from presswork.interaction.shell_loads import ShellLoads
+from presswork.interaction.space_tools import SpaceTools
 from presswork.interaction.supports import Supports
 from presswork.model import Model
 
@@ -32,7 +32,7 @@ class Interactions:
             self.loads = Loads(model)
         self.bodies = BodyContacts(model, cells)
         self.tools = PlaneTools(model, cells, self.supports)
-        self.sheet_tools = SheetTools(model) if model.sheet_tools or model.beads else None
+        self.space_tools = SpaceTools(model, cells) if model.space_tools or model.beads else None
         self.inertia = Inertia(model) if model.solver.inertia > 0.0 else None
         self.all: tuple[Interaction, ...] = (
             self.supports,
@@ -40,7 +40,7 @@ class Interactions:
             *((self.bodies,) if model.contacts else ()),
             *((LapMarks(model, self.bodies),) if model.remeshing is not None else ()),
             *((self.tools,) if model.plane_tools else ()),
-            *((self.sheet_tools,) if self.sheet_tools else ()),
+            *((self.space_tools,) if self.space_tools else ()),
             *((self.inertia,) if self.inertia else ()),
             *others,
         )

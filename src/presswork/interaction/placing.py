@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.interaction.tool_arrays import SheetToolArrays, ToolArrays
+from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.model import FloatArray
 
 
@@ -74,7 +74,7 @@ class Border:
         return correction
 
 
-def move_tools(arrays: ToolArrays | SheetToolArrays, placed: Placed, travel: FloatArray) -> None:
+def move_tools(arrays: ToolArrays | SpaceToolArrays, placed: Placed, travel: FloatArray) -> None:
     """Move the tools by their travel (n,) [mm]."""
     for t, direction, q in zip(placed.tools, placed.directions, travel, strict=True):
         arrays.travel[t] += q * direction

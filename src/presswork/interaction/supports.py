@@ -24,22 +24,17 @@ class NotHeldError(StartError):
     """Nothing holds the workpiece in some direction: it would move as a rigid body."""
 
 
-def check_shell_held(model: Model, fixed: BoolArray, touched: tuple[IndexArray, FloatArray] | None = None) -> None:
-    """Refuse a shell that is free to move as a rigid body: `fixed` (n_points, 6) marks what is held.
+def check_held_in_space(model: Model, fixed: BoolArray, touched: tuple[IndexArray, FloatArray] | None = None) -> None:
+    """Refuse a body in space that is free to move as a rigid one: `fixed` (n_points, freedoms) marks what is held.
 
     touched: nodes (n,) that tools hold too, and along which unit vectors (n, 3).
     """
     modes = _rigid_modes(model.mesh.points)
-    held = modes[fixed]
+    held = modes[:, : fixed.shape[1]][fixed]
     if touched is not None:
         nodes, directions = touched
         held = np.concatenate([held, np.einsum("ni,nij->nj", directions, modes[nodes, :3])])
-    _refuse_loose("shell", held)
-
-
-def check_solid_held(model: Model, fixed: BoolArray) -> None:
-    """Refuse a solid in space that is free to move as a rigid body: `fixed` (n_points, 3) marks what is held."""
-    _refuse_loose("workpiece", _rigid_modes(model.mesh.points)[:, :3][fixed])
+    _refuse_loose("workpiece" if model.analysis == "solid" else "shell", held)
 
 
 def _rigid_modes(points: FloatArray) -> FloatArray:

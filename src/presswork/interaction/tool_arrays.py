@@ -92,10 +92,10 @@ class ContactArrays(Arrays):
 
 
 @dataclass
-class SheetToolArrays(Arrays):
+class SpaceToolArrays(Arrays):
     """Where the tools in space are, and their force on the nodes of a shell."""
 
-    owner = "sheet_tools"
+    owner = "space_tools"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
         ("displacement", "travel", "travel_increment", "energy"), RUN
     )
@@ -113,7 +113,7 @@ class SheetToolArrays(Arrays):
     """Stored by the normal forces [N mm]."""
 
     @classmethod
-    def at_rest(cls, n_tools: int, n_points: int) -> SheetToolArrays:
+    def at_rest(cls, n_tools: int, n_points: int) -> SpaceToolArrays:
         """Return those of tools that have not moved and touch nothing."""
         return cls(
             displacement=np.zeros((n_tools, 3)),

@@ -41,6 +41,15 @@ def face_areas(points: FloatArray, faces: IntArray) -> FloatArray:
     return areas
 
 
+def nodal_normals(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the outward area vector of each node, int N n dA over the faces (n_points, 3) [mm2]."""
+    normals = np.zeros_like(points)
+    for N, dN in _rule():
+        first, second = np.einsum("ja,fai->jfi", dN, points[faces])
+        np.add.at(normals, faces, N[None, :, None] * np.cross(first, second)[:, None])
+    return normals
+
+
 def press_faces(points: FloatArray, faces: IntArray, pressure: float) -> tuple[FloatArray, FloatArray]:
     """Return the nodal forces (n_faces, 4, 3) [N] of a pressure [MPa] against faces, and its stiffness.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import make_surface
-from presswork.model import FloatArray, Surface, Triangulation
+from presswork.model import FloatArray, Surface, SweptProfile, Triangulation
 
 MOST_ADVANCES = 200
 """A gap between surfaces that lie 60 degrees to the way is halved by each or by every other one."""
@@ -24,6 +24,7 @@ def sample_tool(shape: Surface, within: float) -> FloatArray:
     if isinstance(shape, Triangulation):
         points, triangles = shape.points, shape.triangles
     else:
+        assert isinstance(shape, SweptProfile), "a plane without end has no triangles"
         points, triangles = triangulate(shape, within)
     return np.concatenate([points, points[triangles].mean(axis=1)])
 

@@ -90,7 +90,7 @@ class Model:
         return tuple(tool for tool in self.tools if isinstance(tool.shape, Profile))
 
     @property
-    def sheet_tools(self) -> tuple[Tool, ...]:
+    def space_tools(self) -> tuple[Tool, ...]:
         """Tools with a surface in space, which touch sheets."""
         return tuple(tool for tool in self.tools if not isinstance(tool.shape, Profile))
 

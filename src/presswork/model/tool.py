@@ -46,13 +46,21 @@ class Triangulation:
     is_closed: bool
 
 
-Surface = SweptProfile | Triangulation
+@dataclass(frozen=True)
+class Plane:
+    """A plane without end through the origin of the tool's frame."""
+
+    normal: tuple[float, float, float]
+    """Unit vector out of the metal."""
+
+
+Surface = SweptProfile | Triangulation | Plane
 """The shape of a tool in space."""
 
 
 @dataclass(frozen=True)
 class Friction:
-    """What a tool's surface does along itself to the workpiece. Tools in space have "coulomb"."""
+    """What a tool's surface does along itself to the workpiece. Tools of sheets have "coulomb"."""
 
     law: ContactLaw = "coulomb"
     m: float | FloatArray = 0.0
@@ -92,8 +100,9 @@ class Tool:
     """In the plane, in its own frame: the point about which it turns and its torque is taken [mm]."""
     spring: Spring | None = None
     """In the plane: the spring on which it rests; its stages move the spring's foot."""
-    mirrored_across: tuple[bool, bool] = (False, False)
-    """Plane strain: whether the whole tool is twice what is modelled, mirrored by a symmetry plane normal to x | y."""
+    mirrored_across: tuple[bool, ...] = (False, False)
+    """Plane strain, solids in space: whether the whole tool is twice what is modelled, mirrored by a symmetry plane
+    normal to x | y | z."""
 
     @property
     def profile(self) -> Profile:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -25,7 +26,7 @@ from presswork.implicit.heat_of_forming import KINDS as HEAT_KINDS
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
-from presswork.interaction.tool_arrays import ToolArrays
+from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.model import FloatArray, IntArray, Mesh, Model, ToolMotion
 from presswork.process.die_fill import DieFill
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
@@ -36,6 +37,7 @@ from presswork.process.penetration import Penetration, measure_bodies
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, measure_ram, summarise_ram, warn_of_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Meta, Row, Snapshot, find_never_touched
+from presswork.process.space_surfaces import cut_tools
 from presswork.process.tool_ends import explain_passed_ends
 from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
 from presswork.results import history_columns
@@ -138,6 +140,10 @@ class ImplicitRecording(IncrementRecording):
         deepest = self.penetration.note(
             model.mesh, points, placed, lambda places: procedure.interactions.tools.contact.find_gaps(state, places)
         )
+        if (tools := procedure.interactions.space_tools) is not None:
+            names = [tool.name for tool in model.space_tools]
+            gaps = functools.partial(tools.contact.find_gaps, state)
+            deepest = self.penetration.note_in_space(model.mesh, points, names, gaps)
         found = [deepest] if deepest else []
         for first, second in sorted({c.between for c in model.contacts if len(set(c.between)) == 2}):
             edges = model.mesh.boundary_edges
@@ -166,6 +172,13 @@ class ImplicitRecording(IncrementRecording):
         moved = [displacement for displacement, _ in self._tool_places()]
         names = [tool.name for tool in self.model.plane_tools]
         return self.model.mesh, find_position(self.procedure), dict(zip(names, moved, strict=False))
+
+    def _surface_places(self) -> dict[str, FloatArray]:
+        """Return how far each tool in space has moved (3,) [mm], by its name."""
+        if SpaceToolArrays not in self.procedure.state:
+            return {}
+        moved = self.procedure.state[SpaceToolArrays].displacement
+        return {tool.name: way.copy() for tool, way in zip(self.model.space_tools, moved, strict=True)}
 
     def _placed_profiles(self) -> dict[str, FloatArray]:
         """Return the segments of each tool in the plane where it stands, by its name."""
@@ -212,8 +225,10 @@ class ImplicitRecording(IncrementRecording):
             cell_data=cells,
             tools={t.name: start_profile(t) for t in model.plane_tools},
             dies=self._show_dies(),
+            surfaces=cut_tools(model),
             tool_centre={t.name: start_centre(t) for t in model.plane_tools},
-            tool_displacement={t.name: moved for t, (moved, _) in zip(model.plane_tools, places, strict=True)},
+            tool_displacement={t.name: moved for t, (moved, _) in zip(model.plane_tools, places, strict=True)}
+            | self._surface_places(),
             tool_angle={t.name: angle for t, (_, angle) in zip(model.plane_tools, places, strict=True)},
             info={
                 **describe_plane(model),
@@ -265,7 +280,7 @@ class ImplicitRecording(IncrementRecording):
             "largest_node_penetration_mm": self.penetration.node,
             "largest_edge_penetration_mm": self.penetration.edge,
             "shortest_edge_mm": self._shortest_edge(),
-            "tools_never_touched": find_never_touched([t.name for t in model.plane_tools], history),
+            "tools_never_touched": find_never_touched([t.name for t in model.tools], history),
         }
         return {
             **self._count_work(),

@@ -25,7 +25,7 @@ from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.heat_of_sheet import SheetHeatArrays
 from presswork.interaction.sheet_contact import SheetContact
-from presswork.interaction.tool_arrays import SheetToolArrays
+from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
 from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
 from presswork.process.held_flange import warn_of_holders
@@ -42,10 +42,10 @@ from presswork.process.press_quantities import (
 )
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
+from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import (
     bead_columns,
     by_stage,
-    cut_surfaces,
     describe_stamping,
     find_stops,
     is_pushed,
@@ -153,15 +153,18 @@ class ImplicitStamping(IncrementRecording):
     def _displacement(self) -> dict[str, FloatArray]:
         """Return how far each tool has moved since the start (3,) [mm]."""
         state = self.procedure.state
-        if SheetToolArrays not in state:
+        if SpaceToolArrays not in state:
             return {}
-        moved = state[SheetToolArrays].displacement
+        moved = state[SpaceToolArrays].displacement
         return {t.name: moved[i].copy() for i, t in enumerate(self.model.tools)}
 
     def _sheet(self) -> SheetContact | None:
         """Return the contact of the sheet with its tools."""
-        tools = self.procedure.interactions.sheet_tools
-        return tools.contact if tools else None
+        tools = self.procedure.interactions.space_tools
+        if tools is None:
+            return None
+        assert isinstance(tools.contact, SheetContact)
+        return tools.contact
 
     def _tool_columns(self) -> Row:
         sheet = self._sheet()
@@ -203,8 +206,8 @@ class ImplicitStamping(IncrementRecording):
         state = self.procedure.state
         now = self.procedure.mechanics.show(state)
         now.tool_force, now.judged = np.zeros_like(self.mesh.points), self._judged
-        if SheetToolArrays in state:
-            now.tool_force = state[SheetToolArrays].force.sum(axis=0)
+        if SpaceToolArrays in state:
+            now.tool_force = state[SpaceToolArrays].force.sum(axis=0)
         if (heat := self.procedure.sheet_heat) is not None:
             arrays = state[SheetHeatArrays]
             now.temperature, now.heated = heat.sheet.mean_at_nodes(arrays), heat.sheet.fields(arrays)
@@ -219,7 +222,7 @@ class ImplicitStamping(IncrementRecording):
             point_data=points,
             cell_data=cells,
             info=describe_stamping(model),
-            surfaces=cut_surfaces(model),
+            surfaces=cut_tools(model),
             tool_displacement=self._displacement(),
         )
 

@@ -8,7 +8,7 @@ its width; so the profile's own points are checked, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,14 +36,14 @@ class _Cut:
     edge: float
     """Length at the start of the edge that it cuts [mm]."""
     place: FloatArray
-    """(2,) [mm]."""
+    """(2,) or (3,) [mm]."""
     into: str = "the workpiece"
 
     def to_measure(self) -> Measure:
         """Return it as a limit counts it."""
-        x, y = self.place
+        place = ", ".join(f"{x:.4g}" for x in self.place)
         fact = (
-            f"{self.tool} has cut {self.depth:.3g} mm into {self.into} at ({x:.4g}, {y:.4g}) mm, through an edge that "
+            f"{self.tool} has cut {self.depth:.3g} mm into {self.into} at ({place}) mm, through an edge that "
             f"was {self.edge:.3g} mm long"
         )
         return Measure("penetration", self.depth / self.edge, fact)
@@ -82,6 +82,28 @@ class Penetration:
         cuts = [_Cut(f"the tool {list(tools)[tool]}", deep, float(length[edge]), along[edge, place])]
         cuts += _find_profiles_inside(along[:, [0, *range(edges.shape[1], along.shape[1]), 1]], length, tools)
         return max((cut.to_measure() for cut in cuts), key=lambda measure: measure.value)
+
+    def note_in_space(
+        self, mesh: Mesh, points: FloatArray, tools: Sequence[str], find_gaps: Callable[[FloatArray], FloatArray]
+    ) -> Measure | None:
+        """Do the same for a solid in space: at the corners and in the middle of its boundary faces.
+
+        points: of the nodes now (n_points, 3) [mm]; tools: names. find_gaps: of places from each tool
+        (n_tools, n) [mm].
+        """
+        faces = mesh.boundary_faces
+        if not tools or not len(faces):
+            return None
+        along = np.concatenate([points[faces], points[faces].mean(axis=1, keepdims=True)], axis=1)
+        depth = np.maximum(-find_gaps(along.reshape(-1, 3)).reshape(len(tools), *along.shape[:2]), 0.0)
+        self.node = max(self.node, float(depth[:, :, :4].max()))
+        self.edge = max(self.edge, float(depth.max()))
+        sides = mesh.points[faces] - mesh.points[np.roll(faces, -1, axis=1)]
+        length = np.linalg.norm(sides, axis=2).min(axis=1)
+        share = depth / length[:, None]
+        tool, face, place = (int(i) for i in np.unravel_index(np.argmax(share), share.shape))
+        cut = _Cut(f"the tool {tools[tool]}", float(depth[tool, face, place]), float(length[face]), along[face, place])
+        return cut.to_measure()
 
 
 def measure_bodies(mesh: Mesh, points: FloatArray, edges: Mapping[str, IntArray]) -> Measure | None:

@@ -42,7 +42,8 @@ from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
 from presswork.process.rows import LAST_COLUMNS, STAGE, RowRecording, RowReport, last_energies, process_time
 from presswork.process.sheet_history import SheetHistory
-from presswork.process.stamping_tools import StampingTools, cut_surfaces, describe_stamping, mean_speeds
+from presswork.process.space_surfaces import cut_tools
+from presswork.process.stamping_tools import StampingTools, describe_stamping, mean_speeds
 from presswork.process.transfer import SheetState, keep_heated, sheet_of_explicit
 
 CYCLES, ADDED_MASS, SHELL_CYCLES = range(2, 5)
@@ -312,7 +313,7 @@ class ExplicitStamping(RowRecording):
             point_data=points,
             cell_data=cells,
             info=describe_stamping(self.model),
-            surfaces=cut_surfaces(self.model),
+            surfaces=cut_tools(self.model),
             tool_displacement=self.tools.displacement(),
         )
 

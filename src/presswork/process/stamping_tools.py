@@ -14,28 +14,23 @@ from presswork.explicit.motion import DrivenStroke, Motion, SmoothStroke
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
 from presswork.formability import Info
-from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.tool_clearance import find_clearance
 from presswork.model import (
     Drawbead,
     ExplicitSheet,
     FloatArray,
-    IntArray,
     Model,
     Stage,
-    SweptProfile,
     Tool,
     ToolMotion,
-    Triangulation,
 )
 from presswork.process.recording import Row
 from presswork.process.refinement import PlacedTool
+from presswork.process.space_surfaces import SHEET_CHORD
 
 FORCE_TIMES = 100
 """Times of each stage at which a force over the stroke is tabulated."""
-DRAWN_WITHIN = 0.02
-"""Part of the blank's thickness by which the triangles of pictures may be off the tool."""
 
 
 class StampingTools:
@@ -170,21 +165,6 @@ def describe_stamping(model: Model) -> Info:
     return {"title": model.title, "analysis": "stamping", "symmetry": planes, **judged.to_info()}
 
 
-def cut_surfaces(model: Model) -> dict[str, tuple[FloatArray, IntArray]]:
-    """Return points and triangles of every tool where it starts, for pictures."""
-    mesh = model.mesh
-    length = 2.5 * float(np.abs(mesh.points[:, 1]).max())
-    found = {}
-    for tool in model.tools:
-        if isinstance(tool.shape, SweptProfile):
-            points, triangles = triangulate(tool.shape, DRAWN_WITHIN * model.sheet[0].thickness, length=length)
-        else:
-            assert isinstance(tool.shape, Triangulation)
-            points, triangles = tool.shape.points, tool.shape.triangles
-        found[tool.name] = (points + np.asarray(tool.position), triangles)
-    return found
-
-
 def way_of(tool: Tool) -> tuple[float, float, float]:
     """Return the unit vector along which a tool of a stamping works."""
     assert tool.way is not None, f"{tool.name} has no way"
@@ -212,7 +192,7 @@ def find_stops(model: Model) -> dict[str, tuple[str, float]]:
         if not is_pushed(model, tool) or {tool.kind, other.kind} != {"holder", "die"}:
             continue
         between, way = np.subtract(tool.position, other.position), np.array(tool.way)
-        clearance = find_clearance(tool.surface, other.surface, between, way, DRAWN_WITHIN * model.sheet[0].thickness)
+        clearance = find_clearance(tool.surface, other.surface, between, way, SHEET_CHORD * model.sheet[0].thickness)
         if clearance < found.get(tool.name, ("", math.inf))[1]:
             found[tool.name] = other.name, clearance
     return found

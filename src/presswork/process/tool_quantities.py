@@ -9,7 +9,7 @@ import numpy as np
 
 from presswork.formability import Info
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.tool_arrays import SheetToolArrays, ToolArrays
+from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.model import FloatArray, Model, Profile, Tool, ToolMotion
 
 
@@ -52,18 +52,19 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
         torque = -float(torques[t]) * (-1.0 if motion.turn < 0 else 1.0)
         in_space = np.append(vector, 0.0)
         quantities[tool.name] = ToolQuantities(stroke, force, in_space, float(state[ToolArrays].angle[t]), torque)
-    return quantities | _measure_sheet_tools(procedure)
+    return quantities | _measure_space_tools(procedure)
 
 
-def _measure_sheet_tools(procedure: ImplicitProcedure) -> dict[str, ToolQuantities]:
-    """Return the quantities of the tools of a shell, as modelled."""
-    tools, state = procedure.interactions.sheet_tools, procedure.state
+def _measure_space_tools(procedure: ImplicitProcedure) -> dict[str, ToolQuantities]:
+    """Return the quantities of the tools in space; those of a shell as modelled."""
+    tools, state = procedure.interactions.space_tools, procedure.state
     if tools is None:
         return {}
     quantities = {}
     forces = tools.contact.tool_forces(state)
-    displacement = state[SheetToolArrays].displacement
-    for tool, moved, force in zip(procedure.model.sheet_tools, displacement, forces, strict=True):
+    displacement = state[SpaceToolArrays].displacement
+    for tool, moved, modelled in zip(procedure.model.space_tools, displacement, forces, strict=True):
+        force = force_on_whole(tool, modelled)
         way = find_way(procedure.model, tool)
         along = float(np.linalg.norm(force)) if way is None else -float(force @ way)
         stroke = 0.0 if way is None else float(moved @ way)
@@ -72,12 +73,12 @@ def _measure_sheet_tools(procedure: ImplicitProcedure) -> dict[str, ToolQuantiti
 
 
 def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:
-    """Return the force on the whole tool of that on what is modelled of it (2,) [N]."""
+    """Return the force on the whole tool of that on what is modelled of it (2,) or (3,) [N]."""
     whole = force.copy()
-    for normal in (0, 1):
-        if tool.mirrored_across[normal]:
+    for normal, is_cut in enumerate(tool.mirrored_across):
+        if is_cut:
+            whole *= 2.0
             whole[normal] = 0.0
-            whole[1 - normal] *= 2.0
     return whole
 
 

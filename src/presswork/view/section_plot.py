@@ -76,7 +76,9 @@ def plot_section(
 
 
 def is_drawn_in(result: Result) -> bool:
-    """Return whether the blank's edge has moved along x by the last step on the first mesh."""
+    """Return whether a blank's edge has moved along x by the last step on the first mesh."""
+    if result.info.get("analysis") == "solid":
+        return False
     steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
     size = float(np.ptp(result.mesh.points, axis=0).max())
     return any(abs(measure_draw_in(result, float(np.radians(a)), steps[-1])) > 1e-4 * size for a in _DRAW_IN_ANGLES)

@@ -39,7 +39,8 @@ def describe(problem: model.Model | OneStepModel) -> str:
         ]
         return "\n".join(lines)
     lines += [f"material {material.name}: {describe_material(material)}" for material in problem.materials]
-    lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.tools]
+    lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.plane_tools]
+    lines += [f"tool {tool.name}: {_describe_space_tool(tool)}" for tool in problem.space_tools]
     lines += [f"contact {contact.name}: {_describe_contact(problem, contact)}" for contact in problem.contacts]
     lines += [_describe_support(support, problem.mesh) for support in problem.supports]
     for number, stage in enumerate(problem.stages, 1):
@@ -117,6 +118,20 @@ def _describe_remeshing(remeshing: model.Remeshing) -> str:
         f"new meshes: cells of {remeshing.smallest_size:.3g} to {remeshing.size:.3g} mm, at most "
         f"{remeshing.max_cells:,}; made where a cell's quality falls below {remeshing.quality:g}{due}"
     )
+
+
+def _describe_space_tool(tool: model.Tool) -> str:
+    shape = tool.surface
+    if isinstance(shape, model.Plane):
+        what = "plane with the normal ({:g}, {:g}, {:g})".format(*shape.normal)
+    elif isinstance(shape, model.SweptProfile):
+        what = f"round, a profile of {len(shape.segments)} pieces turned about z"
+    else:
+        what = f"{len(shape.triangles)} triangles, {'closed' if shape.is_closed else 'open'}"
+    place = "at ({:g}, {:g}, {:g}) mm".format(*tool.position)
+    mirrors = [axis for axis, mirrored in zip("xyz", tool.mirrored_across, strict=False) if mirrored]
+    twice = f", whole tool mirrored across the symmetry planes normal to {' and '.join(mirrors)}" if mirrors else ""
+    return f"{what}, {place}, {tool.friction.law}{_describe_friction(tool)}{twice}"
 
 
 def _describe_tool(tool: model.Tool) -> str:

@@ -6,6 +6,8 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+import numpy as np
+
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.marked_points import build_points
@@ -17,6 +19,7 @@ from presswork.case.solid.law_checks import check_integrator
 from presswork.case.solid.references import check_set_names
 from presswork.case.solid.workpiece import MeshFile
 from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage
+from presswork.case.space.tool_builder import build_tool
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_box, explain_shortage
 from presswork.mesh import MeshError, grade_line
@@ -41,20 +44,25 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     )
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
-    _stop_at(problems, case)
+    mirrors, wrong = _find_symmetry_planes(case, mesh)
+    folder = case.source.parent if case.source is not None else Path()
+    built = [build_tool(name, tool, mesh, mirrors, folder) for name, tool in case.tools.items()]
+    _stop_at([*problems, *wrong, *(tool for tool in built if isinstance(tool, Problem))], case)
     return model.Model(
         title=case.title,
         analysis="solid",
         depth=1.0,
         mesh=mesh,
         materials=materials,
-        tools=(),
+        tools=tuple(tool for tool in built if isinstance(tool, model.Tool)),
         supports=tuple(
             model.Support(entry.set, tuple(axis in entry.fix for axis in AXES), name)
             for name, entry in case.boundary.items()
         ),
         stages=tuple(_build_stage(stage, mesh) for stage in case.stages),
-        solver=build_solver(case.solver, with_coulomb=False),
+        solver=build_solver(
+            case.solver, with_coulomb=any(tool.contact != "frictionless" for tool in case.tools.values())
+        ),
         output=build_output(case.output),
         limits=case.limits.build(),
         points=points,
@@ -93,10 +101,18 @@ def _check_names(case: SpaceCase) -> list[Problem]:
             fault = "two stages have this name"
             problems.append(Problem(f"stages.{index}.name", fault, "give each its own", stage.name))
         is_loaded = bool(stage.force or stage.face_force or stage.pressure)
-        if not (is_loaded or loaded or any(entry.value != 0.0 for entry in stage.displacement)):
-            remedy = "add [[stages.displacement]], [[stages.face_force]], [[stages.pressure]] or [[stages.force]]"
+        moves = any(any(motion.build().move) for motion in stage.tools.values())
+        if not (is_loaded or loaded or moves or any(entry.value != 0.0 for entry in stage.displacement)):
+            remedy = (
+                "add [stages.tools.NAME], [[stages.displacement]], [[stages.face_force]], [[stages.pressure]] or "
+                "[[stages.force]]"
+            )
             problems.append(Problem(f"stages.{index}", f'the stage "{stage.name}" changes nothing', remedy))
         loaded = is_loaded
+        for tool in stage.tools:
+            if tool not in case.tools:
+                remedy = suggest(tool, case.tools, "tools")
+                problems.append(Problem(f"stages.{index}.tools.{tool}", "no such tool", remedy))
     return problems
 
 
@@ -178,11 +194,34 @@ def mesh_space_body(
     return found
 
 
+def _find_symmetry_planes(case: SpaceCase, mesh: model.Mesh) -> tuple[tuple[model.FloatArray, ...], list[Problem]]:
+    """Return the positions [mm] of the symmetry planes normal to x, y and z, and problems."""
+    planes: tuple[list[float], ...] = ([], [], [])
+    problems = []
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    tolerance = 1e-6 * float(np.linalg.norm(high - low))
+    for name, entry in case.boundary.items():
+        axis = AXES.index(entry.fix[0])
+        nodes = mesh.node_sets[entry.set]
+        at = mesh.points[nodes, axis]
+        outermost = min(at.min() - low[axis], high[axis] - at.max()) < tolerance
+        is_whole_side = int((np.abs(mesh.points[:, axis] - at[0]) < tolerance).sum()) == len(nodes)
+        if len(set(entry.fix)) == 1 and np.ptp(at) < tolerance and outermost and is_whole_side:
+            if entry.symmetry is not False:
+                planes[axis].append(float(at.mean()))
+        elif entry.symmetry:
+            fault = f"the set `{entry.set}` with fix = {sorted(set(entry.fix))} is no symmetry plane of the workpiece"
+            remedy = "fix one component, on the whole of an outermost flat side normal to it, or leave symmetry out"
+            problems.append(Problem(f"boundary.{name}.symmetry", fault, remedy, True))
+    return tuple(np.unique(of_axis) for of_axis in planes), problems
+
+
 def _build_stage(stage: SpaceStage, mesh: model.Mesh) -> model.Stage:
     """Turn a case's stage into the Model's."""
     return model.Stage(
         name=stage.name,
         duration=stage.duration,
+        tool_motion={name: motion.build() for name, motion in stage.tools.items()},
         prescribed=tuple(
             model.PrescribedDisplacement(entry.set, AXES.index(entry.component), entry.value)  # type: ignore[arg-type]
             for entry in stage.displacement

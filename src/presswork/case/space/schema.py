@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The case of a solid in x, y, z with supports and loads. Units as in case/units.py."""
+"""The case of a solid in x, y, z with supports, loads and rigid tools. Units as in case/units.py."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -16,6 +16,7 @@ from presswork.case.part import Part
 from presswork.case.settings import Output, Solver
 from presswork.case.solid.schema import MaterialTable
 from presswork.case.solid.workpiece import Count, MeshFile
+from presswork.case.space.tools import SpaceTool, SpaceToolMotion
 from presswork.case.units import Force3, Length, Number, Point3, Stress, StressVector3, Time, fault
 
 Axis = Literal["x", "y", "z"]
@@ -65,6 +66,11 @@ class SpaceBoundary(Part):
 
     set: str = Field(description="name of a node set")
     fix: tuple[Axis, ...] = Field(min_length=1, description="components held at zero, out of x, y and z")
+    symmetry: bool | None = Field(
+        default=None,
+        description="whether this is a symmetry plane; without it: when it fixes one component only, on a flat side of "
+        "the workpiece normal to that component",
+    )
 
 
 class SpaceDisplacement(Part):
@@ -112,6 +118,9 @@ class SpaceStage(Part):
 
     name: Name = Field(description="name of the stage")
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
+    tools: dict[str, SpaceToolMotion] = Field(
+        default={}, description="motion of each moving tool; the others stand still"
+    )
     displacement: tuple[SpaceDisplacement, ...] = Field(default=(), description="prescribed displacements")
     force: tuple[SpaceForce, ...] = Field(default=(), description="forces")
     face_force: tuple[FaceForce, ...] = Field(default=(), description="forces on faces, spread by area")
@@ -125,16 +134,10 @@ class SpaceCase(CaseFile):
     analysis: Literal["solid"] = Field(description="solid")
     workpiece: SpaceWorkpiece = Field(description="the body that is formed")
     materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
+    tools: dict[Name, SpaceTool] = Field(default={}, description="rigid tools by name")
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
     stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _refuse_tools(cls, data: Any) -> Any:
-        if isinstance(data, dict) and "tools" in data:
-            raise fault("tools cannot touch a solid in space yet", "move its faces, or load them", key="tools")
-        return data

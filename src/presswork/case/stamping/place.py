@@ -15,7 +15,7 @@ from presswork.case.stamping.tools import Tool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.tool_file import read_tool
-from presswork.model import FloatArray, Friction, Mesh, Surface, SweptProfile, ToolKind
+from presswork.model import FloatArray, Friction, Mesh, Surface, SweptProfile, ToolKind, Triangulation
 from presswork.model import Tool as ToolModel
 
 logger = logging.getLogger(__name__)
@@ -92,5 +92,6 @@ def _face(tool: Tool, shape: Surface) -> float:
     """Return how high the working face lies over the tool's origin."""
     if isinstance(shape, SweptProfile):
         return 0.0
+    assert isinstance(shape, Triangulation)
     z: FloatArray = shape.points[:, 2]
     return float(z.max() if tool.kind == "die" else z.min())

@@ -55,7 +55,7 @@ def build_tool(
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     drawn, backwards = outline.segments, tool.free_side == "right"
     if tool.free_side == "auto":
-        balance = _weigh_sides(nodes, segments)
+        balance = weigh_sides(nodes, segments)
         if abs(balance) < 1e-9 * size:
             return Problem(
                 f"tools.{name}.free_side",
@@ -186,7 +186,7 @@ def _check_crossing(name: str, tool: CaseTool, outline: Outline) -> Problem | No
     )
 
 
-def _weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:
+def weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:
     """Return the mean signed distance [mm] of the workpiece: positive when it lies left of the profile.
 
     Nodes nearest to an end of the profile count only when there are no others.

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.interaction.placing import Border, LostWorkpieceError, Placed
-from presswork.interaction.sheet_contact import SheetForces
-from presswork.interaction.tool_arrays import SheetToolArrays
+from presswork.interaction.space_contact import SpaceForces
+from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import BoolArray, FloatArray, Model, Push
 from presswork.state import State
 
@@ -38,25 +38,25 @@ class Pushed(Placed):
     """Whether its stop holds it (n,)."""
 
 
-class PushedSheetTools:
+class PushedSpaceTools:
     """The pushed tools of one run; where they are lies in the State."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self.is_needed = bool(model.sheet_tools) and any(m.push for s in model.stages for m in s.tool_motion.values())
+        self.is_needed = bool(model.space_tools) and any(m.push for s in model.stages for m in s.tool_motion.values())
 
     def numbers(self, stage: int) -> list[int]:
         """Return the numbers of the tools that a stage pushes."""
-        return [t for t, tool in enumerate(self._model.sheet_tools) if tool.name in self._pushes(stage)]
+        return [t for t, tool in enumerate(self._model.space_tools) if tool.name in self._pushes(stage)]
 
     def _pushes(self, stage: int) -> Mapping[str, Push]:
         motions = self._model.stages[stage].tool_motion
         return {name: motion.push for name, motion in motions.items() if motion.push is not None}
 
-    def evaluate(self, trial: State, sheet: SheetForces, stage: int, fraction: float) -> Pushed:
+    def evaluate(self, trial: State, sheet: SpaceForces, stage: int, fraction: float) -> Pushed:
         """Return what the tools lack at a fraction of a stage."""
         tools = self.numbers(stage)
-        pushes = [self._pushes(stage)[self._model.sheet_tools[t].name] for t in tools]
+        pushes = [self._pushes(stage)[self._model.space_tools[t].name] for t in tools]
         directions = np.array([p.direction for p in pushes]).reshape(-1, 3)
         demand = np.array([np.interp(fraction, *p.force.T) for p in pushes])
         missing = demand - np.einsum("ni,ni->n", directions, sheet.by_tool[tools].sum(axis=1))
@@ -67,13 +67,13 @@ class PushedSheetTools:
     def _room(self, trial: State, tool: int, push: Push) -> float:
         if not push.stop:
             return math.inf
-        placed = trial[SheetToolArrays]
-        other = [t.name for t in self._model.sheet_tools].index(push.stop)
+        placed = trial[SpaceToolArrays]
+        other = [t.name for t in self._model.space_tools].index(push.stop)
         way = placed.displacement[tool] - placed.displacement[other]
         return push.clearance - float(way @ np.array(push.direction))
 
     def correct(
-        self, pushed: Pushed, sheet: SheetForces, correction: FloatArray, respond: Callable[[FloatArray], FloatArray]
+        self, pushed: Pushed, sheet: SpaceForces, correction: FloatArray, respond: Callable[[FloatArray], FloatArray]
     ) -> tuple[FloatArray, FloatArray]:
         """Return the correction with the tools' travel in it, and that travel (n,) [mm].
 
@@ -89,7 +89,7 @@ class PushedSheetTools:
             column[nodes, :3] = k @ w
             falls = not column.any()
             if falls and math.isinf(pushed.room[i]):
-                name = self._model.sheet_tools[t].name
+                name = self._model.space_tools[t].name
                 raise LostWorkpieceError(f"the tool {name!r} is pushed by a force, but touches nothing that holds it")
             if falls or pushed.stands[i]:
                 own_slope[i], missing[i] = 1.0, pushed.room[i]

@@ -1,52 +1,55 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rigid tools of a sheet in space, with drawbeads, and the places of those that forces push."""
+"""The rigid tools of a model in space, a sheet's drawbeads, and the places of those that forces push."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
+from presswork.body.shells import ShellMechanics
+from presswork.body.solids import Mechanics
 from presswork.interaction.contract import Factors, Guess, Interaction, Point, turn, turn_back
 from presswork.interaction.placing import move_tools
-from presswork.interaction.pushed_sheet_tools import Pushed, PushedSheetTools
-from presswork.interaction.sheet_contact import SheetContact, SheetForces
-from presswork.interaction.tool_arrays import SheetToolArrays
+from presswork.interaction.pushed_space_tools import Pushed, PushedSpaceTools
+from presswork.interaction.sheet_contact import SheetContact
+from presswork.interaction.solid_contact import SolidContact
+from presswork.interaction.space_contact import SpaceForces
+from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import FloatArray, Model
 from presswork.outcome import Step
 from presswork.state import Arrays, State
 
 
-class SheetTools(Interaction):
-    """Contact of a shell's nodes with tools in space."""
+class SpaceTools(Interaction):
+    """Contact of nodes with tools in space."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, cells: Mechanics | ShellMechanics) -> None:
         self._model = model
-        self.contact = SheetContact(model)
-        self.pushed = PushedSheetTools(model)
+        self.contact = SolidContact(model, cells) if isinstance(cells, Mechanics) else SheetContact(model)
+        self.pushed = PushedSpaceTools(model)
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of tools and beads that have not moved and touch nothing."""
-        tools = SheetToolArrays.at_rest(len(self._model.sheet_tools), len(self._model.mesh.points))
-        return tools, self.contact.beads.at_rest()
+        return self.contact.at_rest()
 
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
         """Move the tools by their strokes; those that forces push go on as before."""
-        placed = trial[SheetToolArrays]
+        placed = trial[SpaceToolArrays]
         pushed = self.pushed.numbers(step.stage)
-        placed.travel[pushed] += ratio * state_n[SheetToolArrays].travel_increment[pushed]
+        placed.travel[pushed] += ratio * state_n[SpaceToolArrays].travel_increment[pushed]
         placed.displacement = self.contact.move(step.stage, step.fraction) + placed.travel
 
     def begin_increment(self, state_n: State, step: Step) -> None:
-        """Take the thickness at the nodes as it is when the increment begins."""
+        """Take what belongs to the nodes as it is when the increment begins."""
         self.contact.begin_increment(state_n)
 
     def give_up_guess(self, state_n: State, trial: State) -> None:
         """Put the pushed tools back to where the increment began."""
-        placed, placed_n = trial[SheetToolArrays], state_n[SheetToolArrays]
+        placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
         placed.displacement -= placed.travel - placed_n.travel
         placed.travel = placed_n.travel.copy()
 
-    def evaluate(self, state_n: State, trial: State, guess: Guess) -> SheetForces:
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> SpaceForces:
         """Return the forces of tools and beads on the nodes."""
         step = guess.step
         return self.contact.evaluate(state_n, trial, guess.displacement, step.stage, step.fraction)
@@ -68,7 +71,11 @@ class SheetTools(Interaction):
 
     def move(self, trial: State, border: Pushed, travel: FloatArray) -> None:
         """Move the pushed tools by their travel [mm]."""
-        move_tools(trial[SheetToolArrays], border, travel)
+        move_tools(trial[SpaceToolArrays], border, travel)
+
+    def augment(self, trial: State, own: Any) -> bool:
+        """Take multipliers over in equilibrium if they are not good enough yet."""
+        return self.contact.augment(own)
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the forces of tools and beads."""
@@ -76,12 +83,12 @@ class SheetTools(Interaction):
 
     def commit(self, state_n: State, trial: State, step: Step) -> None:
         """Keep the travel of the increment."""
-        placed = trial[SheetToolArrays]
-        placed.travel_increment = placed.travel - state_n[SheetToolArrays].travel
+        placed = trial[SpaceToolArrays]
+        placed.travel_increment = placed.travel - state_n[SpaceToolArrays].travel
 
     def stop(self, state: State, stage: int, fraction: float) -> None:
         """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
-        placed = state[SheetToolArrays]
+        placed = state[SpaceToolArrays]
         placed.travel -= self.contact.move(stage, 1.0) - self.contact.move(stage, fraction)
         placed.displacement = self.contact.move(stage, 1.0) + placed.travel
 
@@ -92,4 +99,4 @@ class SheetTools(Interaction):
 
     def stored(self, state: State) -> float:
         """Return the energy of the normal forces [N mm]."""
-        return state[SheetToolArrays].energy
+        return state[SpaceToolArrays].energy

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact of the nodes of a solid in space with rigid tools: a spring with augmented Lagrange, and friction.
+
+A node's normal force is that of its multiplier and of a spring as stiff as the metal beneath it, k = E h with h the
+root of the node's share of the surface:
+
+    N = multiplier - k g
+
+The multiplier is the force that the converged increment before has left, so what an increment leaves of penetration is
+what its change of force takes, and the next one gives it back. An increment that leaves more than PENETRATION of h
+takes the multipliers over and iterates on. Several tools may touch one node, as at the edge of a die's cavity, which
+constraints of a node would have to tell apart. Simo & Laursen 1992, Computers & Structures 42.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from presswork.body.solids import Mechanics
+from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes
+from presswork.interaction.tool_arrays import SpaceToolArrays
+from presswork.mesh.faces import nodal_normals
+from presswork.model import Model
+from presswork.state import State
+
+PENETRATION = 1e-3
+"""Of the root of a node's share of the surface: more than that takes another iteration."""
+ROUNDING = 1e-4
+"""Gap, over the same length, below which a node begins to touch."""
+
+
+class SolidContact(SpaceContact):
+    """The tools in space of a solid; what persists lies in the State."""
+
+    def __init__(self, model: Model, cells: Mechanics) -> None:
+        super().__init__(model, math.inf)
+        self._cells = cells
+        self._young = max(material.young for material in model.materials)
+        self._needs_shear = any(t.friction.law in ("shear", "coulomb_capped") for t in model.space_tools)
+        n = len(model.mesh.points)
+        outer = np.unique(model.mesh.boundary_faces)
+        self._inside = np.ones(n, dtype=bool)
+        self._inside[outer] = False
+        self._length = np.ones(n)
+        self._shear = np.zeros((len(model.space_tools), n))
+        self._multiplier = np.zeros((len(model.space_tools), n))
+
+    def begin_increment(self, state_n: State) -> None:
+        """Take surface, shear flow stress and multipliers as they are when the increment begins."""
+        places = self._model.mesh.points + state_n.nodes.displacement
+        normals = nodal_normals(places, self._model.mesh.boundary_faces)
+        self._length = np.where(self._inside, 1.0, np.sqrt(np.linalg.norm(normals, axis=1)))
+        placed = state_n[SpaceToolArrays]
+        self._multiplier = np.linalg.norm(placed.force - placed.friction, axis=2)
+        if not self._needs_shear:
+            return
+        flow = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0)
+        for t, (surface, tool) in enumerate(zip(self._surfaces, self._model.space_tools, strict=True)):
+            place = np.ascontiguousarray(places - np.array(tool.position) - placed.displacement[t])
+            _, out, _, _ = surface.nearest(place, float(self._length.max()))
+            # the part of the node's surface that faces the tool: at an edge the other side has no contact
+            self._shear[t] = flow * np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
+
+    def touching(self, tool: int) -> TouchingNodes:
+        """Return what the contact with a tool must know of the nodes; those inside the body touch nothing."""
+        spring = self._young * self._length
+        reach = np.where(self._inside, -np.inf, self._multiplier[tool] / spring)
+        return TouchingNodes(spring, reach, ROUNDING * self._length, self._shear[tool])
+
+    def settle(self, trial: State, found: SpaceForces) -> None:
+        """Keep what an increment has found; what multipliers hold stores no energy."""
+        super().settle(trial, replace(found, energy=0.0))
+
+    def augment(self, own: SpaceForces) -> bool:
+        """Take the multipliers over if nodes lie too deep in a tool, or too far off one that they push."""
+        push = np.linalg.norm(own.by_tool - own.friction, axis=2)
+        if not (np.abs(push - self._multiplier) > PENETRATION * self._young * self._length**2).any():
+            return False
+        self._multiplier = push
+        return True

@@ -1,0 +1,266 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact of nodes with rigid tools in space, and friction, with the consistent tangent: what sheets and solids share.
+
+A node touches where the gap between it and the tool is less than its reach: half the thickness of a sheet; at a solid
+what its multiplier stands for. With g the gap less the reach, a spring k pushes it out, N = -k g, rounded off over a
+small gap so that the derivative has no jump.
+
+Friction is a return mapping over the increment, as in friction.py: T = P (T_n - k_t d), P the tangent plane at the
+node's present place and d its way along the tool, shortened to what the law allows. The tangent holds all derivatives:
+of N, of the direction of sliding, and of the normal by the curvature of the tool; it is not symmetric.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork import _core
+from presswork.geometry.tool_surface import make_surface
+from presswork.interaction.contract import Forces
+from presswork.interaction.coulomb import return_to_limit
+from presswork.interaction.drawbeads import BeadForces
+from presswork.interaction.tool_arrays import SpaceToolArrays
+from presswork.model import FloatArray, Friction, IndexArray, IntArray, Model, Stage, ToolMotion
+from presswork.state import Arrays, State
+
+TANGENTIAL = 0.1
+"""Of the spring that a sticking node hangs on, over the contact's."""
+STEEPEST = 1.0
+"""Of a node's friction over its normal force, where the law asks for more: a node that hardly touches is not held."""
+
+
+@dataclass(frozen=True)
+class NodesOnTool:
+    """What one tool does to the nodes that it touches."""
+
+    nodes: IndexArray
+    force: FloatArray
+    """On the node (n, 3) [N]."""
+    friction: FloatArray
+    """The part of it along the tool (n, 3) [N]."""
+    stiffness: FloatArray
+    """d(-force)/dx (n, 3, 3) [N/mm]."""
+    energy: float
+    """Stored by the normal forces [N mm]."""
+
+
+@dataclass(frozen=True)
+class TouchingNodes:
+    """What contact must know of the nodes."""
+
+    spring: FloatArray
+    """That pushes a node out of a tool (n_points,) [N/mm]."""
+    reach: FloatArray
+    """Distance from the tool below which it pushes (n_points,) [mm]."""
+    rounding: FloatArray
+    """Distance over which that begins (n_points,) [mm]."""
+    shear: FloatArray | None = None
+    """Shear flow stress times area, which laws with a friction factor ask for (n_points,) [N]."""
+
+
+def touch_tool(
+    surface: _core.ToolSurface,
+    law: Friction,
+    touching: TouchingNodes,
+    x: FloatArray,
+    way: FloatArray,
+    friction_n: FloatArray,
+) -> NodesOnTool:
+    """Return the forces of a tool on nodes.
+
+    x: their places in the tool's frame (n_points, 3) [mm]. way: of the nodes along with the increment, less that of the
+    tool (n_points, 3) [mm]. friction_n: their friction when the increment began (n_points, 3) [N].
+    """
+    rounding = touching.rounding
+    gap, normal, _, _ = surface.nearest(x, float((touching.reach + rounding).max()))
+    nodes = np.flatnonzero(gap - touching.reach < rounding)
+    g, n, delta = (gap - touching.reach)[nodes], normal[nodes], rounding[nodes]
+    rise, bend = surface.slopes(np.ascontiguousarray(x[nodes]))
+    # 1. normal force, a parabola within the rounding
+    k = touching.spring[nodes]
+    deep = g < -delta
+    push = np.where(deep, -k * g, k * (delta - g) ** 2 / (4.0 * delta))
+    slope = np.where(deep, -k, -0.5 * k * (delta - g) / delta)  # d push / d g
+    rounded = k * (delta - np.maximum(g, -delta)) ** 3 / (12.0 * delta)
+    energy = float((rounded + np.where(deep, 0.5 * k * (g**2 - delta**2), 0.0)).sum())
+    force = push[:, None] * n
+    stiffness = -_dyads(slope[:, None] * n, rise) - push[:, None, None] * bend
+    if is_frictionless(law):
+        return NodesOnTool(nodes, force, np.zeros_like(force), stiffness, energy)
+    # 2. friction: elastic trial in the tangent plane
+    hanging = TANGENTIAL * k
+    pulled = friction_n[nodes] - hanging[:, None] * way[nodes]
+    out = np.einsum("ni,ni->n", n, pulled)
+    trial = pulled - out[:, None] * n
+    plane = np.eye(3) - _dyads(n, n)
+    d_trial = (
+        -hanging[:, None, None] * plane - _dyads(n, np.einsum("nij,nj->ni", bend, pulled)) - out[:, None, None] * bend
+    )
+    # 3. shortened to what the law allows where it slides
+    limit, by_push = _limit(law, push, touching.shear[nodes] if touching.shear is not None else None)
+    returned = return_to_limit(trial, limit)
+    slides, along, friction = returned.slides, returned.along, returned.force
+    d_slide = _dyads(along, (by_push * slope)[:, None] * rise)
+    d_slide += np.where(slides, limit / returned.size, 0.0)[:, None, None] * (
+        (np.eye(3) - _dyads(along, along)) @ d_trial
+    )
+    stiffness -= np.where(slides[:, None, None], d_slide, d_trial)
+    return NodesOnTool(nodes, force + friction, friction, stiffness, energy)
+
+
+def is_frictionless(law: Friction) -> bool:
+    """Return whether a tool lets nodes slide freely."""
+    if law.law == "coulomb":
+        return float(law.mu) == 0.0
+    return law.law == "frictionless" or (law.law == "shear" and float(law.m) == 0.0)
+
+
+def _limit(law: Friction, push: FloatArray, shear: FloatArray | None) -> tuple[FloatArray, FloatArray]:
+    """Return the largest friction (n,) [N] at normal forces `push` (n,) [N], and its derivative by these."""
+    if law.law == "sticking":
+        return np.full_like(push, math.inf), np.zeros_like(push)
+    steep = float(law.mu) if law.law in ("coulomb", "coulomb_capped") else STEEPEST
+    limit, by_push = steep * push, np.full_like(push, steep)
+    if law.law == "coulomb":
+        return limit, by_push
+    assert shear is not None, "the law needs the shear flow stress"
+    most = float(law.m) * shear
+    return np.minimum(limit, most), np.where(limit < most, by_push, 0.0)
+
+
+@dataclass(frozen=True)
+class SpaceForces(Forces):
+    """Of all tools and beads on the nodes."""
+
+    by_tool: FloatArray
+    """(n_tools, n_points, 3) [N]."""
+    friction: FloatArray
+    """The part of it along the tool, in the same form."""
+    tool: IntArray
+    """Which tool each block is of (n,); -1: of a bead."""
+    energy: float
+    """Stored by the normal forces [N mm]."""
+    beads: BeadForces | None = None
+    """Of a sheet."""
+
+
+class SpaceContact:
+    """The tools in space of one run; what persists lies in the State."""
+
+    def __init__(self, model: Model, depth: float) -> None:
+        """Take the tools of a model. depth: that a node of a guess may lie in a tool and be found [mm]."""
+        self._model = model
+        self._surfaces = [make_surface(tool.surface, depth, smooth=True) for tool in model.space_tools]
+
+    def at_rest(self) -> tuple[Arrays, ...]:
+        """Return the arrays of tools that have not moved and touch nothing."""
+        return (SpaceToolArrays.at_rest(len(self._model.space_tools), len(self._model.mesh.points)),)
+
+    def move(self, stage: int, fraction: float) -> FloatArray:
+        """Return how far strokes have moved the tools at a fraction of a stage (n_tools, 3) [mm]."""
+        stages = self._model.stages
+        return sum((self._move(s) for s in stages[:stage]), fraction * self._move(stages[stage]))
+
+    def _move(self, stage: Stage) -> FloatArray:
+        moves = [stage.tool_motion.get(t.name, ToolMotion()).move for t in self._model.space_tools]
+        return np.array(moves, dtype=float).reshape(-1, 3)
+
+    def begin_increment(self, state_n: State) -> None:
+        """Take what belongs to the nodes as it is when the increment begins."""
+
+    def touching(self, tool: int) -> TouchingNodes:
+        """Return what the contact with a tool must know of the nodes."""
+        raise NotImplementedError
+
+    def touch_all(self, state_n: State, trial: State, displacement: FloatArray) -> SpaceForces:
+        """Return the forces of the tools at a guess; they stand where the trial state has them."""
+        placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
+        n, freedoms = displacement.shape
+        tools = self._model.space_tools
+        x = self._model.mesh.points + displacement[:, :3]
+        moved = displacement[:, :3] - state_n.nodes.displacement[:, :3]
+        by_tool, friction = np.zeros((len(tools), n, 3)), np.zeros((len(tools), n, 3))
+        nodes, blocks, owners, energy = [], [], [], 0.0
+        for t, tool in enumerate(tools):
+            place = x - np.array(tool.position) - placed.displacement[t]
+            way = moved - (placed.displacement[t] - placed_n.displacement[t])
+            found = touch_tool(self._surfaces[t], tool.friction, self.touching(t), place, way, placed_n.friction[t])
+            by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
+            block = np.zeros((len(found.nodes), freedoms, freedoms))
+            block[:, :3, :3] = found.stiffness
+            energy += found.energy
+            nodes.append(found.nodes)
+            blocks.append(block)
+            owners.append(np.full(len(found.nodes), t, dtype=np.int32))
+        force = np.zeros((n, freedoms))
+        force[:, :3] = by_tool.sum(axis=0)
+        pairs = [np.repeat(own[:, None], 2, axis=1).astype(np.int32) for own in nodes]
+        return SpaceForces(
+            force,
+            np.concatenate(pairs) if pairs else np.zeros((0, 2), dtype=np.int32),
+            np.concatenate(blocks) if blocks else np.zeros((0, freedoms, freedoms)),
+            by_tool,
+            friction,
+            np.concatenate(owners) if owners else np.zeros(0, dtype=np.int32),
+            energy,
+        )
+
+    def evaluate(
+        self, state_n: State, trial: State, displacement: FloatArray, stage: int = 0, fraction: float = 0.0
+    ) -> SpaceForces:
+        """Return the forces on the nodes at a guess, at a fraction of a stage."""
+        return self.touch_all(state_n, trial, displacement)
+
+    def augment(self, own: SpaceForces) -> bool:
+        """Take multipliers over in equilibrium if they are not good enough yet."""
+        return False
+
+    def settle(self, trial: State, found: SpaceForces) -> None:
+        """Keep what an increment has found."""
+        kept = trial[SpaceToolArrays]
+        kept.force, kept.friction, kept.energy = found.by_tool, found.friction, found.energy
+
+    def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
+        """Return nodes (n,) and unit vectors (n, 3) along which tools hold them; rough tools in all three."""
+        self.begin_increment(state)
+        found = self.evaluate(state, state, state.nodes.displacement)
+        nodes, directions = [np.zeros(0, dtype=np.intp)], [np.zeros((0, 3))]
+        for tool, force in zip(self._model.space_tools, found.by_tool, strict=True):
+            touched = np.flatnonzero(np.linalg.norm(force, axis=1) > 0.0)
+            if is_frictionless(tool.friction):
+                nodes.append(touched)
+                directions.append(force[touched] / np.linalg.norm(force[touched], axis=1)[:, None])
+            else:
+                nodes.append(np.repeat(touched, 3))
+                directions.append(np.tile(np.eye(3), (len(touched), 1)))
+        return np.concatenate(nodes), np.concatenate(directions)
+
+    def work(self, state_n: State, trial: State) -> tuple[float, float]:
+        """Return the work of the tools in an increment, by their own motion, and what friction takes [N mm]."""
+        placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
+        moved = placed.displacement - placed_n.displacement
+        forces = (placed_n.force + placed.force).sum(axis=1)
+        way = trial.nodes.increment[None, :, :3] - moved[:, None]
+        lost = -0.5 * float(((placed_n.friction + placed.friction) * way).sum())
+        return 0.5 * float((forces * moved).sum()), lost
+
+    def find_gaps(self, state: State, places: FloatArray) -> FloatArray:
+        """Return how far places (n, 3) [mm] lie off each tool (n_tools, n) [mm]; infinity outside of it."""
+        gaps = []
+        for surface, tool, moved in zip(
+            self._surfaces, self._model.space_tools, state[SpaceToolArrays].displacement, strict=True
+        ):
+            gaps.append(surface.nearest(np.ascontiguousarray(places - np.array(tool.position) - moved), 0.0)[0])
+        return np.array(gaps).reshape(-1, len(places))
+
+    def tool_forces(self, state: State) -> FloatArray:
+        """Return the force of the workpiece on each tool (n_tools, 3) [N], as modelled."""
+        return np.asarray(-state[SpaceToolArrays].force.sum(axis=1))
+
+
+def _dyads(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return a b^T of each row (n, 3, 3)."""
+    return np.asarray(a[:, :, None] * b[:, None, :], dtype=float)

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The surfaces of tools in space, cut into triangles for pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.geometry.swept_tool import triangulate
+from presswork.geometry.tool_surface import cut_plane
+from presswork.model import FloatArray, IntArray, Model, Plane, SweptProfile
+
+SHEET_CHORD = 0.02
+"""Of the thickness of a sheet: how far the triangles of a drawn tool lie off its surface."""
+SOLID_CHORD = 1e-3
+"""The same, of the size of a solid."""
+AROUND = 1.5
+"""Times the farthest point of a solid: how far a plane without end is drawn."""
+
+
+def cut_tools(model: Model) -> dict[str, tuple[FloatArray, IntArray]]:
+    """Return points and triangles of every tool in space where it starts, by its name."""
+    points = model.mesh.points
+    found = {}
+    for tool in model.space_tools:
+        position = np.asarray(tool.position)
+        shape = tool.surface
+        if isinstance(shape, Plane):
+            shape = cut_plane(shape, AROUND * float(np.linalg.norm(points - position, axis=1).max()))
+        if isinstance(shape, SweptProfile):
+            corners, triangles = triangulate(shape, _chord(model), length=2.5 * float(np.abs(points[:, 1]).max()))
+        else:
+            corners, triangles = shape.points, shape.triangles
+        found[tool.name] = (corners + position, triangles)
+    return found
+
+
+def _chord(model: Model) -> float:
+    """Return how far the triangles of a drawn tool may lie off its surface [mm]."""
+    if model.mesh.blocks[0].section is not None:
+        return SHEET_CHORD * model.sheet[0].thickness
+    return SOLID_CHORD * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A solid in space between rigid tools, from its case file to the pictures: forces, resume, threads, bad input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from presswork import CaseError, build_model, read_case, run_model
+from presswork.interaction.supports import NotHeldError
+from presswork.view.all_plots import plot_all
+
+TEXT = """
+title = "a block is upset"
+analysis = "solid"
+[workpiece]
+material = "steel"
+mesh = {size = [10, 10, 7.5], cells = [3, 3, 3]}
+[materials.steel]
+young = 200e3
+poisson = 0.3
+hardening = {law = "swift", K = 565, e0 = 0.007, n = 0.26}
+[tools.die]
+shape = "plane"
+normal = [0, 0, -1]
+position = [0, 0, 7.5]
+contact = "shear"
+m = 0.3
+[tools.anvil]
+shape = "plane"
+normal = [0, 0, 1]
+contact = "frictionless"
+[boundary.x]
+set = "left"
+fix = ["x"]
+[boundary.y]
+set = "bottom"
+fix = ["y"]
+[[stages]]
+name = "press"
+tools.die = {stroke = 3, direction = [0, 0, -1]}
+[output]
+steps = 2
+checkpoint_every = 3
+"""
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("case") / "block.toml"
+    path.write_text(TEXT)
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(case, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs") / "whole"
+    outcome = run_model(build_model(read_case(case)), folder, threads=1)
+    assert outcome.status == "completed", outcome.reason
+    return outcome
+
+
+def test_a_run_leaves_forces_of_the_whole_tool_and_pictures(whole, tmp_path) -> None:
+    result = whole.result
+    force = result.history["die.force"]
+    assert result.history["die.stroke"][-1] == pytest.approx(3.0)
+    np.testing.assert_allclose(result.history["anvil.force"], force, rtol=1e-6)
+    area = 4 * 100 / 0.6  # by volume, if it stayed a block; friction with m = 0.3 adds to the flow stress
+    flow = 565 * (0.007 + np.log(1 / 0.6)) ** 0.26
+    assert 1.0 < force[-1] / (area * flow) < 1.3
+    assert abs(result.summary["energy"]["error_percent"]) < 0.5
+    assert result.summary["contact"]["largest_node_penetration_mm"] < 0.004  # a thousandth of a cell
+    assert abs(result.summary["volume"]["change_percent"]) < 0.2
+    points = result.points()
+    assert points[:, 2].max() == pytest.approx(4.5, abs=0.003)
+    assert set(result.surfaces) == {"die", "anvil"}
+    pictures = {path.name for path in plot_all(result, tmp_path / "plots")}
+    assert {"solid_equivalent_plastic_strain_002.png", "force_stroke.png"} <= pictures
+    assert "draw_in.png" not in pictures
+
+
+def test_a_resumed_run_gives_the_same_bits_on_any_number_of_threads(case, whole, tmp_path) -> None:
+    model = build_model(read_case(case))
+
+    def interrupt(progress) -> None:
+        if progress.fraction > 0.5:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "cut", threads=1, on_increment=interrupt).status == "interrupted"
+    assert run_model(model, tmp_path / "cut", threads=2, resume=True).status == "completed"
+    assert (tmp_path / "cut/history.csv").read_bytes() == (whole.folder / "history.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (["tools.die.position=[0,0,7]"], "the tool starts inside the workpiece"),
+        (["tools.die.normal=[0,0,0]"], "expected a direction that is not zero"),
+        (["stages.0.tools.die.direction="], "missing key"),
+        (["stages.0.tools.die.move=[0,0,-1]"], "stands beside move"),
+        (["tools.die.m="], "missing key"),
+        (["tools.die.mu=0.1"], "has no meaning with contact"),
+        (["tools.die.path=die.stl", 'tools.die.shape="file"', "tools.die.normal="], "die.stl"),
+        (['boundary.x.fix=["x","y"]', "boundary.x.symmetry=true"], "no symmetry plane"),
+        (["stages.0.tools.dye.move=[0,0,-1]"], "no such tool"),
+    ],
+)
+def test_bad_input_is_told(case, change, said) -> None:
+    with pytest.raises(CaseError, match=said):
+        build_model(read_case(case, change))
+
+
+def test_a_block_that_nothing_holds_is_refused(case, tmp_path) -> None:
+    smooth = ["boundary.x=", "tools.die.contact=frictionless", "tools.die.m="]
+    with pytest.raises(NotHeldError, match="nothing holds the workpiece"):
+        run_model(build_model(read_case(case, smooth)), tmp_path / "out")
