@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
 from presswork.view.history_marks import mark_history
+from presswork.view.operation_plot import find_idle
 from presswork.view.style import (
     begin_at_zero,
     break_at_parts,
@@ -52,8 +53,10 @@ def plot_history(
             parts = [name] if len(runs) > 1 else []
             parts += [ordinate.partition(".")[0]] if len(curves) > 1 else []
             shown = break_at_parts(history, _values(history, ordinate))
+            way = np.array(_values(history, abscissa))
             shown[1:][np.diff(count_operations(run)) > 0] = np.nan  # no line where tools are placed
-            ax.plot(_values(history, abscissa), shown, label=", ".join(parts), linewidth=1.8)
+            way[find_idle(run, ordinate.partition(".")[0])] = np.nan
+            ax.plot(way, shown, label=", ".join(parts), linewidth=1.8)
         drawn += curves
     ax.set_xlabel(_label(sorted({abscissa for abscissa, _ in drawn})))
     ax.set_ylabel(_label(sorted({ordinate for _, ordinate in drawn})))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.model import IntArray
+from presswork.model import BoolArray, IntArray
 from presswork.results import Result
 from presswork.view.style import begin_at_zero, clean_axes, count_operations, new_figure, require_matplotlib
 
@@ -52,6 +52,16 @@ def list_operations(result: Result) -> list[Operation]:
         rows = own[: np.flatnonzero(loaded)[-1] + 1]
         found.append(Operation(str(stages[own[loaded][0]]), rows.astype(np.int32), tools))
     return found if len(found) > 1 else []
+
+
+def find_idle(result: Result, tool: str) -> BoolArray:
+    """Mark rows of the history (n_rows,) of no operation of a tool, such as those in which it is lifted off."""
+    operations = list_operations(result)
+    idle = np.full(len(result.history["time"]), bool(operations))
+    for operation in operations:
+        if tool in operation.tools:
+            idle[operation.rows] = False
+    return idle if not idle.all() else ~idle
 
 
 def plot_operation(result: Result, operation: Operation, ax: Axes | None = None) -> Axes:
