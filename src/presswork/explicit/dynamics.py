@@ -169,6 +169,11 @@ class Dynamics:
         """Give the bound of each element's highest frequency squared (n) [1/s2] as it is now."""
         return self._by_element(self._loop.bound_frequencies())
 
+    @property
+    def first_step(self) -> float:
+        """Stable time step of the elements as they were at first [s]."""
+        return self._first_dt / SAFETY
+
     def stable_step(self) -> float:
         """Give the bound of the stable time step [s] of the elements as they are now."""
         return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))

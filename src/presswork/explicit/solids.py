@@ -149,10 +149,11 @@ class ExplicitSolids(Dynamics):
         v[self.nodes_of(nodes)] = velocity
         self.velocity = v
 
-    def add_wall(self, name: str, segments: npt.ArrayLike, *, mu: float = 0.0) -> Wall:
+    def add_wall(self, name: str, segments: npt.ArrayLike, *, mu: float = 0.0, is_at_start: bool = True) -> Wall:
         """Add a rigid profile, segments (n, 7) as in model.Tool, its metal on the right; mu: Coulomb friction.
 
-        Every node of the boundary is held off it.
+        Every node of the boundary is held off it. is_at_start: whether it is where the segments are, and no node may
+        lie in it; else restore moves it.
         """
         profile = np.atleast_2d(np.ascontiguousarray(segments, dtype=float))
         if profile.shape[1] != 7 or not np.isfinite(profile).all():
@@ -163,7 +164,7 @@ class ExplicitSolids(Dynamics):
         rim = np.unique(self.mesh.boundary_edges)
         size = float(np.ptp(self.mesh.points, axis=0).max())
         deepest = rim[np.argmin(gap[rim])]
-        if gap[deepest] < -1e-6 * size:
+        if is_at_start and gap[deepest] < -1e-6 * size:
             raise ExplicitError(
                 f"wall {name}: node {deepest} lies {-gap[deepest]:g} mm inside it at the start: move the wall off, or "
                 "turn its direction round (metal is on the right)"

@@ -7,6 +7,7 @@ It knows nothing of files: recorder.py records what it yields.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -76,16 +77,17 @@ class ExplicitImpact(RowRecording):
         self._begin_stage()
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
-        model = self.model
+        model, density = self.model, float(epoch.get("density", 1.0))
         self.solids = ExplicitSolids(
             model.mesh,
-            self._materials,
+            [replace(material, density=density * material.density) for material in self._materials],
             axisymmetric=model.analysis == "axisymmetric",
             depth=model.depth,
             hourglass_fraction=self.settings.hourglass_stiffness,
         )
         self.walls = [
-            self.solids.add_wall(t.name, start_profile(t), mu=float(np.max(t.friction.mu))) for t in model.tools
+            self.solids.add_wall(t.name, start_profile(t), mu=float(np.max(t.friction.mu)), is_at_start=not epoch)
+            for t in model.tools
         ]
         self._reaction = np.zeros((len(model.mesh.points), 2))
 
@@ -190,7 +192,7 @@ class ExplicitImpact(RowRecording):
         row |= self.heat.row() if self.heat else {}
         row |= self._ram_row(report)
         row |= peak_row(self.solids.damage)
-        displacement = self.solids.position - self.model.mesh.points
+        displacement = self.moved(self.solids.position - self.model.mesh.points)
         row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
         row |= self.fill.measure(*self._find_dies())
         row |= self.marked.measure(self.show()) if self.model.points else {}
@@ -281,6 +283,7 @@ class ExplicitImpact(RowRecording):
         """Return the fields of the present state."""
         solids, model = self.solids, self.model
         points, cells = compute_fields(self.show())
+        points = {**points, "displacement": self.moved(points["displacement"])}
         return Snapshot(
             time=solids.time,
             point_data=points,

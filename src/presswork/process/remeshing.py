@@ -107,9 +107,7 @@ class RemeshedForming(ImplicitRecording):
         found: dict[int, str] = {}
         increment = self.procedure.state.nodes.increment
         for number, old in enumerate(self._sections()):
-            reason = self._reason_of(
-                old, increment[old.points.start : old.points.stop], self._settings_of(number), wait
-            )
+            reason = find_reason(old, increment[old.points.start : old.points.stop], self._settings_of(number), wait)
             if reason is not None:
                 found[number] = reason
         return ("; ".join(dict.fromkeys(found.values())), set(found)) if found else None
@@ -122,21 +120,6 @@ class RemeshedForming(ImplicitRecording):
                 if cut is not None:
                     return cut, {number}
         return None
-
-    @staticmethod
-    def _reason_of(old: OldSection, increment: FloatArray, settings: Remeshing, wait: float) -> str | None:
-        """Return why a body's mesh should not go on; wait: factor on the triggers."""
-        flat = find_flat_cell(old.position, increment, old.corners(), settings.quality / wait)
-        if flat is not None:
-            return flat
-        lines = [old.position[chain] for chain in old.chains()]
-        for line in lines:
-            cut = find_cut_edge(line, old.profiles, deepest=wait * TOO_DEEP)
-            if cut is not None:
-                return cut
-        size = measure_sizes(old, settings)
-        longest = wait * TOO_LONG
-        return next((long for line in lines if (long := find_long_edge(line, size, longest=longest)) is not None), None)
 
     @property
     def _n_bodies(self) -> int:
@@ -270,7 +253,7 @@ class RemeshedForming(ImplicitRecording):
         if isinstance(outcome, Failed):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
         origin = carrier.material(self.mesh.points)
-        _keep_held(origin, after.model)
+        keep_held(origin, after.model)
         return _NewEpoch(after, origin, _measure_jump(before.state, after.state), len(outcome.log))
 
     def _stay(self, reason: str, fault: str) -> bool:
@@ -324,7 +307,22 @@ def _join(old: Sequence[OldSection], new: Sequence[NewSection | None]) -> tuple[
     return join_parts(meshes), parts
 
 
-def _keep_held(origin: FloatArray, model: Model) -> None:
+def find_reason(old: OldSection, increment: FloatArray, settings: Remeshing, wait: float) -> str | None:
+    """Return why a body's mesh should not go on; wait: factor on the triggers."""
+    flat = find_flat_cell(old.position, increment, old.corners(), settings.quality / wait)
+    if flat is not None:
+        return flat
+    lines = [old.position[chain] for chain in old.chains()]
+    for line in lines:
+        cut = find_cut_edge(line, old.profiles, deepest=wait * TOO_DEEP)
+        if cut is not None:
+            return cut
+    size = measure_sizes(old, settings)
+    longest = wait * TOO_LONG
+    return next((long for line in lines if (long := find_long_edge(line, size, longest=longest)) is not None), None)
+
+
+def keep_held(origin: FloatArray, model: Model) -> None:
     """Give material that supports have held ever since the run began its first coordinate back, in place.
 
     model: on the new mesh; origin: first places of the material at its nodes (n_points, 2) [mm].

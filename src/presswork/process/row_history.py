@@ -7,7 +7,7 @@ size. Damage grows in every cycle, inside the loop.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,6 +99,10 @@ class RowHistory:
         """Give the cells of each block the values of those that they come from (n_cells,)."""
         for of in self.values.values():
             of[:] = [values[parent] if len(values) else values for values, parent in zip(of, parents, strict=True)]
+
+    def carry(self, values: Mapping[str, Sequence[FloatArray]], carry: Callable[[FloatArray], FloatArray]) -> None:
+        """Take values of the cells of another mesh, by quantity and block; carry finds them in those of this one."""
+        self.values = {name: [carry(each) if len(each) else each for each in of] for name, of in values.items()}
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return what the next row depends on."""

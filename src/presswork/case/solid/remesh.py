@@ -138,8 +138,11 @@ def check_remesh(case: Case) -> list[Problem]:
 
 def _find_obstacles(case: Case) -> dict[str, bool]:
     """Return which keys of a case do not go together with new meshes."""
+    is_explicit = case.procedure == "explicit"
     return {
-        "procedure": case.procedure == "explicit",
+        "remesh.error": is_explicit and case.remesh is not None and case.remesh.error > 0.0,
+        "heat": is_explicit and case.heat is not None,
+        "workpiece.element": is_explicit and case.workpiece.element == "tri3",
         "solver.inertia": case.solver.inertia > 0.0,
         "solver.control": case.solver.control == "arc_length",
         "solver.displacements": case.solver.displacements == "small",
@@ -175,7 +178,8 @@ def build_remeshing(
     is_one = len(mesh.blocks) == 1 and mesh.blocks[0].element.startswith("quad4") and len(bodies) < 2
     loads = ("displacement", "force", "edge_force", "pressure")
     is_loaded = any(getattr(stage, key) for stage in case.stages for key in loads)
-    if not tools or not is_one or is_loaded or case.series is not None or any(_find_obstacles(case).values()):
+    is_other = case.procedure == "explicit" or case.series is not None or any(_find_obstacles(case).values())
+    if not tools or not is_one or is_loaded or is_other:
         return None
     budget = max(Remesh().max_cells, 2 * len(mesh.blocks[0].connectivity))
     return replace(Remesh(max_cells=budget).build_all(mesh, bodies, tools), keeps_first=True)

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Explicit solids whose mesh changes in the run: where cells become flat, their time step collapses, or a row fails.
+
+A new mesh begins where the old one is. Velocities are carried by moving least squares and shifted evenly, so that the
+momentum stays; stress and history from point to point; the work of stress and of hourglass control in proportion to the
+cells, so that their sums stay. The density is scaled so that the mass stays. Internal forces begin at zero for one
+cycle: inside a body near equilibrium they balance each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork import _core
+from presswork.explicit.energy import EnergyBalance
+from presswork.explicit.input_checks import ExplicitError
+from presswork.explicit.solids import ExplicitSolids
+from presswork.fields.instant import Instant
+from presswork.geometry.pose import ToolPose, place_segments, start_profile
+from presswork.mesh.checks import MeshError
+from presswork.model import BoolArray, FloatArray, Model, Remeshing
+from presswork.process.epochs import NamedArrays
+from presswork.process.impact import ExplicitImpact
+from presswork.process.recording import Row
+from presswork.process.remeshing import MOST_GIVEN_BACK, find_reason, keep_held
+from presswork.process.rows import RowReport
+from presswork.remesh.carrier import Carrier, Part
+from presswork.remesh.section import OldSection, remesh_section
+
+COLLAPSED = 0.3
+"""Stable step over that with which the mesh began, below which it is made anew."""
+OF_THE_RUN, OF_A_WALL = ("loop.work", "run.clock", "run.energy", "run.scales"), ("offset", "impulse")
+BEGIN_ANEW, KEPT = ("mass_factor", "hourglass"), "block_0.kept"
+"""Names in a dump of explicit solids: what goes along, and what begins anew in cells."""
+NEAR = 0.02
+"""Gap of a node that counts as on a tool, over the smallest size of cells."""
+
+
+class RemeshedImpact(ExplicitImpact):
+    """A solid in explicit dynamics, meshed anew where its mesh would fail."""
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        assert model.remeshing is not None
+        assert len(model.mesh.blocks) == 1
+        self._remeshing: Remeshing = model.remeshing
+        self._density = 1.0
+        self._notes: list[str] = []
+        super().__init__(model, threads=threads)
+        self._increment = np.zeros_like(model.mesh.points)
+        self._first_volume = self._measure_volume()
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return [*super().columns, "cells", "remeshes"]
+
+    def row(self, report: RowReport) -> Row:
+        """Return the row of the history."""
+        return super().row(report) | {"cells": len(self.solids.stress), "remeshes": self.epoch}
+
+    def log_lines(self, report: RowReport) -> list[str]:
+        """Say where the row ended, and which meshes there were in it."""
+        notes, self._notes = self._notes, []
+        return [*notes, *super().log_lines(report)]
+
+    def show(self) -> Instant:
+        """Return what the fields of the present state are computed from."""
+        now = super().show()
+        now.initial_position = self.mesh.points
+        return now
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what the summary tells, and how many meshes there were."""
+        return super().summary(history) | {"remeshes": self.epoch}
+
+    def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
+        if (reason := self._find_reason(row)) is not None:
+            self._remesh(reason)
+        before, start = self.to_arrays(), self.solids.position
+        try:
+            found = super()._compute_row(number, row)
+        except ExplicitError as error:
+            self.load_arrays(before)
+            if not self._remesh(str(error).partition(":")[0]):
+                raise
+            start = self.solids.position
+            found = super()._compute_row(number, row)
+        self._increment = self.solids.position - start
+        return found
+
+    # --- new meshes --------------------------------------------------------------------------------------------------
+
+    def _find_reason(self, row: int) -> str | None:
+        """Return why the present mesh should not go on before a row of the stage."""
+        rows = self._remeshing.every * self.model.output.rows
+        if rows > 0.0 and row > 0 and int(row / rows + 1e-9) > int((row - 1) / rows + 1e-9):
+            return "due"
+        if self.solids.stable_step() < COLLAPSED * self.solids.first_step:
+            return f"the stable step is below {COLLAPSED:g} of that of the mesh at first"
+        return find_reason(self._find_section(), self._increment, self._remeshing, wait=1.0)
+
+    def _find_section(self) -> OldSection:
+        """Return the body where it is now."""
+        mesh, position = self.model.mesh, self.solids.position
+        profiles = [
+            place_segments(start_profile(tool), ToolPose(np.zeros(2), wall.displacement, 0.0))
+            for tool, wall in zip(self.model.tools, self.walls, strict=True)
+        ]
+        gaps = [_core.touch_profile(profile, np.ascontiguousarray(position))[0] for profile in profiles]
+        near = NEAR * self._remeshing.smallest_size
+        on_tool = np.abs(np.array(gaps).reshape(len(profiles), len(position))) < near
+        on_tool &= np.isin(np.arange(len(position)), mesh.boundary_edges)
+        ring = self.model.analysis == "axisymmetric"
+        lost = float(np.clip(self._first_volume / self._measure_volume() - 1.0, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
+        return OldSection(
+            mesh, position, on_tool, self._find_held(), profiles, ring, range(len(position)), lost
+        )  # fmt: skip
+
+    def _find_held(self) -> BoolArray:
+        """Mark the components that supports hold (n_points, 2)."""
+        held = np.zeros((len(self.model.mesh.points), 2), dtype=bool)
+        for support in self.model.supports:
+            held[self.model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix[:2])
+        return held
+
+    def _remesh(self, reason: str) -> bool:
+        """Go on with a new mesh, or with the old one where none can be made; return whether there is one."""
+        old = self._find_section()
+        try:
+            new = remesh_section(old, self._remeshing)
+        except MeshError as error:
+            self._notes.append(f"not remeshed ({reason}): {error}")
+            return False
+        first = range(len(new.mesh.points))
+        carrier = Carrier(old.mesh, old.position, new.mesh, [Part(old.points, first, 0, new.surface(0, 0))])
+        before, dump, volumes = self.solids, self.solids.dump(), self._find_volumes()
+        evolved = self.points.values
+        origin, places = carrier.material(self.mesh.points), self.marked.places(old.position)
+        self._begin_epoch(new.mesh, origin)
+        keep_held(origin, self.model)
+        self._increment = np.zeros_like(new.mesh.points)
+        self._make_run(self._epoch_arrays())
+        self._density *= before.added_mass().mass / self.solids.added_mass().mass
+        self._make_run(self._epoch_arrays())
+        self._begin_stage()
+        self.solids.restore(self._carry(dump, carrier, volumes, before.mass @ before.velocity))
+        self.points.carry(evolved, lambda values: _carry_cells(carrier, values, self.solids.stress))
+        self.marked.find(new.mesh, new.mesh.points, places)
+        gained = _kinetic_energy(self.solids) / max(_kinetic_energy(before), 1e-300) - 1.0
+        self._notes.append(
+            f"remesh {self.epoch} ({reason}): {len(self.solids.stress)} cells, stable step "
+            f"{self.solids.stable_step():.3g} s, kinetic energy {gained:+.2%}, volume "
+            f"{self._measure_volume() / self._first_volume - 1.0:+.2e} of the first"
+        )
+        return True
+
+    def _carry(
+        self, dump: Mapping[str, FloatArray], carrier: Carrier, volumes: FloatArray, momentum: FloatArray
+    ) -> dict[str, FloatArray]:
+        """Return the state of the present mesh out of that of the old one.
+
+        volumes: of the old cells (n_cells,) [mm3]; momentum: of the old nodes (2,) [t mm/s].
+        """
+        found = self.solids.dump()
+        for name, given in dump.items():
+            owner, _, what = name.partition(".")
+            if name in OF_THE_RUN or (owner.startswith("wall_") and what in OF_A_WALL):
+                found[name] = given
+            elif owner.startswith("block_") and what == "work":
+                density = _carry_cells(carrier, given / volumes[:, None], self.solids.stress)
+                work = density * self._find_volumes()[:, None]
+                found[name] = work * given.sum(axis=0) / np.where(work.sum(axis=0) == 0.0, 1.0, work.sum(axis=0))
+            elif owner.startswith("block_") and what not in BEGIN_ANEW:
+                found[name] = _carry_cells(carrier, given, self.solids.stress)
+        found["nodes.velocity"] = self._carry_velocity(carrier.nodes(dump["nodes.velocity"]), momentum)
+        material = self.model.materials[self.model.mesh.blocks[0].material]
+        if (kept := found[KEPT]).size and material.umat is None:  # the last two are the direction of the law's axes
+            length = np.linalg.norm(kept[:, -2:], axis=1, keepdims=True)
+            kept[:, -2:] /= np.where(length > 0.0, length, 1.0)
+        return found
+
+    def _carry_velocity(self, velocity: FloatArray, momentum: FloatArray) -> FloatArray:
+        """Return carried velocities (n_points, 2) with the momentum (2,) of the old ones, across an axis none."""
+        mass, free = self.solids.mass, ~self._find_held()
+        lacking = momentum - mass @ velocity
+        lacking[0] *= self.model.analysis != "axisymmetric"
+        return np.asarray(velocity + free * lacking / np.maximum(mass @ free, 1e-300))
+
+    def _epoch_arrays(self) -> NamedArrays:
+        kept = {"density": np.array(self._density), "increment": self._increment}
+        return kept | self.marked.to_arrays()
+
+    def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        self._increment = np.array(epoch["increment"], dtype=float)
+        self.marked.load_arrays(epoch)
+
+    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        self._density = float(epoch.get("density", 1.0))
+        super()._make_run(epoch)
+        if epoch:
+            self.points.start(self._find_points())
+
+    def _find_volumes(self) -> FloatArray:
+        """Return the volume of each cell (n_cells,) [mm3]; of 1 rad, or 1 mm of depth."""
+        x, y = np.moveaxis(self.solids.position[self.model.mesh.blocks[0].connectivity], -1, 0)
+        area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
+        return np.asarray(area * (x.mean(axis=1) if self.model.analysis == "axisymmetric" else 1.0))
+
+    def _measure_volume(self) -> float:
+        """Return the volume without its elastic part, in the unit of _find_volumes."""
+        material = self.model.materials[self.model.mesh.blocks[0].material]
+        dilatation = self.solids.stress[:, :3].sum(axis=1) * (1.0 - 2.0 * material.poisson) / material.young
+        return float((self._find_volumes() * np.exp(-dilatation)).sum())
+
+
+def _carry_cells(carrier: Carrier, values: FloatArray, stress: FloatArray) -> FloatArray:
+    """Return values of old cells (n, ...), one point each, in the new ones, of which stress (n_cells, 4) are some."""
+    if not values.size:
+        return np.zeros((len(stress), *values.shape[1:]))
+    (found,) = carrier.points([values[:, None]], [np.zeros((len(stress), 1, *values.shape[1:]))])
+    return found[:, 0]
+
+
+def _kinetic_energy(solids: ExplicitSolids) -> float:
+    """Return the kinetic energy of the nodes, half a step back [N mm]."""
+    return 0.5 * float(solids.mass @ (solids.velocity**2).sum(axis=1))

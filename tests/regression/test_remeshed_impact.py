@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Explicit solids on meshes that change: the implicit run's force and shape, momentum, energy, the same bits."""
+
+import numpy as np
+import pytest
+
+from presswork import Case, CaseError, build_model
+from presswork.explicit.input_checks import ExplicitError
+from presswork.process.begin import begin
+from presswork.process.impact import ExplicitImpact
+from presswork.process.remeshed_impact import RemeshedImpact
+from presswork.recorder import run_model
+from presswork.results import Result, read_history
+
+
+def upsetting(procedure="explicit", remesh=None, **changes):
+    """The quarter section of a billet of 10 by 15 mm under a flat platen, 700 + 300 e MPa, mu = 0.1."""
+    is_explicit = procedure == "explicit"
+    element = "quad4_1pt" if is_explicit else "quad4_fbar"
+    steel = {"young": 2e5, "poisson": 0.3, "density": "7850 kg/m^3"}
+    return Case(
+        **{
+            "title": "upsetting",
+            "analysis": "axisymmetric",
+            "procedure": procedure,
+            "workpiece": {"material": "steel", "element": element, "mesh": {"size": [10, 15], "cells": [8, 12]}},
+            "materials": {"steel": steel | {"hardening": {"law": "linear", "yield_stress": 700, "modulus": 300}}},
+            "tools": {"punch": {"profile": [[0, 15], [60, 15]], "contact": "coulomb", "mu": 0.1}},
+            "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
+            "stages": [{"name": "press", "duration": 2e-3, "tools": {"punch": {"stroke": 9.0, "direction": [0, -1]}}}],
+            "output": {"steps": 4} | ({"rows": 100} if is_explicit else {}),
+            "solver": {} if is_explicit else {"max_increment": 0.02},
+            "points": {"mark": [5.0, 6.0]},
+            "remesh": remesh,
+        }
+        | changes
+    )
+
+
+@pytest.fixture(scope="module")
+def remeshed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("impact") / "run"
+    assert run_model(build_model(upsetting(remesh={})), folder, threads=1).status == "completed"
+    return folder
+
+
+def test_force_and_paths_are_those_of_the_implicit_run(remeshed):
+    """To 60 % of the height; the side folds onto the platen."""
+    recording = begin(build_model(upsetting("implicit", {})), 1)
+    rows = [recording.row(report) for report in recording.advance()]
+    implicit = {name: np.array([row[name] for row in rows]) for name in ("punch.stroke", "punch.force", "mark.x")}
+    history = read_history(remeshed / "history.csv")
+    assert history["remeshes"][-1] >= 2
+    for stroke in (2.0, 4.0, 6.0, 8.0):
+        for name, tolerance in (("punch.force", 0.03), ("mark.x", 0.01)):
+            found, expected = (np.interp(stroke, of["punch.stroke"], of[name]) for of in (history, implicit))
+            assert found == pytest.approx(expected, rel=tolerance), (stroke, name)
+
+
+def test_mass_volume_and_energy_are_kept(remeshed):
+    result = Result(remeshed)
+    history = result.history
+    assert abs(history["energy_error_percent"]).max() < 0.5
+    assert history["hourglass_energy"][-1] < 0.05 * history["internal_energy"][-1]
+    assert history["kinetic_energy"][-1] < 0.01 * history["internal_energy"][-1]
+    assert result.summary["mass"]["workpiece_t"] == pytest.approx(7.85e-9 * np.pi * 100 * 15, rel=1e-9)
+    meshes = [len(result.mesh_at(step).blocks[0].connectivity) for step in range(len(result.times))]
+    assert len(set(meshes)) > 1
+    start = result.mesh_at(-1).points
+    assert start[:, 0].max() == pytest.approx(10.0, abs=1e-9)
+    assert start[:, 1].max() == pytest.approx(15.0, abs=1e-9)
+
+
+def test_a_new_mesh_keeps_a_rigid_motion():
+    case = upsetting(remesh={}, boundary={"axis": {"set": "left", "fix": ["x"]}}, points={})
+    case = case.model_copy(update={"workpiece": case.workpiece.model_copy(update={"velocity": (0.0, -30e3)})})
+    recording = begin(build_model(case), 1)
+    assert isinstance(recording, RemeshedImpact)
+    before = recording.solids
+    assert recording._remesh("asked for")
+    assert recording.solids is not before
+    np.testing.assert_allclose(recording.solids.velocity[:, 1], -30e3, rtol=1e-12)
+
+
+def test_a_new_mesh_keeps_momentum_and_work():
+    """Half way down; the platen's work and that of the stresses go along."""
+    recording = begin(build_model(upsetting(remesh={})), 1)
+    reports = recording.advance()
+    for _ in range(50):
+        next(reports)
+    solids = recording.solids
+    momentum, energies, time = solids.mass @ solids.velocity, solids.energies(), solids.time
+    assert np.ptp(solids.velocity[:, 1]) > 1e3
+    assert recording._remesh("asked for")
+    solids = recording.solids
+    assert (solids.mass @ solids.velocity)[1] == pytest.approx(momentum[1], rel=1e-12)
+    after = solids.energies()
+    assert solids.time == time
+    assert after.internal == pytest.approx(energies.internal, rel=1e-9)
+    assert after.hourglass == pytest.approx(energies.hourglass, rel=1e-9)
+    assert after.kinetic == pytest.approx(energies.kinetic, rel=0.02)
+    assert after.external == pytest.approx(energies.external, rel=1e-3)
+
+
+def test_resumed_between_meshes_gives_the_same_bits(remeshed, tmp_path):
+    model = build_model(upsetting(remesh={}))
+    half = int(np.flatnonzero(np.diff(read_history(remeshed / "history.csv")["remeshes"]))[1]) + 3
+
+    def stop(progress):
+        if (tmp_path / "run" / "history.csv").read_text().count("\n") == half + 1:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "run", threads=1, on_increment=stop).status == "interrupted"
+    assert read_history(tmp_path / "run" / "history.csv")["remeshes"][-1] > 0
+    assert run_model(model, tmp_path / "run", threads=1, resume=True).status == "completed"
+    assert (tmp_path / "run" / "history.csv").read_bytes() == (remeshed / "history.csv").read_bytes()
+
+
+def test_a_row_that_fails_is_computed_again_on_a_new_mesh(monkeypatch):
+    """A cell turns inside out after the row's cycles: its beginning gets a new mesh, and the run goes on."""
+    real, calls = ExplicitImpact._compute_row, []
+
+    def fail_once(recording, number, row):
+        found = real(recording, number, row)
+        calls.append(recording.solids.time)
+        if len(calls) == 30:
+            raise ExplicitError("cell 7 is turned inside out in cycle 99: shorten the step")
+        return found
+
+    monkeypatch.setattr(ExplicitImpact, "_compute_row", fail_once)
+    recording = begin(build_model(upsetting(remesh={})), 1)
+    notes = [line for report in recording.advance() for line in recording.log_lines(report) if "remesh" in line]
+    assert sum("(cell 7 is turned inside out in cycle 99)" in line for line in notes) == 1
+    assert calls[30] == pytest.approx(calls[29], rel=1e-9)
+    assert recording.remaining() == 0.0
+    assert abs(recording.solids.energies().error_percent) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        (
+            {"workpiece": {"material": "steel", "element": "tri3", "mesh": {"size": [10, 15], "cells": [8, 12]}}},
+            "element",
+        ),
+        ({"remesh": {"error": 0.1}}, "remesh.error"),
+    ],
+)
+def test_what_explicit_meshes_cannot_do_is_refused(changes, key):
+    with pytest.raises(CaseError, match=rf"{key}.*does not go together with \[remesh\]"):
+        build_model(upsetting(**({"remesh": {}} | changes)))
