@@ -7,6 +7,7 @@ import threading
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import pytest
@@ -63,7 +64,7 @@ class Person:
 
 
 def test_newcomer_draws_a_cup_of_own_dimensions(browser: Any, site: Server, tmp_path: Path) -> None:
-    page = Tab(browser, f"{site.address}new")
+    page, started = Tab(browser, f"{site.address}new"), perf_counter()
     person = Person(page)
     person.press("Cylindrical cup")
     page.tab.wait_for_url("**/edit?*")
@@ -88,7 +89,8 @@ def test_newcomer_draws_a_cup_of_own_dimensions(browser: Any, site: Server, tmp_
     assert "diameter = 80             # mm" in text, "comments stay"
     assert Result(tmp_path / "cylindrical_cup").history["punch.stroke"][-1] == pytest.approx(6.0)
     assert person.clicks == 2 + len(sizes)
-    assert person.typed < 20
+    assert person.typed == 13
+    assert perf_counter() - started < 300.0, "five minutes"
 
 
 def test_problems_stand_at_their_fields(browser: Any, site: Server, tmp_path: Path) -> None:

@@ -302,3 +302,27 @@ def test_cut_through_hexahedra_shows_the_field_inside(browser: Any, block: Resul
     np.testing.assert_allclose(values[::3], (np.floor(middles) + 0.5) @ [1.0, 10.0, 100.0], rtol=1e-4)
     assert page.ask("() => presswork.runs[0].fields[0].range") == pytest.approx([55.5, 388.5], rel=1e-4)
     page.close()
+
+
+def test_large_sheet_is_turned_with_fewer_triangles(browser: Any, tmp_path: Path) -> None:
+    """They cover the same area between nodes of the mesh; at rest all triangles are back."""
+    n = 150
+    x, y = (axis.ravel() for axis in np.meshgrid(*[np.linspace(0.0, 100.0, n + 1)] * 2))
+    first = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1).astype(np.int32)
+    points = np.stack([x, y, 0.0 * x], axis=1)
+    mesh = Mesh(points, (CellBlock("shell4_mitc", cells, 0),), {}, {}, np.zeros((0, 2), dtype=np.int32))
+    fields = {"thickness": 1.0 + 0.01 * points[cells].mean(axis=1)[:, 0]}
+    info = {"title": "large", "analysis": "shell"}
+    append_step(tmp_path / "results.vtkhdf", mesh, 0.0, {"displacement": 0.0 * points}, fields, info=info)
+    page = Page(browser, write_report(Result(tmp_path)))
+    script = """(isCoarse) => { const { viewer, scenes } = presswork.stage; viewer.setCoarse(isCoarse);
+      const { index, position } = scenes[0].body.geometry.toNonIndexed().attributes;
+      return [scenes[0].body.geometry.index.count / 3, [...position.array]]; }"""
+    count, places = page.ask(script, True)
+    assert 5_000 < count < 30_000
+    corners = np.reshape(places, (-1, 3, 3))
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert 0.5 * np.linalg.norm(normal, axis=1).sum() == pytest.approx(10_000.0, rel=0.05)
+    assert page.ask(script, False)[0] == 2 * n * n
+    page.close()

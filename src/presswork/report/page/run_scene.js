@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One run in space: its part, the lines of its mesh, its tools, and the images that symmetry planes cut off.
 import { BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineSegments, Mesh, Scene } from "./libraries/three.js";
-import { makeNormals, revolveProfile, takeRows } from "./shapes.js";
+import { coarsen, makeNormals, revolveProfile, takeRows } from "./shapes.js";
 import { MISSING } from "./unpack.js";
 import { originsOnCut, valuesOnCut } from "./cap.js";
 import { makeBodyMaterial, makeCapMaterial, makeLineMaterial, makeToolMaterial } from "./materials.js";
@@ -60,6 +60,7 @@ export class RunScene {
       geometry.setAttribute("normal", attribute(isNodal ? this.normals : takeRows(this.normals, triangles, 3)));
       geometry.setAttribute("origin", attribute(isNodal ? origin : takeRows(origin, triangles, 3)));
       this.drawnAs = isNodal;
+      this.isCoarse = false;
     }
     const shown = new Float32Array(isNodal ? source.length : triangles.length);
     if (isNodal) for (let i = 0; i < shown.length; i++) shown[i] = values[source[i]];
@@ -88,6 +89,15 @@ export class RunScene {
     uniforms.hasFlow.value = hasFlow;
     uniforms.flowLow.value.set(...low);
     uniforms.flowApart.value.set(...apart);
+  }
+
+  /** Draw fewer triangles, or all again; only smooth colours have fewer. */
+  setCoarse(isCoarse) {
+    const { shape, mesh } = this;
+    if (!shape?.isCoarsened || this.isCoarse === isCoarse || !this.drawnAs) return;
+    this.isCoarse = isCoarse;
+    mesh.coarse ??= coarsen(mesh, this.run.dimension);
+    this.body.geometry.setIndex(attribute(isCoarse ? mesh.coarse : shape.triangles, 1));
   }
 
   setVisible({ body, lines, tools }) {

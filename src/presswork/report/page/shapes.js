@@ -6,6 +6,7 @@ import { cutHexahedra, cutRevolved } from "./cap.js";
 
 const OPEN_ANGLE = 1.5 * Math.PI; // of a body of revolution: a quarter is cut away to see the section
 const MOST_TRIANGLES = 60000;
+const MOST_COARSE = 20000; // triangles of a picture that is drawn while it is turned slowly
 
 /** Return the shape that is the surface itself. place(positions, k): positions in space of its nodes. */
 export function makePlainShape(mesh, dimension) {
@@ -17,7 +18,26 @@ export function makePlainShape(mesh, dimension) {
     return found;
   };
   const cut = mesh.owners.length ? (points, normal, offset) => cutHexahedra(mesh, points, normal, offset) : null;
-  return { source, triangles: mesh.triangles, face: mesh.face, lines: mesh.lines, place, n, cut };
+  return { source, triangles: mesh.triangles, face: mesh.face, lines: mesh.lines, place, n, cut, isCoarsened: mesh.face.length > 2 * MOST_COARSE };
+}
+
+/**
+ * Return the triangles that are left when nodes near each other, on the body as it was, become one of them: about MOST_COARSE.
+ * They have the nodes of the mesh, so that places and values stay where they are.
+ */
+export function coarsen({ triangles, areas, reference }, dimension) {
+  const size = Math.sqrt((2 * areas.reduce((sum, area) => sum + area, 0)) / MOST_COARSE), firsts = new Map(), stands = new Uint32Array(reference.length / dimension);
+  for (let i = 0; i < stands.length; i++) {
+    const key = Array.from({ length: dimension }, (_, axis) => Math.floor(reference[dimension * i + axis] / size)).join();
+    if (!firsts.has(key)) firsts.set(key, i);
+    stands[i] = firsts.get(key);
+  }
+  const left = [];
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [stands[triangles[t]], stands[triangles[t + 1]], stands[triangles[t + 2]]];
+    if (a !== b && b !== c && c !== a) left.push(a, b, c);
+  }
+  return Uint32Array.from(left);
 }
 
 /** Return which face lies at each line of the boundary. */

@@ -32,7 +32,7 @@ export class Viewer {
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.draw());
     this.controls.addEventListener("start", () => { this.isTurning = true; this.lastFrame = null; });
-    this.controls.addEventListener("end", () => { this.isTurning = false; this.#setRatio(this.ratio); });
+    this.controls.addEventListener("end", () => { this.isTurning = false; this.setCoarse(false); });
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
   }
@@ -55,16 +55,18 @@ export class Viewer {
     });
   }
 
-  /** Make the picture coarser, or fine again. */
-  #setRatio(ratio) {
+  /** Draw with fewer pixels and triangles, or all again. */
+  setCoarse(isCoarse) {
+    const ratio = isCoarse ? 0.5 * this.ratio : this.ratio;
     if (ratio === this.renderer.getPixelRatio()) return;
+    for (const scene of this.views.flat()) scene.setCoarse(isCoarse);
     this.renderer.setPixelRatio(ratio);
     this.resize();
   }
 
   drawNow() {
     const now = performance.now();
-    if (this.isTurning && this.lastFrame && now - this.lastFrame > SLOW) this.#setRatio(0.5 * this.ratio);
+    if (this.isTurning && this.lastFrame && now - this.lastFrame > SLOW) this.setCoarse(true);
     this.lastFrame = now;
     const { part, height } = this.#layout();
     this.renderer.setScissorTest(true);

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the pictures of the browser's pages in README and guide anew, in Chromium: `python -m packaging.page_pictures`.
+"""Makes the pictures of the browser's pages in README and guide anew, in Chromium: `python -m docs.site.page_pictures`.
 
-Runs the cylindrical cup of `presswork new` and the example flat_bar first (some minutes), or takes them from a folder
-that holds them: `python -m packaging.page_pictures FOLDER`. It needs Chromium and Playwright.
+Runs the examples square_cup and flat_bar first (a minute or two), or takes them from a folder that holds them:
+`python -m docs.site.page_pictures FOLDER`. It needs Chromium and Playwright.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from presswork.server.http import Server
 from presswork.server.site import Site
 from tests.regression.browser import Tab, chromium
 
-IMAGES = Path(__file__).parents[1] / "docs" / "img"
-CUP, BAR = "cylindrical_cup", "flat_bar"
+IMAGES = Path(__file__).parents[1] / "img"
+STARTER, CUP, BAR = "cylindrical_cup", "square_cup", "flat_bar"
 WIDTH, HEIGHT = 1280, 800
 
 
 def compute(root: Path, site: Site) -> None:
     """Run what is not there yet."""
-    if not (root / f"{CUP}.toml").is_file():
-        site.drafts.create(CUP, CUP)
-    if not (root / f"{BAR}.toml").is_file():
-        copy_example(BAR, root)
+    if not (root / f"{STARTER}.toml").is_file():
+        site.drafts.create(STARTER, STARTER)
     for name in (CUP, BAR):
+        if not (root / f"{name}.toml").is_file():
+            copy_example(name, root)
         if not (root / name / "summary.json").is_file():
             run(read_case(root / f"{name}.toml"), root / name)
 
@@ -57,9 +57,8 @@ def main() -> None:
             threading.Thread(target=server.serve_forever, daemon=True).start()
             at = server.address
             shoot(browser, f"{at}run?run={CUP}", "report", Field="thinning")
-            shoot(browser, f"{at}run?run={BAR}", "cut", Field="equivalent_plastic_strain", Cut="y")
-            shoot(browser, f"{at}edit?case={CUP}.toml", "new_case", height=1100)
-            shoot(browser, at, "runs", height=420)
+            shoot(browser, f"{at}edit?case={STARTER}.toml", "new_case", height=1180)
+            shoot(browser, at, "runs", height=520)
             server.shutdown()
         site.close()
 
