@@ -17,7 +17,7 @@ from presswork.results import Result, ResultError
 from presswork.view.blank_plot import plot_blank
 from presswork.view.crack_mark import find_judged_damage
 from presswork.view.die_plot import plot_dies, plot_parts
-from presswork.view.flow_lines_plot import has_remeshed, is_section, plot_flow_lines
+from presswork.view.flow_lines_plot import flow_panel_size, has_remeshed, is_section, plot_flow_lines
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
     find_dies,
@@ -290,7 +290,7 @@ def _plot_interfaces(result: Result, folder: Path, steps: Literal["last"] | Sequ
 def _draw_flow_lines(result: Result, step: int, mirror: Mirror) -> Figure:
     """Draw the grain flow."""
     figure = bare_figure()
-    figure.set_size_inches(*panel_size(result, step, mirror))
+    figure.set_size_inches(*flow_panel_size(result, step, mirror))
     plot_flow_lines(result, step, figure.subplots(), mirror=mirror)
     return figure
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LINES = 20
 """Lines of one family over the longer side of the undeformed body."""
+_TITLE = 0.5  # inches, for the lines of the title
 _FILL, _COLOURS, _WIDTHS = "#eef1f5", ("#1b3a6b", "#b06a2c"), (0.9, 0.6)
 
 
@@ -36,10 +37,16 @@ def space_lines(points: FloatArray) -> list[FloatArray]:
     return [a + (np.arange(n) + 0.5) * e / n for a, n, e in zip(low, counts, extent, strict=True)]
 
 
+def flow_panel_size(result: Result, step: int, mirror: Mirror) -> tuple[float, float]:
+    """Return width and height [inch] of a panel that suits the body and has room for the title."""
+    width, height = panel_size(result, step, mirror)
+    return width, height + _TITLE
+
+
 def plot_flow_lines(result: Result, step: int = -1, ax: Axes | None = None, *, mirror: Mirror = "") -> Axes:
     """Draw the grain flow of a section, is_section says of which."""
     if ax is None:
-        ax = new_figure(*panel_size(result, step, mirror)).subplots()
+        ax = new_figure(*flow_panel_size(result, step, mirror)).subplots()
     prepare_section(ax, result, step, mirror)
     from matplotlib.colors import ListedColormap
     from matplotlib.tri import Triangulation
