@@ -76,6 +76,16 @@ def test_a_run_leaves_forces_of_the_whole_tool_and_pictures(whole, tmp_path) -> 
     points = result.points()
     assert points[:, 2].max() == pytest.approx(4.5, abs=0.003)
     assert set(result.surfaces) == {"die", "anvil"}
+    force = result.field("contact_force")
+    assert np.abs(force.sum(axis=0)[:2]).max() < 0.3 * 120e3, "friction points to the middle"
+    shear, limit = result.field("contact_shear"), result.field("friction_limit")
+    assert (shear <= limit * (1 + 1e-9)).all()
+    on_anvil = points[:, 2] < 1e-2
+    pressure = result.field("contact_pressure")[on_anvil]
+    area = 4 * result.field("contact_force")[on_anvil, 2].sum() / result.history["anvil.force"][-1]
+    assert area == pytest.approx(1.0, rel=1e-9)
+    assert pressure.min() > 300.0
+    assert pressure.max() < 1300.0
     pictures = {path.name for path in plot_all(result, tmp_path / "plots")}
     assert {"solid_equivalent_plastic_strain_002.png", "force_stroke.png"} <= pictures
     assert "draw_in.png" not in pictures

@@ -20,7 +20,8 @@ from dataclasses import replace
 import numpy as np
 
 from presswork.body.solids import Mechanics
-from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes
+from presswork.fields.instant import NodalContact
+from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.faces import nodal_normals
 from presswork.model import Model
@@ -46,6 +47,7 @@ class SolidContact(SpaceContact):
         self._inside[outer] = False
         self._length = np.ones(n)
         self._shear = np.zeros((len(model.space_tools), n))
+        self._area = np.zeros((len(model.space_tools), n))
         self._multiplier = np.zeros((len(model.space_tools), n))
 
     def begin_increment(self, state_n: State) -> None:
@@ -55,14 +57,13 @@ class SolidContact(SpaceContact):
         self._length = np.where(self._inside, 1.0, np.sqrt(np.linalg.norm(normals, axis=1)))
         placed = state_n[SpaceToolArrays]
         self._multiplier = np.linalg.norm(placed.force - placed.friction, axis=2)
-        if not self._needs_shear:
-            return
-        flow = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0)
         for t, (surface, tool) in enumerate(zip(self._surfaces, self._model.space_tools, strict=True)):
             place = np.ascontiguousarray(places - np.array(tool.position) - placed.displacement[t])
             _, out, _, _ = surface.nearest(place, float(self._length.max()))
             # the part of the node's surface that faces the tool: at an edge the other side has no contact
-            self._shear[t] = flow * np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
+            self._area[t] = np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
+        if self._needs_shear:
+            self._shear = self._area * self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0)
 
     def touching(self, tool: int) -> TouchingNodes:
         """Return what the contact with a tool must know of the nodes; those inside the body touch nothing."""
@@ -73,6 +74,32 @@ class SolidContact(SpaceContact):
     def settle(self, trial: State, found: SpaceForces) -> None:
         """Keep what an increment has found; what multipliers hold stores no energy."""
         super().settle(trial, replace(found, energy=0.0))
+
+    def show(self, state: State) -> NodalContact:
+        """Return the contact of a converged state: forces over the part of each node's surface that faces the tool."""
+        self.begin_increment(state)
+        placed = state[SpaceToolArrays]
+        places = self._model.mesh.points + state.nodes.displacement
+        push = np.linalg.norm(placed.force - placed.friction, axis=2)
+        drag = np.linalg.norm(placed.friction, axis=2)
+        area = np.where(self._area > 0.0, self._area, np.inf)
+        limits = np.array([
+            np.where(push[t] > 0.0, limit_friction(tool.friction, push[t], self._shear[t])[0], 0.0)
+            for t, tool in enumerate(self._model.space_tools)
+        ])  # fmt: skip
+        traction = {t.name: placed.force[i] / area[i, :, None] for i, t in enumerate(self._model.space_tools)}
+        gap = self.find_gaps(state, places).min(axis=0)
+        touches, rough = push.max(axis=0) > 0.0, drag.max(axis=0) > 0.0
+        return NodalContact(
+            gap=np.where(self._inside | np.isinf(gap), np.nan, gap),
+            status=touches + (touches & rough & (drag < limits).any(axis=0)).astype(float),
+            pressure=(push / area).sum(axis=0),
+            shear=(drag / area).sum(axis=0),
+            friction_limit=(limits / area).sum(axis=0),
+            traction=traction,
+            total_traction=np.sum(list(traction.values()), axis=0),
+            force=placed.force.sum(axis=0),
+        )
 
     def augment(self, own: SpaceForces) -> bool:
         """Take the multipliers over if nodes lie too deep in a tool, or too far off one that they push."""

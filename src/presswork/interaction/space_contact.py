@@ -100,7 +100,7 @@ def touch_tool(
         -hanging[:, None, None] * plane - _dyads(n, np.einsum("nij,nj->ni", bend, pulled)) - out[:, None, None] * bend
     )
     # 3. shortened to what the law allows where it slides
-    limit, by_push = _limit(law, push, touching.shear[nodes] if touching.shear is not None else None)
+    limit, by_push = limit_friction(law, push, touching.shear[nodes] if touching.shear is not None else None)
     returned = return_to_limit(trial, limit)
     slides, along, friction = returned.slides, returned.along, returned.force
     d_slide = _dyads(along, (by_push * slope)[:, None] * rise)
@@ -118,7 +118,7 @@ def is_frictionless(law: Friction) -> bool:
     return law.law == "frictionless" or (law.law == "shear" and float(law.m) == 0.0)
 
 
-def _limit(law: Friction, push: FloatArray, shear: FloatArray | None) -> tuple[FloatArray, FloatArray]:
+def limit_friction(law: Friction, push: FloatArray, shear: FloatArray | None) -> tuple[FloatArray, FloatArray]:
     """Return the largest friction (n,) [N] at normal forces `push` (n,) [N], and its derivative by these."""
     if law.law == "sticking":
         return np.full_like(push, math.inf), np.zeros_like(push)

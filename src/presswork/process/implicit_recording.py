@@ -26,6 +26,7 @@ from presswork.implicit.heat_of_forming import KINDS as HEAT_KINDS
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.model import FloatArray, IntArray, Mesh, Model, ToolMotion
 from presswork.process.die_fill import DieFill
@@ -209,6 +210,8 @@ class ImplicitRecording(IncrementRecording):
         now = procedure.mechanics.show(state, forces, interactions.bodies.traction(state))
         if procedure.heat is not None:
             now.temperature = state[HeatArrays].temperature
+        if interactions.space_tools is not None and isinstance(interactions.space_tools.contact, SolidContact):
+            now.find_contact = functools.partial(interactions.space_tools.contact.show, state)
         if self.model.analysis != "shell":
             now.reaction = state.nodes.reaction * self.reactions.mask(self.mesh, self._stage())
         return now
