@@ -51,7 +51,7 @@ void bind_umat(nb::module_& m) {
            "Open the library; raises RuntimeError that says what is missing. plastic_strain: which state variable is "
            "the equivalent plastic strain, from 1, or 0.")
       .def_static("make_gtn", &Umat::make_gtn, nb::arg("properties"),
-                  "The law of a metal with pores; properties (17) as cpp/material/gtn.hpp has them.")
+                  "The law of a metal with pores; properties (20) as cpp/material/gtn.hpp has them.")
       .def_ro("n_state", &Umat::n_state)
       .def(
           "update",

@@ -3,7 +3,7 @@
 // as it is within the increment: a nonlocal mean of its growth is added afterwards.
 //
 //   yield        (q/s)^2 + 2 q1 f* cosh(3/2 q2 p/s) - 1 - q3 f*^2 = 0, p the mean stress, q the effective stress,
-//                s the flow stress of the matrix
+//                s the flow stress of the matrix, softened by 1 - T*^m, T* = (T - reference)/(melting - reference)
 //   coalescence  f* = f up to fc, then fc + (1/q1 - fc)/(ff - fc) (f - fc), at most 0.98/q1
 //   flow         associated; the matrix takes the work: (1 - f) s de = p dv + q dq, with dv and dq the plastic
 //   increments
@@ -16,6 +16,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "material/hardening.hpp"
 #include "material/user_law.hpp"
@@ -23,12 +24,15 @@
 namespace presswork {
 
 struct Gtn {
-  static constexpr int own = 11, n_properties = own + 6, n_state = 3;
+  static constexpr int own = 11, n_parameters = 6, n_properties = own + n_parameters + 3, n_state = 3;
+  static constexpr double least = 1e-3;  // of the flow stress, that is left when the matrix melts
 
   double young, poisson, q1, q2, q3, fc, ff, eN, sN, fN;
   Hardening matrix;
+  double softening = 1.0;
 
-  // The first ten in this order, the number of the hardening law (not of a table), its parameters.
+  // The first ten in this order, the number of the hardening law (not of a table), its parameters, then reference,
+  // melting (0: nothing softens) and exponent of the softening, and behind the properties the temperature.
   explicit Gtn(const double* p)
       : young(p[0]), poisson(p[1]), q1(p[2]), q2(p[3]), q3(p[4]), fc(p[5]), ff(p[6]), eN(p[7]), sN(p[8]), fN(p[9]) {
     const double* values = p + own;
@@ -39,6 +43,17 @@ struct Gtn {
         matrix.law = law;
       }
     });
+    const double *heat = p + own + n_parameters, reference = heat[0], melting = heat[1], temperature = heat[3];
+    if (melting > reference) {
+      const double share = std::min(std::max((temperature - reference) / (melting - reference), 0.0), 1.0);
+      softening = std::max(1.0 - std::pow(share, heat[2]), least);
+    }
+  }
+
+  template <class T>
+  void evaluate_matrix(const T& strain, T& flow, T& slope) const {
+    matrix.evaluate(strain, flow, slope);
+    flow = flow * T(softening), slope = slope * T(softening);
   }
 
   double effective_porosity(double f) const {
@@ -51,7 +66,7 @@ struct Gtn {
   void residual(T p_trial, T q_trial, const T x[3], double e_n, double f, T r[3]) const {
     const double bulk = young / (3.0 * (1.0 - 2.0 * poisson)), shear = young / (2.0 * (1.0 + poisson));
     T flow, slope;
-    matrix.evaluate(T(e_n) + x[2], flow, slope);
+    evaluate_matrix(T(e_n) + x[2], flow, slope);
     const double star = effective_porosity(f);
     const T p = (p_trial - T(bulk) * x[0]) / flow, q = (q_trial - T(3.0 * shear) * x[1]) / flow;
     const T grown = exponential(T(1.5 * q2) * p), shrunk = T(1.0) / grown;
@@ -78,7 +93,7 @@ struct Gtn {
     // 2. plastic where the trial is beyond the yield surface
     const double e_n = value_of(state[0]), f = std::max(value_of(state[1]), 0.0);
     double flow, slope;
-    matrix.evaluate(e_n, flow, slope);
+    evaluate_matrix(e_n, flow, slope);
     const double star = effective_porosity(f), along = 1.5 * q2 * value_of(p) / flow;
     state[2] = T(0.0);
     T x[3] = {T(0.0), T(0.0), T(0.0)};
@@ -105,7 +120,7 @@ struct Gtn {
     using D = Dual<double, 3>;
     const double bulk = young / (3.0 * (1.0 - 2.0 * poisson)), shear = young / (2.0 * (1.0 + poisson));
     double flow, slope, y[3], inverse[3][3];
-    matrix.evaluate(e_n, flow, slope);
+    evaluate_matrix(e_n, flow, slope);
     y[1] = std::max((q - flow) / (3.0 * shear + slope), 0.0), y[0] = 0.0, y[2] = y[1];
     // a pressure far beyond the surface would overflow: begin on the axis where the pores alone would yield
     const double star = std::max(effective_porosity(f), 1e-12);

@@ -76,18 +76,21 @@ Umat::Umat(const std::string& library, const std::vector<double>& properties, in
 namespace {
 
 void call_gtn(double* stress, double* statev, double* ddsdde, double*, double*, double*, double*, double*, double*,
-              double*, const double*, const double* dstran, const double*, const double* dtime, const double*,
-              const double*, const double*, const double*, const char*, const int*, const int*, const int* ntens,
+              double*, const double*, const double* dstran, const double*, const double* dtime, const double* temp,
+              const double* dtemp, const double*, const double*, const char*, const int*, const int*, const int* ntens,
               const int*, const double* props, const int*, const double*, const double*, double* pnewdt, const double*,
               const double*, const double*, const int*, const int*, const int*, const int*, const int*, const int*,
               std::size_t) {
-  user_law::call<Gtn>(*ntens, stress, statev, ddsdde, dstran, *dtime, props, pnewdt);
+  double given[Gtn::n_properties + 1];
+  std::copy_n(props, Gtn::n_properties, given);
+  given[Gtn::n_properties] = *temp + *dtemp;
+  user_law::call<Gtn>(*ntens, stress, statev, ddsdde, dstran, *dtime, given, pnewdt);
 }
 
 }  // namespace
 
 Umat Umat::make_gtn(const std::vector<double>& properties) {
-  if (properties.size() != Gtn::n_properties) throw std::runtime_error("a law of pores has 17 properties");
+  if (properties.size() != Gtn::n_properties) throw std::runtime_error("a law of pores has 20 properties");
   Umat made;
   made.n_state = Gtn::n_state;
   made.function_ = &call_gtn;

@@ -374,7 +374,7 @@ class Umat:
     @staticmethod
     def make_gtn(properties: Sequence[float]) -> Umat:
         """
-        The law of a metal with pores; properties (17) as cpp/material/gtn.hpp has them.
+        The law of a metal with pores; properties (20) as cpp/material/gtn.hpp has them.
         """
 
     @property

@@ -24,7 +24,7 @@ LINEAR = float(list(_core.HardeningLaw.__members__).index("linear"))
 def law(modulus: float = 0.0, *, nucleated: float = 0.0) -> _core.Umat:
     nucleation = [0.3, 0.1, nucleated]
     return _core.Umat.make_gtn(
-        [YOUNG, POISSON, 1.5, 1.0, 2.25, 1.0, 2.0, *nucleation, LINEAR, FLOW, modulus, 0.0, 0.0, 0.0, 0.0]
+        [YOUNG, POISSON, 1.5, 1.0, 2.25, 1.0, 2.0, *nucleation, LINEAR, FLOW, modulus, *[0.0] * 7]
     )
 
 
@@ -202,6 +202,20 @@ def test_new_meshes_keep_pores_and_their_neighbourhood(tmp_path) -> None:
     assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "1/history.csv").read_bytes()
 
 
+def test_a_hot_matrix_is_softer(tmp_path) -> None:
+    """Halfway to melting, with the exponent 1, stress and pores are those of a metal of half the flow stress."""
+    (tmp_path / "hot").mkdir()
+    case = read(tmp_path / "hot", porosity=0.01)
+    heating = "heating = {reference = 20, melting = 1520, exponent = 1, start = 770}"
+    case.source.write_text(case.source.read_text().replace("poisson = 0.3", f"poisson = 0.3\n{heating}"))
+    hot = run_model(build_model(read_case(case.source)), tmp_path / "hot/out", threads=1).result
+    half = read(tmp_path, porosity=0.01).source
+    half.write_text(half.read_text().replace("K = 800", "K = 400"))
+    cold = run_model(build_model(read_case(half)), tmp_path / "out", threads=1).result
+    for name in ("effective_stress", "porosity"):
+        np.testing.assert_allclose(hot.field(name), cold.field(name), rtol=1e-9)
+
+
 def test_a_porous_bar_conducts_heat_and_is_heated_by_its_plastic_work(tmp_path) -> None:
     """Without a way out 0.9 of the plastic work warms the bar: its heat over capacity, and the balance closes."""
     hot = """
@@ -240,7 +254,11 @@ initial_temperature = 20
             'law = "table", points = [[0, 300], [1, 500]]',
             "hardening.law",
         ),
-        ("poisson = 0.3", "poisson = 0.3\nheating = {melting = 1500, exponent = 1}", "heating"),
+        (
+            "poisson = 0.3",
+            'poisson = 0.3\ndensity = "7800 kg/m^3"\nheating = {melting = 1500, exponent = 1, heat_capacity = 4.6e8}',
+            "heating.heat_capacity",
+        ),
     ],
 )
 def test_pores_that_cannot_be_computed_are_refused(tmp_path, old: str, new: str, key: str) -> None:

@@ -56,6 +56,8 @@ class Gtn(Part):
         matrix = [float(value) for value in material.hardening.parameters]
         props = [material.young, material.poisson, self.q1, self.q2, q3, *ends, *nucleation, float(law), *matrix]
         props += [0.0] * (PARAMETERS - len(matrix))
+        h = material.heating
+        props += [0.0, 0.0, 0.0] if h is None or h.melting is None else [h.reference, h.melting, h.exponent]
         gtn = model.Gtn(
             initial=self.porosity,
             length=self.length,

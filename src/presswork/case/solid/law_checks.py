@@ -49,11 +49,14 @@ def check_pores(key: str, material: schema.Material) -> list[Problem]:
     """Return the problems of pores in a metal whose other laws they do not go with; key: of the material."""
     if material.gtn is None:
         return []
-    beside = [name for name in (*BESIDE, "grain") if getattr(material, name) is not None]
+    beside = [name for name in (*BESIDE, "grain") if name != "heating" and getattr(material, name) is not None]
     if material.yield_function.law != "von_mises":
         beside.insert(0, "yield_function")
     fault = "pores are for a metal of von Mises with isotropic hardening alone"
     problems = [Problem(f"{key}.{name}", fault, "leave it out, or gtn") for name in beside]
+    if material.heating is not None and material.heating.heat_capacity is not None:
+        text, remedy = "a metal with pores is not heated adiabatically", "leave it out, or take [heat]"
+        problems.append(Problem(f"{key}.heating.heat_capacity", text, remedy))
     if material.hardening.law not in PORE_HARDENING:
         remedy = f"take one of {', '.join(PORE_HARDENING)}"
         problems.append(Problem(f"{key}.hardening.law", "pores take no such law", remedy, material.hardening.law))
