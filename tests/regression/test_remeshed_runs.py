@@ -282,3 +282,21 @@ def test_a_section_whose_boundary_touches_itself_is_refused_before_anything_is_c
 def test_die_fill_is_measured_on_the_mesh_of_its_step(remeshed):
     fill = measure_die_fill(Result(remeshed), "punch", x_range=(0, 8))
     assert fill.filled == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            {"workpiece": {"material": "steel", "element": "tri3", "mesh": {"size": [10, HEIGHT], "cells": [4, 6]}}},
+            True,
+        ),
+        ({"remesh": {"enabled": False}}, True),
+        ({}, False),
+        ({"remesh": {"enabled": False}, "solver": {"displacements": "small"}}, False),
+    ],
+)
+def test_a_run_that_keeps_its_mesh_says_what_new_ones_need(changes, told):
+    """Where it gives up: triangles and loaded bodies keep their mesh unless asked, quadrilaterals do not."""
+    hints = begin(build_model(upsetting(**changes)), 1)._find_hints()
+    assert any("with [remesh] in the case" in hint for hint in hints) == told

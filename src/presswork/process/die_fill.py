@@ -67,10 +67,12 @@ class DieFill:
         return row
 
     def summarise(self, mesh: Mesh, position: FloatArray, displacement: Mapping[str, FloatArray]) -> dict[str, Any]:
-        """Return what the summary tells of each die: fill, the largest gap and its place, the volume that is open."""
+        """Return what the summary tells of each die on the metal: fill, largest gap with its place, open volume."""
         row, found = self.measure(mesh, position, displacement), {}
         for die in self._dies:
             gap, weight = self._find_gaps(die, mesh, position, displacement[die.name])
+            if row[f"{die.name}.fill"] == 0.0:  # set aside
+                continue
             worst = int(np.argmax(gap))
             x, y = die.wall.places[worst] + displacement[die.name]
             found[die.name] = {

@@ -43,6 +43,7 @@ from presswork.process.tool_ends import explain_passed_ends
 from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
 from presswork.results import history_columns
 
+NEW_MESHES = "the mesh stays as it is: with [remesh] in the case it is made anew where it fails"
 CUT_EDGE = 0.25
 """Part of the shortest boundary edge by which a tool may cut into an edge without a warning."""
 
@@ -189,7 +190,18 @@ class ImplicitRecording(IncrementRecording):
         }
 
     def _find_hints(self) -> list[str]:
-        """Name tools whose profiles end on the metal."""
+        """Name tools whose profiles end on the metal, and say that new meshes would help where the first one stays."""
+        return [*self._find_passed_ends(), *([NEW_MESHES] if self._keeps_its_mesh() else [])]
+
+    def _keeps_its_mesh(self) -> bool:
+        """Whether the case could have new meshes, and does not ask for them."""
+        model, solver = self.model, self.model.solver
+        kinds = [len({model.mesh.blocks[i].element for i in body.blocks}) for body in model.bodies]
+        one_kind = max(kinds, default=len(model.mesh.blocks)) == 1
+        plain = solver.inertia == 0.0 and solver.control == "load" and solver.displacements == "large"
+        return model.remeshing is None and model.dimension == 2 and one_kind and plain
+
+    def _find_passed_ends(self) -> list[str]:
         mesh, state = self.model.mesh, self.procedure.state
         if not self.model.plane_tools:
             return []
