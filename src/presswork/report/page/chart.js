@@ -50,7 +50,7 @@ export class Chart {
       width: this.box.clientWidth || 400, height, legend: { show: false }, cursor: { show: false }, pxAlign: 0,
       scales: { x: { time: false, range: () => this.ranges.x }, y: { range: () => this.ranges.y } },
       series: [{}, { paths: () => null, points: { show: false } }],
-      axes: [{ ...AXIS, label: xLabel }, { ...AXIS, label: yLabel, size: 56 }],
+      axes: [{ ...AXIS, label: xLabel }, { ...AXIS, label: yLabel, size: (_, marks) => Math.max(56, 16 + 7 * Math.max(0, ...(marks ?? []).map((mark) => mark.length))) }],
       hooks: { draw: [(plot) => this.#drawSeries(plot)] },
     }, [this.ranges.x, [null, null]], this.box);
     this.plot.over.addEventListener("click", (event) => {
