@@ -71,7 +71,11 @@ def draw_die(seed: int) -> ClosedDie:
         first, last = (x, x + width)
         most = 0.42 * abs(after - height) / np.cos(draft)
         radii = [float(min(rng.uniform(1.0, 4.0), most)) for _ in range(2)]
-        corners += [(first, height, max(radii[0], 1.0)), (last, after, max(radii[1], 1.0))]
+        room = 0.5 * abs(after - height) / np.cos(draft) / np.tan(0.5 * (0.5 * np.pi - draft))
+        corners += [
+            (at, y, min(max(r, 1.0), 0.999 * room))
+            for at, y, r in zip((first, last), (height, after), radii, strict=True)
+        ]
         x = last
     land = float(rng.uniform(4.0, 6.0))
     corners += [(x + land, flash, 1.0), (x + land + 3.0, flash + 2.0, 0.0), (3.0 * x + 60.0, flash + 2.0, 0.0)]

@@ -43,15 +43,19 @@ def test_example_goes_to_its_end(name, tmp_path):
         assert measure_die_fill(result, tool, x_range=(0.0, outer)).filled == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("radius", [2.0, 1.0])
-def test_hub_on_a_sharper_corner_is_forged_to_full_die(radius, tmp_path):
-    """The packaged hub has 3 mm there."""
+@pytest.mark.parametrize(("foot", "land"), [(2.0, 1.5), (1.0, 1.5), (0.0, 1.5), (3.0, 0.0), (0.0, 0.0)])
+def test_hub_on_sharper_corners_is_forged_to_full_die(foot, land, tmp_path):
+    """The packaged hub has 3 mm at its foot and 1.5 mm at its flash land; 0 is a sharp corner."""
     case = Case.from_toml(str(copy_example("forging_hub", tmp_path)))
     changed = case.model_dump(exclude_unset=True)
-    changed["tools"]["die"]["profile"][2]["radius"] = radius
+    profile = changed["tools"]["die"]["profile"]
+    profile[2]["radius"], profile[4]["radius"] = foot, land
     assert run_model(build_model(Case(**changed)), tmp_path / "run", threads=1).status == "completed"
     result = Result(tmp_path / "run")
     assert measure_die_fill(result, "die", x_range=(0.0, 20.4)).filled == pytest.approx(1.0)
+    volume = result.summary["volume"]
+    assert abs(volume["change_percent"] - volume["elastic_part_percent"]) < 0.01
+    assert abs(result.summary["energy"]["error_percent"]) < 1.0
 
 
 def test_most_closed_dies_drawn_at_random_are_filled(tmp_path):

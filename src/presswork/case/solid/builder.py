@@ -25,10 +25,11 @@ from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
-from presswork.case.solid.remesh import build_remeshing, check_places, check_sizes, check_tools
+from presswork.case.solid.remesh import OF_SMALLEST, build_remeshing, check_places, check_sizes, check_tools
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.cavity import check_cavity
 from presswork.case.tools.die_mesh import build_dies
+from presswork.case.tools.rounded import round_outer_corners
 from presswork.mesh.edges import edge_areas
 
 logger = logging.getLogger(__name__)
@@ -90,6 +91,9 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     problems += point_problems
     dies, die_problems = build_dies(case, tools, _folder(case))
     _stop_at(problems + die_problems, case)
+    remeshing = build_remeshing(case, mesh, bodies, tools)
+    if remeshing is not None and not remeshing.keeps_first:
+        tools = round_outer_corners(tools, OF_SMALLEST * remeshing.smallest_size)
     found = model.Model(
         title=case.title,
         analysis=case.analysis,
@@ -112,7 +116,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         series=case.series.to_model() if case.series else None,
         limits=case.limits.build(),
         points=points,
-        remeshing=build_remeshing(case, mesh, bodies, tools),
+        remeshing=remeshing,
         case_text=case.text,
     )
     closing = check_cavity(found)

@@ -28,6 +28,8 @@ SMALLEST = 0.25
 """Of the largest size."""
 OF_RADIUS = 0.5
 """Of the least radius of a tool: the smallest size that is proposed for it."""
+OF_SMALLEST = 0.5
+"""Of the smallest size: the radius that sharp corners of tools get where they point into the metal."""
 
 
 class BodyRemesh(Part):

@@ -114,7 +114,7 @@ def _draw_pieces(profile: Sequence[ProfilePoint], closed: bool) -> tuple[FloatAr
         after = (corner + 1) % n_points
         if corner not in pieces or after not in pieces:
             raise ProfileError(corner, "a radius at the end of an open profile rounds nothing", "leave it out")
-        fillets[corner] = _round_corner(pieces[corner], pieces[after], profile[corner].radius, corner)
+        fillets[corner] = round_corner(pieces[corner], pieces[after], profile[corner].radius, corner)
     rows: list[FloatArray] = []
     owner: list[int] = []
     for end in ends:
@@ -146,7 +146,7 @@ def _piece(start: FloatArray, end: FloatArray, point: ProfilePoint, index: int) 
     return np.array([*start, *end, *centre, 1.0 if point.turn == "left" else -1.0])
 
 
-def _round_corner(before: FloatArray, after: FloatArray, radius: float, corner: int) -> FloatArray:
+def round_corner(before: FloatArray, after: FloatArray, radius: float, corner: int) -> FloatArray:
     """Return the fillet arc at the corner between two lines, and shorten the lines to its ends in place."""
     if before[TURN] != 0.0 or after[TURN] != 0.0:
         raise ProfileError(corner, "a radius beside an arc is not known", "round corners between two lines only")
