@@ -111,8 +111,8 @@ class NewSection:
         return SurfacePlaces(node, old[before], old[after], part, old[preceding[before]], old[self.following[after]])
 
 
-def measure_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
-    """Return the size of cells that tools, thickness and budget ask for now."""
+def measure_sizes(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> GradedSize:
+    """Return the size of cells that tools and thickness ask for now, a part of it, within the budget."""
     sides = old.sides()
     sources = [gap_sources(sides, old.held_sides())]
     sources += [tool_curvature(sides, p, settings.size, settings.smallest_size) for p in old.profiles]
@@ -126,6 +126,7 @@ def measure_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
     size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, settings.smallest_size)
     for window in settings.windows:
         size.limit(window.box, window.size)
+    size.scale(part)
     x, y = np.moveaxis(old.position[old.corners()], -1, 0)
     area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
     expected = float((area / size(np.column_stack([x.mean(axis=1), y.mean(axis=1)])) ** 2).sum())
@@ -156,8 +157,7 @@ def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -
     """Return a new mesh of the same element and material, of a part of the size. Raises MeshError if there is none."""
     chains = old.chains()
     check_budget(old, settings)
-    size = measure_sizes(old, settings)
-    size.scale(part)
+    size = measure_sizes(old, settings, part=part)
     old_lines = [
         OldLine(
             old.position[chain], old.on_tool[:, chain], old.fixed[chain], find_set_ends(old.mesh, chain), old.profiles,

@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 
 from presswork.geometry.polygon import list_sides
+from presswork.mesh.structured import mesh_rectangle
+from presswork.model import Remeshing
+from presswork.remesh.section import OldSection, measure_sizes
 from presswork.remesh.size_field import GRADATION, GradedSize, SizeSources, grade, metal_thickness, tool_curvature
 from presswork.remesh.triggers import find_cut_edge, find_flat_cell, find_long_edge
 
@@ -69,3 +72,13 @@ def test_an_edge_round_a_sharp_corner_of_a_tool_is_cut_by_nothing_but_its_length
     assert find_cut_edge(line, [sharp]) is None
     assert find_cut_edge(line, [sharp - np.array([0, 0.05, 0, 0.05, 0, 0, 0])]) is None
     assert "deep" in find_cut_edge(line, [sharp - np.array([0, 0.4, 0, 0.4, 0, 0, 0])])
+
+
+def test_a_finer_mesh_keeps_to_the_budget():
+    mesh = mesh_rectangle(np.linspace(0, 10, 21), np.linspace(0, 10, 21), element="quad4_fbar")
+    nothing = np.zeros((1, len(mesh.points)), dtype=bool)
+    old = OldSection(mesh, mesh.points, nothing, np.zeros((len(mesh.points), 2), bool), (), False, range(441))
+    free, bound = Remeshing(1.0, 0.5), Remeshing(1.0, 0.5, max_cells=120)
+    middle = np.array([[5.0, 5.0]])
+    assert measure_sizes(old, free, part=0.5)(middle)[0] == pytest.approx(0.5)
+    assert measure_sizes(old, bound, part=0.5)(middle)[0] == pytest.approx(np.sqrt(100 / 120), rel=0.02)
