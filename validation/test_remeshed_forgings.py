@@ -13,7 +13,7 @@ from validation.closed_dies import FILLED, forge
 
 pytestmark = pytest.mark.validation
 
-CAVITIES = {"forging_hub": ("die", 20.4), "forging_h_section": ("die", 19.0)}
+CAVITIES = {"forging_hub": ("die", 20.4), "forging_h_section": ("die", 19.0), "gear_blank": ("finisher", 28.5)}
 
 
 @pytest.mark.parametrize(

@@ -326,10 +326,10 @@ class Mechanics:
         }
 
     def elastic_dilatation(self, state: State) -> float:
-        """Return the volume gained elastically [mm3]."""
+        """Return the volume gained elastically [mm3]: strains are logarithmic, and a volume was V exp(-tr e)."""
         bulk = [self._model.materials[b.material] for b in self._model.mesh.blocks]
         return sum(
-            float((s[..., :3].sum(axis=-1) * (1 - 2 * m.poisson) / m.young * v).sum())
+            float((-np.expm1(-s[..., :3].sum(axis=-1) * (1 - 2 * m.poisson) / m.young) * v).sum())
             for m, s, v in zip(bulk, state.cells.stress, state.cells.volume, strict=True)
         )
 
