@@ -71,8 +71,8 @@ class HeatSurface:
 
     def __init__(self, model: Model, heat: Heat, dies: MeshedDies) -> None:
         self._model, self._heat, self._dies = model, heat, dies
-        self._edges = find_open_edges(model)
-        self._pieces = split_edges(self._edges)
+        self._edges = find_open_sides(model)
+        self._pieces = self._edges if model.analysis == "solid" else split_edges(self._edges)
         self._contacts = {contact.name: contact for contact in model.contacts}
         self._thickness = None if model.analysis == "axisymmetric" else model.depth
 
@@ -205,9 +205,9 @@ def _cut_off(gap: FloatArray, width: float) -> FloatArray:
     return np.asarray(np.minimum(gap, FAR * width + 1.0))
 
 
-def find_open_edges(model: Model) -> IntArray:
-    """Return the boundary edges that no support holds: those of symmetry planes and clamps give no heat."""
-    edges = model.mesh.boundary_edges
+def find_open_sides(model: Model) -> IntArray:
+    """Return the boundary edges, in space faces, that no support holds: symmetry planes and clamps give no heat."""
+    edges = model.mesh.boundary_faces if model.analysis == "solid" else model.mesh.boundary_edges
     held = np.zeros(len(edges), dtype=bool)
     for support in model.supports:
         held |= np.isin(edges, model.mesh.node_sets[support.node_set]).all(axis=1)

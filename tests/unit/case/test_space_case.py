@@ -98,8 +98,8 @@ def test_bad_input_is_named(changes, expected) -> None:
     assert any(problem.startswith(expected) for problem in problems(change(**changes)))
 
 
-def test_tools_are_refused() -> None:
-    with pytest.raises(CaseError, match="tools cannot touch a solid in space yet"):
+def test_a_tool_without_a_shape_is_refused() -> None:
+    with pytest.raises(CaseError, match=r"tools\.punch\.shape: missing key"):
         SpaceCase(**change(tools={"punch": {}}))
 
 

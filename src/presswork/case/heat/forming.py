@@ -177,7 +177,7 @@ def build_heat(
         tolerance=heat.tolerance,
         max_change=heat.max_change,
         effusivity=tuple(
-            _find_effusivity(case.materials[part.material], start) for part, start in zip(parts, initial, strict=True)
+            find_effusivity(case.materials[part.material], start) for part, start in zip(parts, initial, strict=True)
         ),
         contacts=tuple(
             model.HeatContact(
@@ -191,7 +191,7 @@ def build_heat(
     )
 
 
-def _find_effusivity(material: schema.Material | UmatMaterial, temperature: float) -> float:
+def find_effusivity(material: schema.Material | UmatMaterial, temperature: float) -> float:
     """Return the effusivity at a temperature [N/(mm K s^0.5)]."""
     assert material.thermal is not None
     assert material.density is not None
@@ -211,7 +211,7 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
         yield Problem("heat", "heat in forming is for large displacements", "leave [heat] out")
     parts = {"workpiece": case.workpiece, **{f"bodies.{name}": body for name, body in case.bodies.items()}}
     for name in dict.fromkeys(part.material for part in parts.values()):
-        yield from _check_material(name, case.materials.get(name))
+        yield from check_material(name, case.materials.get(name))
     for key, part in parts.items():
         start = case.heat.initial_temperature if part.initial_temperature is None else part.initial_temperature
         key = "heat.initial_temperature" if part.initial_temperature is None else f"{key}.initial_temperature"
@@ -265,7 +265,7 @@ def _check_no_heat(case: schema.Case) -> Iterator[Problem]:
         yield Problem(key, "has no meaning without [heat]", remedy)
 
 
-def _check_material(name: str, material: schema.Material | UmatMaterial | None) -> Iterator[Problem]:
+def check_material(name: str, material: schema.Material | UmatMaterial | None) -> Iterator[Problem]:
     """Yield what the material of a body lacks."""
     if material is not None:
         if material.thermal is None:

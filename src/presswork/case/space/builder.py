@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.heat.forming import start_hot
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
@@ -18,6 +19,7 @@ from presswork.case.solid.builder import build_materials
 from presswork.case.solid.law_checks import check_integrator
 from presswork.case.solid.references import check_set_names
 from presswork.case.solid.workpiece import MeshFile
+from presswork.case.space.heat import build_space_heat, check_space_heat
 from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.tool_builder import build_tool
 from presswork.case.units import LENGTH, unit_factor
@@ -44,6 +46,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     )
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
+    materials = tuple(start_hot(material, case.heat) for material in materials)
     mirrors, wrong = _find_symmetry_planes(case, mesh)
     folder = case.source.parent if case.source is not None else Path()
     built = [build_tool(name, tool, mesh, mirrors, folder) for name, tool in case.tools.items()]
@@ -66,6 +69,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         output=build_output(case.output),
         limits=case.limits.build(),
         points=points,
+        heat=build_space_heat(case),
         case_text=case.text,
     )
 
@@ -102,7 +106,8 @@ def _check_names(case: SpaceCase) -> list[Problem]:
             problems.append(Problem(f"stages.{index}.name", fault, "give each its own", stage.name))
         is_loaded = bool(stage.force or stage.face_force or stage.pressure)
         moves = any(any(motion.build().move) for motion in stage.tools.values())
-        if not (is_loaded or loaded or moves or any(entry.value != 0.0 for entry in stage.displacement)):
+        displaced = any(entry.value != 0.0 for entry in stage.displacement)
+        if case.heat is None and not (is_loaded or loaded or moves or displaced):
             remedy = (
                 "add [stages.tools.NAME], [[stages.displacement]], [[stages.face_force]], [[stages.pressure]] or "
                 "[[stages.force]]"
@@ -118,7 +123,9 @@ def _check_names(case: SpaceCase) -> list[Problem]:
 
 def _check_materials(case: SpaceCase) -> list[Problem]:
     """Return the problems of laws that no solid in space takes."""
-    problems = list(check_needs(case.materials, [case.workpiece.material], case.stages))
+    heated = case.heat is not None
+    problems = list(check_needs(case.materials, [case.workpiece.material], case.stages, heated=heated))
+    problems += check_space_heat(case)
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
             if case.solver.tangent == "thesis":
@@ -129,16 +136,13 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
                 fault = "pores are for the plane and for axisymmetry, so far"
                 problems.append(Problem(f"materials.{name}.gtn", fault, "leave it out"))
             if material.grain is not None:
-                key, knows = f"materials.{name}", material.heating is not None
+                key, knows = f"materials.{name}", heated or material.heating is not None
                 problems += check_grain(
                     key, material.grain, knows_temperature=knows, stages=case.stages, procedure="implicit"
                 )
             problems += material.check_in_solids(f"materials.{name}")
             if name == case.workpiece.material:
                 problems += check_integrator(name, material, case.solver)
-            if material.thermal is not None:
-                fault, remedy = "heat in forming is for the plane and for axisymmetry, so far", "remove it"
-                problems.append(Problem(f"materials.{name}.thermal", fault, remedy))
         if case.solver.inertia and material.density is None and name == case.workpiece.material:
             remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
             problems.append(Problem(f"materials.{name}.density", "missing key", remedy))

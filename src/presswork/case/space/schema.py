@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.heat.forming import SolidHeat
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.names import Name, Title
@@ -136,6 +137,7 @@ class SpaceCase(CaseFile):
     materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
     tools: dict[Name, SpaceTool] = Field(default={}, description="rigid tools by name")
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
+    heat: SolidHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
     stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
