@@ -296,6 +296,11 @@ def test_a_trim_line_becomes_a_polygon(tmp_path: Path) -> None:
     assert "then trim hole: what lies outside of a line over x -20 to 20 mm, y -20 to 20 mm stays" in words
 
 
+def test_a_trim_line_without_extent_is_refused() -> None:
+    with pytest.raises(CaseError, match=r"trim\.hole: the line is only .* mm across"):
+        build(trim={"hole": {"shape": "circle", "diameter": 1e-308}})
+
+
 def test_a_trim_line_is_read_from_a_drawing(tmp_path: Path) -> None:
     ezdxf = pytest.importorskip("ezdxf")
     drawing = ezdxf.new(units=5)  # cm

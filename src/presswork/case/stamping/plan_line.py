@@ -21,6 +21,8 @@ from presswork.geometry.crossing import find_crossing
 from presswork.geometry.segments import sample_arc
 from presswork.model import FloatArray
 
+SMALLEST = 1e-3
+"""Extent below which a line encloses nothing [mm]."""
 FINE = 1e-5
 """Of a line's extent: how far the chords of its arcs may be off."""
 MEETING = 1e-5
@@ -139,6 +141,8 @@ def draw_line(line: PlanLine, key: str, folder: Path) -> FloatArray | Problem:
         where = f"{key}.points.{error.point}" if isinstance(line, PolygonLine) else key
         return Problem(where, error.fault, error.remedy)
     extent = float(np.linalg.norm(np.ptp(segments[:, :4].reshape(-1, 2), axis=0)))
+    if extent < SMALLEST:
+        return Problem(at, f"the line is only {extent:.3g} mm across", "give its dimensions in mm", *value)
     start, end = segments[0, :2], segments[-1, 2:4]
     if np.linalg.norm(end - start) > MEETING * extent:
         text = f"the line is open, from ({start[0]:.6g}, {start[1]:.6g}) to ({end[0]:.6g}, {end[1]:.6g})"
