@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a new mesh costs, over an increment on the same mesh: an upsetting that is meshed anew all along its stroke.
+
+Run: python -m benchmarks.remeshing [--profile]
+"""
+
+from __future__ import annotations
+
+import argparse
+import cProfile
+import pstats
+from time import process_time
+
+from presswork import Case, build_model
+from presswork.process.remeshing import RemeshedForming
+
+CELLS = (16, 32, 64, 100)
+EVERY = 1 / 31
+"""Of the stroke: 30 new meshes."""
+
+
+def upsetting(n: int) -> Case:
+    """A cylinder of 10 by 10 mm, to 30 % of its height, n by n cells."""
+    hardening = {"law": "swift", "K": 700, "e0": 0.015, "n": 0.2}
+    return Case(
+        title="upsetting",
+        analysis="axisymmetric",
+        workpiece={"material": "steel", "element": "quad4_fbar", "mesh": {"size": [10, 10], "cells": [n, n]}},
+        materials={"steel": {"young": 2e5, "poisson": 0.3, "hardening": hardening}},
+        tools={"punch": {"profile": [[0, 10], [80, 10]], "contact": "shear", "m": 0.15}},
+        boundary={"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
+        stages=[{"name": "press", "tools": {"punch": {"stroke": 3, "direction": [0, -1]}}}],
+        solver={"max_increment": 0.02},
+        remesh={"every": EVERY},
+    )
+
+
+def measure(n: int) -> str:
+    """Return a row of the table."""
+    recording = RemeshedForming(build_model(upsetting(n)))
+    made = remesh = 0.0
+    inner = recording._try_mesh
+
+    def timed(*args: object, **kwargs: object) -> object:
+        nonlocal made, remesh
+        started = process_time()
+        try:
+            return inner(*args, **kwargs)  # type: ignore[arg-type]
+        finally:
+            remesh += process_time() - started
+            made += 1
+
+    recording._try_mesh = timed  # type: ignore[method-assign, assignment]
+    started = process_time()
+    increments = sum(1 for _ in recording.advance())
+    whole = process_time() - started
+    cells = len(recording.model.mesh.blocks[0].connectivity)
+    per_mesh, per_increment = remesh / made, (whole - remesh) / increments
+    return (
+        f"| {cells:,} | {increments} | {made:.0f} | {per_increment:.3f} | {per_mesh:.3f} | "
+        f"{per_mesh / per_increment:.2f} | {whole:.1f} |"
+    )
+
+
+def main() -> None:
+    """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cells", type=int, nargs="*", default=CELLS, help="along each side")
+    parser.add_argument("--profile", action="store_true", help="of the last mesh")
+    arguments = parser.parse_args()
+    print("| cells | increments | new meshes | increment [s] | new mesh [s] | ratio | whole [s] |")
+    print("|---|---|---|---|---|---|---|")
+    profile = cProfile.Profile()
+    for n in arguments.cells:
+        if arguments.profile:
+            profile.enable()
+        print(measure(n), flush=True)
+    if arguments.profile:
+        pstats.Stats(profile).sort_stats("tottime").print_stats(25)
+
+
+if __name__ == "__main__":
+    main()
