@@ -55,13 +55,17 @@ def list_operations(result: Result) -> list[Operation]:
 
 
 def find_idle(result: Result, tool: str) -> BoolArray:
-    """Mark rows of the history (n_rows,) of no operation of a tool, such as those in which it is lifted off."""
-    operations = list_operations(result)
-    idle = np.full(len(result.history["time"]), bool(operations))
+    """Mark rows of the history (n_rows,) of no operation of a tool, and those in which it is lifted off."""
+    operations, history = list_operations(result), result.history
+    idle = np.full(len(history["time"]), bool(operations))
     for operation in operations:
         if tool in operation.tools:
             idle[operation.rows] = False
-    return idle if not idle.all() else ~idle
+    idle = idle if not idle.all() else ~idle
+    if f"{tool}.stroke" not in history or f"{tool}.force" not in history:
+        return idle
+    goes_back = np.diff(history[f"{tool}.stroke"], prepend=0.0) < 0.0
+    return np.asarray(idle | (goes_back & (history[f"{tool}.force"] == 0.0)))
 
 
 def plot_operation(result: Result, operation: Operation, ax: Axes | None = None) -> Axes:

@@ -12,7 +12,15 @@ import numpy as np
 import pytest
 
 from presswork.post import average_to_nodes
-from presswork.results import OutputError, Result, ResultError, ResultMesh, append_step
+from presswork.results import (
+    History,
+    OutputError,
+    Result,
+    ResultError,
+    ResultMesh,
+    append_step,
+    history_columns,
+)
 from presswork.view import (
     plot_all,
     plot_contours,
@@ -130,6 +138,19 @@ def test_force_is_drawn_in_kilonewton_against_stroke(result: Result) -> None:
     np.testing.assert_allclose(line.get_ydata(), force)
     assert largest.get_ydata() == [pytest.approx(np.abs(force).max())]
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("die stroke [mm]", "die force [kN]")
+
+
+def test_the_way_back_of_a_lifted_tool_is_left_out(tmp_path: Path) -> None:
+    """Two blows, and between them the tool goes up without force."""
+    folder = write_upset_output(tmp_path / "blows")
+    (folder / "history.csv").unlink()
+    strokes, forces = [0.0, 1.0, 2.0, 1.0, -1.0, 2.0, 3.0], [0.0, 1e5, 2e5, 0.0, 0.0, 1e4, 3e5]
+    history = History(folder / "history.csv", history_columns(["die"]))
+    for number, (stroke, force) in enumerate(zip(strokes, forces, strict=True)):
+        row = {"die.stroke": stroke, "die.force": force, "die.force_x": 0.0, "die.force_y": force, "die.force_z": 0.0}
+        history.append({"time": float(number), "stage": "press", "increment": number, "iterations": 3, **row})
+    line, _ = plot_history(Result(folder)).lines
+    np.testing.assert_array_equal(np.isnan(line.get_xdata()), [False, False, False, True, True, False, False])
 
 
 def test_any_columns_can_be_chosen(result: Result) -> None:
