@@ -134,7 +134,7 @@ def panel_size(result: Result, step: int, mirror: Mirror) -> tuple[float, float]
     low, high = _limits(result, step, mirror)
     aspect = (high[1] - low[1]) / (high[0] - low[0])
     width = float(np.clip(3.6 / aspect**0.5, 3.0, 6.0))
-    return width + 0.9, float(np.clip(width * aspect, 2.0, 7.5)) + 1.1
+    return width + 1.4, float(np.clip(width * aspect, 2.0, 7.5)) + 1.1
 
 
 def _limits(result: Result, step: int, mirror: Mirror) -> tuple[FloatArray, FloatArray]:
