@@ -16,7 +16,7 @@ from presswork import Case, build_model
 from presswork.body.heat import PointShapes
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.interaction.tool_arrays import ContactArrays
-from presswork.model import FloatArray
+from presswork.model import FloatArray, Model
 from presswork.outcome import StartError
 from presswork.process import remeshing
 from presswork.process.begin import begin
@@ -117,7 +117,7 @@ def test_linear_states_survive_a_new_mesh(monkeypatch, law: str, element: str, h
     before = recording.procedure
     state, mesh = before.state, before.model.mesh
     position = mesh.points + state.nodes.displacement
-    at_points = place(mesh, position)
+    at_points = place(before.model, position)
     for arrays in state:
         for name, becomes in arrays.on_new_mesh.items():
             values = getattr(arrays, name)
@@ -143,7 +143,7 @@ def test_linear_states_survive_a_new_mesh(monkeypatch, law: str, element: str, h
     recording._remesh("asked for")
     after, run = carried["state"], carried["run"]
     mesh = run.model.mesh
-    at_points = place(mesh, mesh.points)
+    at_points = place(run.model, mesh.points)
     on_line = np.unique(mesh.boundary_edges)
     seen = 0
     for arrays in after:
@@ -178,9 +178,9 @@ def _list_blocks(values: Any) -> list[FloatArray]:
     return [of[0] for of in (values.values() if isinstance(values, dict) else [values]) if of[0].size]
 
 
-def place(mesh: Any, position: FloatArray) -> FloatArray:
+def place(model: Model, position: FloatArray) -> FloatArray:
     """Integration points of the only block (n, 2), by the shape functions of the element."""
-    shapes = PointShapes(mesh)
+    shapes = PointShapes(model)
     return np.stack([shapes.to_points(0, position[:, k]).ravel() for k in (0, 1)], axis=1)
 
 

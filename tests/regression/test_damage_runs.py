@@ -130,9 +130,9 @@ def test_new_meshes_keep_the_peak_and_the_mean(tmp_path, monkeypatch) -> None:
         volume, damage = procedure.state.cells.volume[0], find_evolved(procedure.state)["damage_cockcroft_latham"][0]
         return float(damage.max()), float((damage * volume).sum() / volume.sum())
 
-    def look(self, procedure, origin) -> None:
+    def look(self, procedure, origin, position) -> None:
         changes.append(np.divide(measure(procedure), measure(self.procedure)))
-        begin_on(self, procedure, origin)
+        begin_on(self, procedure, origin, position)
 
     begin_on = RemeshedForming._begin_on
     monkeypatch.setattr(RemeshedForming, "_begin_on", look)

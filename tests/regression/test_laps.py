@@ -32,7 +32,7 @@ def crushed(tmp_path_factory) -> Path:
 
 def test_a_fold_that_closes_is_a_lap_in_summary_field_and_picture(crushed):
     result = Result(crushed)
-    assert result.summary["remeshes"] >= 2
+    assert result.summary["remeshes"] >= 1
     (lap,) = result.summary["laps"]
     points, mark = result.points(-1), result.field("lap")
     assert 20.0 < lap["x_mm"] < points[:, 0].max()

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from presswork.mesh.topology import count_corners
 from presswork.model import ELEMENTS, FloatArray, IndexArray, Mesh
@@ -32,7 +32,7 @@ def find_simplices(mesh: Mesh, position: FloatArray, places: FloatArray) -> tupl
     each place lies (n,) [mm].
     """
     simplices = list_simplices(mesh)
-    tree = cKDTree(position[simplices].mean(axis=1))
+    tree = scipy.spatial.cKDTree(position[simplices].mean(axis=1))
     _, near = tree.query(places, k=min(NEAREST, len(simplices)))
     near = near.reshape(len(places), -1)
     nodes = np.zeros((len(places), simplices.shape[1]), dtype=np.intp)

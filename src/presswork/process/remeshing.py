@@ -28,6 +28,7 @@ from presswork.mesh.topology import count_corners
 from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
+from presswork.process.epochs import NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.new_balance import balance_new_mesh
 from presswork.process.recording import Row
@@ -41,6 +42,10 @@ MOST_JUMP = 0.02
 """Change of a tool's force, of the largest, beyond which another mesh is tried, and none taken that can wait."""
 WAIT = 1.5
 """Factor on all triggers, up to which the present mesh goes on rather than one that changes the force too much."""
+MOST_WAITS = 3
+"""Times that a mesh is put off because it changes the force: what waits longer only gets worse."""
+WAITED = "waited"
+"""Name in a checkpoint."""
 PARTS = (1.0, 0.7, 0.85)
 """Of the size that is asked for, in meshes tried one after the other."""
 MOST_GIVEN_BACK = 1e-3
@@ -60,6 +65,8 @@ class RemeshedForming(ImplicitRecording):
         self._first_volumes = [sum(float(volume[i].sum()) for i in body.blocks) for body in self._bodies()]
         self._stayed = False
         """Whether a new mesh was refused after the last increment."""
+        self._waited = 0
+        """How often one was put off because it changes the force, on this mesh."""
         if not self.settings.keeps_first:
             self._made_at = -1  # the first mesh is looked at, too
         self._obstacle = self._find_obstacle()
@@ -221,9 +228,11 @@ class RemeshedForming(ImplicitRecording):
         if not found:
             return self._stay(reason, faults[0])
         new = min(found, key=lambda mesh: mesh.jump)
-        if new.jump > MOST_JUMP and not must and self._reason(WAIT) is None:
+        if new.jump > MOST_JUMP and not must and self._waited < MOST_WAITS and self._reason(WAIT) is None:
+            self._waited += 1
             return self._stay(reason, f"the largest force of a tool would change by {new.jump:.2%}")
         self._begin_on(new.procedure, new.origin, new.procedure.model.mesh.points)
+        self._waited = 0
         volume = new.procedure.volume() / new.procedure.initial_volume - 1.0
         cells = sum(len(block.connectivity) for block in self.model.mesh.blocks)
         self._notes.append(
@@ -255,6 +264,13 @@ class RemeshedForming(ImplicitRecording):
         origin = carrier.material(self.mesh.points)
         keep_held(origin, after.model)
         return _NewEpoch(after, origin, _measure_jump(before.state, after.state), len(outcome.log))
+
+    def _epoch_arrays(self) -> NamedArrays:
+        return super()._epoch_arrays() | {WAITED: np.array([self._waited])}
+
+    def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        super()._load_epoch(epoch)
+        self._waited = int(epoch[WAITED][0])
 
     def _stay(self, reason: str, fault: str) -> bool:
         """Go on with the old mesh."""
