@@ -264,7 +264,7 @@ def test_a_section_with_a_hole_keeps_it_and_its_force():
     recording, (stroke, force) = runs["often"][0], runs["often"][1].T
     assert recording.epoch >= 5
     assert runs["once"][0].epoch == 0
-    loops = [s for section in recording._sections() for s in section.chains()]
+    loops = [s for section in recording._sections() for s in section.chains]
     assert len(loops) == 2
     np.testing.assert_allclose(force, np.interp(stroke, *runs["once"][1].T), rtol=0.02)
     procedure = recording.procedure

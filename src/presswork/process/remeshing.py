@@ -122,7 +122,7 @@ class RemeshedForming(ImplicitRecording):
     def _reason_to_leave_first(self) -> tuple[str, set[int]] | None:
         """Return why a first mesh that is to stay should not go on, and of which bodies."""
         for number, old in enumerate(self._sections()):
-            for chain in old.chains():
+            for chain in old.chains:
                 cut = find_cut_edge(old.position[chain], old.profiles, deepest=LAST_CUT, corners_count=True)
                 if cut is not None:
                     return cut, {number}
@@ -328,7 +328,7 @@ def find_reason(old: OldSection, increment: FloatArray, settings: Remeshing, wai
     flat = find_flat_cell(old.position, increment, old.corners(), settings.quality / wait)
     if flat is not None:
         return flat
-    lines = [old.position[chain] for chain in old.chains()]
+    lines = [old.position[chain] for chain in old.chains]
     for line in lines:
         cut = find_cut_edge(line, old.profiles, deepest=wait * TOO_DEEP)
         if cut is not None:

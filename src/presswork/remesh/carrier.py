@@ -17,9 +17,10 @@ from presswork import _core
 from presswork.mesh.topology import count_corners
 from presswork.model import ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArray, Mesh
 from presswork.remesh.transfer import (
+    NearCells,
+    OldPoints,
     Places,
     PointTransfer,
-    find_transfer,
     interpolate_along,
     keep_peaks,
     locate,
@@ -80,35 +81,33 @@ class _Sources:
         return locate(self.position, self.old_cells, self.points[self.own])
 
     @cached_property
+    def near(self) -> NearCells:
+        """Which old cells are near each other."""
+        return NearCells(self.old_cells)
+
+    @cached_property
     def of_nodes(self) -> tuple[IndexArray, PointTransfer]:
         """Nodes of the old part, and how fields at them are found at the new ones."""
         nodes, first = np.unique(self.old_cells, return_index=True)
-        cell_of = first // self.old_cells.shape[1]
-        old, new = self.position[nodes], self.points[self.own]
-        return nodes, find_transfer(old, new, self.old_cells, self.places.cell, cell_of)
+        old = OldPoints(self.position[nodes], self.near, first // self.old_cells.shape[1])
+        return nodes, old.find_transfer(self.points[self.own], self.places.cell)
 
     @cached_property
     def of_points(self) -> PointTransfer:
         """How fields at the integration points of the old cells are found at those of the new ones."""
-        start, end = self.point_places
-        home = locate(self.position, self.old_cells, end).cell
-        return find_transfer(start, end, self.old_cells, home, self._cell_of)
+        home = locate(self.position, self.old_cells, self.new_points).cell
+        return self.old_points.find_transfer(self.new_points, home)
 
     @cached_property
-    def among_old_points(self) -> PointTransfer:
-        """How the same fit finds fields at the integration points of the old cells themselves."""
-        start, _ = self.point_places
-        return find_transfer(start, start, self.old_cells, self._cell_of, self._cell_of)
+    def old_points(self) -> OldPoints:
+        """The integration points of the old cells."""
+        places, n_cells = place_points(self.old, self.position), len(self.old_cells)
+        return OldPoints(places, self.near, np.repeat(np.arange(n_cells), len(places) // n_cells))
 
     @cached_property
-    def point_places(self) -> tuple[FloatArray, FloatArray]:
-        """Where the integration points of the old and of the new cells are (n, 2) [mm]."""
-        return place_points(self.old, self.position), place_points(self.new, self.points)
-
-    @property
-    def _cell_of(self) -> IndexArray:
-        n_cells = len(self.old_cells)
-        return np.repeat(np.arange(n_cells), len(self.point_places[0]) // n_cells)
+    def new_points(self) -> FloatArray:
+        """Where the integration points of the new cells are (n, 2) [mm]."""
+        return place_points(self.new, self.points)
 
 
 class Carrier:
@@ -188,8 +187,9 @@ class Carrier:
         for part, sources in zip(self.parts, self._sources, strict=True):
             given, found = values[part.block], carried[part.block]
             if sources is not None and given.size:
-                fits = sources.among_old_points, sources.of_points
-                kept = keep_peaks(given.ravel(), found.ravel(), volume[part.block].ravel(), fits, sources.point_places)
+                own = volume[part.block].ravel()
+                places = sources.old_points, sources.new_points
+                kept = keep_peaks(given.ravel(), found.ravel(), own, *places, sources.of_points)
                 result[part.block] = kept.reshape(found.shape)
         return result
 

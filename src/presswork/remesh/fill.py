@@ -254,8 +254,7 @@ def _split(
     ends = np.concatenate(
         [np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2) for cells in (quads, alone)]
     )
-    sides, number = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    number = number.reshape(-1)
+    sides, number = _list_once(ends)
     n_coarse = len(line) // 2
     place = np.concatenate([np.arange(0, len(line), 2), len(line) + np.arange(len(vertices) - n_coarse)])
     follows = np.concatenate([after, np.full(len(vertices) - n_coarse, -1)])
@@ -283,10 +282,17 @@ def _split(
     return points, np.concatenate(cells)
 
 
+def _list_once(ends: IndexArray) -> tuple[IndexArray, IndexArray]:
+    """Return each side of cells once (k, 2), its lower end first, and which of them each of (n, 2) ends is (n,)."""
+    n = int(ends.max()) + 1
+    sides, number = np.unique(ends.min(axis=1) * n + ends.max(axis=1), return_inverse=True)
+    return np.stack(np.divmod(sides, n), axis=1), number.reshape(-1)
+
+
 def _smooth(points: FloatArray, cells: IndexArray, n_line: int) -> FloatArray:
     """Move inner nodes to the middle of their neighbours where no cell round them becomes worse than it may."""
     ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
-    ends = np.unique(np.sort(ends, axis=1), axis=0)
+    ends, _ = _list_once(ends)
     ends = np.concatenate([ends, ends[:, ::-1]])
     count = np.bincount(ends[:, 0], minlength=len(points))
     free = np.arange(len(points)) >= n_line

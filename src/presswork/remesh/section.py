@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -28,7 +29,6 @@ from presswork.remesh.volume import enclosed_volume
 
 LEAST_ACROSS = 1.5
 """Cells across the metal below which a budget is too small."""
-UNLIMITED = 10**9
 _ATTEMPTS, _FINER = 3, 0.8
 """Where the boundary cannot be kept, or filled, cells are made smaller by a factor, and tried again."""
 
@@ -68,8 +68,9 @@ class OldSection:
         connectivity = self.mesh.blocks[0].connectivity
         return connectivity[:, : count_corners(connectivity.shape[1])].astype(np.intp)
 
+    @cached_property
     def chains(self) -> list[IndexArray]:
-        """Return the nodes of each loop of the boundary in order, the metal on the left.
+        """The nodes of each loop of the boundary in order, the metal on the left.
 
         Raises MeshError where loops are not closed, or share a node.
         """
@@ -80,14 +81,16 @@ class OldSection:
             raise MeshError("the boundary of a body is not made of closed lines", "bodies whose parts do not touch")
         return [loop[:, 0].astype(np.intp) for loop in loops]
 
+    @cached_property
     def held_sides(self) -> BoolArray:
-        """Mark the sides both of whose ends a support holds in one component (k,)."""
-        held = [(self.fixed[c] & np.roll(self.fixed[c], -1, axis=0)).any(axis=1) for c in self.chains()]
+        """The sides both of whose ends a support holds in one component, marked (k,)."""
+        held = [(self.fixed[c] & np.roll(self.fixed[c], -1, axis=0)).any(axis=1) for c in self.chains]
         return np.concatenate(held)
 
+    @cached_property
     def sides(self) -> FloatArray:
-        """Return the sides of the boundary, loop after loop (k, 2, 2) [mm]."""
-        return np.concatenate([list_sides(self.position[chain]) for chain in self.chains()])
+        """The sides of the boundary, loop after loop (k, 2, 2) [mm]."""
+        return np.concatenate([list_sides(self.position[chain]) for chain in self.chains])
 
 
 @dataclass(frozen=True)
@@ -113,8 +116,15 @@ class NewSection:
 
 def measure_sizes(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> GradedSize:
     """Return the size of cells that tools and thickness ask for now, a part of it, within the budget."""
-    sides = old.sides()
-    sources = [gap_sources(sides, old.held_sides())]
+    size = _ask_for_sizes(old, settings)
+    _keep_budget(old, settings, size, part)
+    return size
+
+
+def _ask_for_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
+    """Return the size of cells that tools and thickness ask for now, whatever the budget."""
+    sides = old.sides
+    sources = [gap_sources(sides, old.held_sides)]
     sources += [tool_curvature(sides, p, settings.size, settings.smallest_size) for p in old.profiles]
     sources += [
         along_tool(sides, profile, settings.size, own)
@@ -126,22 +136,37 @@ def measure_sizes(old: OldSection, settings: Remeshing, *, part: float = 1.0) ->
     size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, settings.smallest_size)
     for window in settings.windows:
         size.limit(window.box, window.size)
-    size.scale(part)
+    return size
+
+
+def _expect_cells(old: OldSection, size: GradedSize) -> float:
+    """Return how many cells of a size there will be."""
     x, y = np.moveaxis(old.position[old.corners()], -1, 0)
     area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
-    expected = float((area / size(np.column_stack([x.mean(axis=1), y.mean(axis=1)])) ** 2).sum())
+    return float((area / size(np.column_stack([x.mean(axis=1), y.mean(axis=1)])) ** 2).sum())
+
+
+def _keep_budget(old: OldSection, settings: Remeshing, size: GradedSize, part: float) -> None:
+    """Make cells smaller by a factor, then larger until the budget suffices, in place."""
+    size.scale(part)
+    expected = _expect_cells(old, size)
     if expected > settings.max_cells:
         size.scale(float(np.sqrt(expected / settings.max_cells)))
-    return size
 
 
 def check_budget(old: OldSection, settings: Remeshing) -> None:
     """Raise MeshError where the budget leaves less than LEAST_ACROSS cells across the metal, and a larger one not."""
-    sides = old.sides()
-    thickness, middle = metal_thickness(sides, old.held_sides()), sides.mean(axis=1)
-    across, wanted = (
-        thickness / measure_sizes(old, own)(middle) for own in (settings, replace(settings, max_cells=UNLIMITED))
-    )
+    _check_budget(old, settings, _ask_for_sizes(old, settings))
+
+
+def _check_budget(old: OldSection, settings: Remeshing, size: GradedSize) -> None:
+    """Raise MeshError where the budget does not suffice for a size."""
+    lack = float(np.sqrt(_expect_cells(old, size) / settings.max_cells))
+    if lack <= 1.0:
+        return
+    thickness, middle = metal_thickness(old.sides, old.held_sides), old.sides.mean(axis=1)
+    wanted = thickness / size(middle)
+    across = wanted / lack
     worst = int(np.argmin(across))
     if across[worst] < min(LEAST_ACROSS, 0.99 * wanted[worst]):
         x, y = middle[worst]
@@ -155,9 +180,10 @@ def check_budget(old: OldSection, settings: Remeshing) -> None:
 
 def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> NewSection:
     """Return a new mesh of the same element and material, of a part of the size. Raises MeshError if there is none."""
-    chains = old.chains()
-    check_budget(old, settings)
-    size = measure_sizes(old, settings, part=part)
+    chains = old.chains
+    size = _ask_for_sizes(old, settings)
+    _check_budget(old, settings, size)
+    _keep_budget(old, settings, size, part)
     old_lines = [
         OldLine(
             old.position[chain], old.on_tool[:, chain], old.fixed[chain], find_set_ends(old.mesh, chain), old.profiles,

@@ -17,6 +17,7 @@ those that are the same all along it to the bit.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -31,7 +32,9 @@ _REACH, _LEAST_WEIGHT, _RIDGE = 1.05, 1e-3, 1e-13
 _MISSED = 1e-6
 """Part of a value that a fit may miss without a peak being lost."""
 _ENOUGH_FOR_SQUARES, _ENOUGH_FOR_LINES = 8, 4
-_AT_ONCE = 20_000
+_AT_ONCE = 2_000
+_CLOSEST = 4
+"""Old points to each that are asked first whether they are above it: few points are left to be fitted."""
 _CANDIDATES = (3, 16)
 """Nearest cells that are asked whether they contain a point, then those of points that none of these contains."""
 
@@ -41,7 +44,7 @@ class PointTransfer:
     """What every new point takes from which old points."""
 
     donor: IndexArray
-    """(n_new, DONORS)."""
+    """(n_new, DONORS); the closest one again where there are fewer."""
     is_donor: BoolArray
     """(n_new, DONORS)."""
     weight: FloatArray
@@ -56,80 +59,138 @@ class PointTransfer:
         result = np.empty((len(self.donor), values.shape[1]))
         for first in range(0, len(self.donor), _AT_ONCE):
             part = slice(first, first + _AT_ONCE)
-            nearest = values[self.donor[part][np.arange(len(self.donor[part])), self.closest[part]]]
-            given, counts = values[self.donor[part]] - nearest[:, None], self.is_donor[part, :, None]
+            donor = self.donor[part]
+            nearest = values[donor[np.arange(len(donor)), self.closest[part]]]
+            given = values.take(donor, axis=0) - nearest[:, None]
             linear = np.einsum("nd,ndm->nm", self.linear_weight[part], given)
-            low = np.minimum(np.where(counts, given, np.inf).min(axis=1), linear)
-            high = np.maximum(np.where(counts, given, -np.inf).max(axis=1), linear)
+            low, high = linear.copy(), linear.copy()
+            for own in np.moveaxis(given, 1, 0):
+                np.minimum(low, own, out=low)
+                np.maximum(high, own, out=high)
             result[part] = nearest + np.clip(np.einsum("nd,ndm->nm", self.weight[part], given), low, high)
         return result
 
 
-def find_transfer(
-    old: FloatArray, new: FloatArray, old_cells: IndexArray | None = None, home: IndexArray | None = None,
-    old_cell_of: IndexArray | None = None,
-) -> PointTransfer:  # fmt: skip
-    """Return how values at points old (n_old, 2) are found at points new (n_new, 2).
+class NearCells:
+    """Pairs of cells that are at most RINGS neighbours apart."""
 
-    old_cells: connectivity of the old cells (n_cells, 4), home: the old cell in or beside which each new point lies
-    (n_new,), old_cell_of: that of each old point (n_old,); without them every old point may be a donor.
-    """
-    n_donors = min(DONORS, len(old))
-    tree = cKDTree(old)
-    distance, donor = tree.query(new, k=n_donors)
-    distance, donor = distance.reshape(len(new), -1), donor.reshape(len(new), -1)
-    is_donor = np.ones(donor.shape, dtype=bool)
-    if old_cells is not None and home is not None and old_cell_of is not None:
-        near = _NearCells(old_cells)
-        is_donor = near.are_near(home, old_cell_of[donor])
-        lacking = np.flatnonzero(~is_donor.all(axis=1))
-        if len(lacking):
-            wide = min(5 * n_donors, len(old))
-            farther, more = tree.query(new[lacking], k=wide)
-            good = near.are_near(home[lacking], old_cell_of[more])
-            first = np.argsort(~good, axis=1, kind="stable")[:, :n_donors]
-            row = np.arange(len(lacking))[:, None]
-            donor[lacking], distance[lacking], is_donor[lacking] = (
-                more[row, first],
-                farther[row, first],
-                good[row, first],
-            )
-            none = lacking[~is_donor[lacking].any(axis=1)]
-            is_donor[none, 0] = True
-    weights = [
-        _fit(old, new[part], donor[part], distance[part], is_donor[part])
-        for part in (slice(i, i + _AT_ONCE) for i in range(0, len(new), _AT_ONCE))
-    ]
-    quadratic, linear = (np.concatenate(w) for w in zip(*weights, strict=True))
-    closest = np.where(is_donor, distance, np.inf).argmin(axis=1)
-    return PointTransfer(donor, is_donor, quadratic, linear, closest)
+    def __init__(self, cells: IndexArray) -> None:
+        """cells: connectivity (n_cells, 3 | 4)."""
+        n_cells, n_corners = cells.shape
+        row = np.repeat(np.arange(n_cells), n_corners)
+        ones = np.ones(cells.size, dtype=np.int32)
+        at_node = scipy.sparse.csr_array((ones, (row, cells.ravel())), shape=(n_cells, int(cells.max()) + 1))
+        beside = at_node @ at_node.T
+        half = beside
+        for _ in range(RINGS // 2 - 1):
+            half = half @ beside
+        half.sort_indices()
+        half.data[:] = 1
+        self._n, self._half = n_cells, half
+        self._keys = np.repeat(np.arange(n_cells, dtype=np.int64) * n_cells, np.diff(half.indptr)) + half.indices
+
+    def are_near(self, home: IndexArray, cells: IndexArray) -> BoolArray:
+        """Say which cells (n, k) are near those of home (n,)."""
+        wanted = home[:, None].astype(np.int64) * self._n + cells
+        at = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        near = np.asarray(self._keys[at] == wanted)
+        first, second = np.divmod(wanted[~near], self._n)
+        near[~near] = self._half[first].multiply(self._half[second]).sum(axis=1) > 0  # they meet half-way
+        return near
+
+
+@dataclass(frozen=True)
+class OldPoints:
+    """Points of an old mesh, from which values at new ones are found."""
+
+    position: FloatArray
+    """(n_old, 2) [mm]."""
+    near: NearCells | None = None
+    """Of the old mesh; None: every old point may be a donor."""
+    cell_of: IndexArray | None = None
+    """The old cell of each (n_old,)."""
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self.position)
+
+    @cached_property
+    def _closest(self) -> tuple[IndexArray, BoolArray]:
+        """A few old points nearest to each, and which of them are its donors, without itself (n_old, k) each."""
+        n = len(self.position)
+        _, donor = self._tree.query(self.position, k=min(_CLOSEST, n))
+        donor = donor.reshape(n, -1)
+        counts = donor != np.arange(n)[:, None]
+        if self.near is not None and self.cell_of is not None:
+            counts &= self.near.are_near(self.cell_of, self.cell_of[donor])
+        return donor, counts
+
+    def find_transfer(self, new: FloatArray, home: IndexArray | None = None) -> PointTransfer:
+        """Return how values at these points are found at new ones (n_new, 2) [mm].
+
+        home: the old cell in or beside which each new point lies (n_new,); without it every old point may be a donor.
+        """
+        old = self.position
+        n_donors = min(DONORS, len(old))
+        distance, donor = self._tree.query(new, k=n_donors)
+        distance, donor = distance.reshape(len(new), -1), donor.reshape(len(new), -1)
+        is_donor = np.ones(donor.shape, dtype=bool)
+        if self.near is not None and self.cell_of is not None and home is not None:
+            is_donor = self.near.are_near(home, self.cell_of[donor])
+            lacking = np.flatnonzero(~is_donor.all(axis=1))
+            if len(lacking):
+                farther, more = self._tree.query(new[lacking], k=min(5 * n_donors, len(old)))
+                good = self.near.are_near(home[lacking], self.cell_of[more])
+                first = np.argsort(~good, axis=1, kind="stable")[:, :n_donors]
+                row = np.arange(len(lacking))[:, None]
+                donor[lacking], distance[lacking] = more[row, first], farther[row, first]
+                is_donor[lacking] = good[row, first]
+                none = lacking[~is_donor[lacking].any(axis=1)]
+                is_donor[none, 0] = True
+        weights = [
+            _fit(old, new[part], donor[part], distance[part], is_donor[part])
+            for part in (slice(i, i + _AT_ONCE) for i in range(0, len(new), _AT_ONCE))
+        ]
+        quadratic, linear = (np.concatenate(w) for w in zip(*weights, strict=True))
+        closest = np.where(is_donor, distance, np.inf).argmin(axis=1)
+        donor = np.where(is_donor, donor, donor[np.arange(len(new)), closest][:, None])
+        return PointTransfer(donor, is_donor, quadratic, linear, closest)
+
+    def find_peaks(self, given: FloatArray) -> IndexArray:
+        """Return the points whose value (n_old,) is above those of all their donors, and which the fit misses."""
+        donor, counts = self._closest
+        peaks = np.flatnonzero(~(counts & (given[donor] >= given[:, None])).any(axis=1))
+        if not len(peaks):
+            return peaks
+        fit = self.find_transfer(self.position[peaks], None if self.cell_of is None else self.cell_of[peaks])
+        others = np.where(fit.is_donor & (fit.donor != peaks[:, None]), given[fit.donor], -np.inf)
+        missed = given[peaks] - fit.apply(given[:, None])[:, 0]
+        is_lost = (given[peaks] > others.max(axis=1)) & (missed > _MISSED * np.abs(given[peaks]))
+        return np.asarray(peaks[is_lost])
 
 
 def keep_peaks(
-    given: FloatArray,
-    found: FloatArray,
-    volume: FloatArray,
-    fits: tuple[PointTransfer, PointTransfer],
-    places: tuple[FloatArray, FloatArray],
+    given: FloatArray, found: FloatArray, volume: FloatArray, old: OldPoints, new: FloatArray, fit: PointTransfer
 ) -> FloatArray:
     """Return a field found at new points (n_new,) with the peaks that it has at old points, `given` (n_old,).
 
     A least-squares fit flattens a peak of a single point. So the value of an old point that is above all its donors,
     and that the fit misses, goes to the new point nearest to it; all others lose as much by volume (n_new,) [mm3], in
     proportion, so that the integral stays. Fields that the fit follows, those of the second order, stay as they are.
-    fits: to the old points themselves and to the new ones; places: of old and new points (n, 2) [mm].
+    new: places of the new points (n_new, 2) [mm]; fit: from the old ones to them.
     """
-    at_old, at_new = fits
-    others = np.where(at_old.is_donor & (at_old.donor != np.arange(len(given))[:, None]), given[at_old.donor], -np.inf)
-    missed = given - at_old.apply(given[:, None])[:, 0]
-    peaks = np.flatnonzero((given > others.max(axis=1)) & (missed > _MISSED * np.abs(given)))
+    peaks = old.find_peaks(given)
     result, is_peak = found.copy(), np.zeros(len(found), dtype=bool)
-    for peak in peaks:
-        near = np.flatnonzero(((at_new.donor == peak) & at_new.is_donor).any(axis=1))
-        if len(near):
-            nearest = near[np.linalg.norm(places[1][near] - places[0][peak], axis=1).argmin()]
-            result[nearest] = max(result[nearest], given[peak])
-            is_peak[nearest] = True
+    wanted = np.zeros(len(given), dtype=bool)
+    wanted[peaks] = True
+    taker, which = np.nonzero(wanted[fit.donor] & fit.is_donor)
+    peak = fit.donor[taker, which]
+    distance = np.linalg.norm(new[taker] - old.position[peak], axis=1)
+    order = np.lexsort((taker, distance, peak))
+    _, first = np.unique(peak[order], return_index=True)
+    nearest = order[first]
+    np.maximum.at(result, taker[nearest], given[peak[nearest]])
+    is_peak[taker[nearest]] = True
     added = float(((result - found) * volume).sum())
     rest = float((result * volume)[~is_peak].sum())
     if 0.0 < added < rest:
@@ -144,11 +205,13 @@ def _fit(
     reach = np.where(is_donor, distance, 0.0).max(axis=1)
     reach = np.where(reach > 0.0, reach, 1.0)
     weight = np.maximum(1.0 - (distance / (_REACH * reach[:, None])) ** 2, _LEAST_WEIGHT) ** 2 * is_donor
-    x, y = np.moveaxis((old[donor] - new[:, None]) / reach[:, None, None], -1, 0)
+    x, y = ((old[:, k].take(donor) - new[:, k, None]) / reach[:, None] for k in (0, 1))
     basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+    weighted = basis * weight[..., None]
+    moment = weighted.transpose(0, 2, 1) @ basis
     count = is_donor.sum(axis=1)
-    linear = _solve(basis[..., :3], weight)
-    quadratic = _solve(basis, weight)
+    linear = _solve(weighted[..., :3], moment[:, :3, :3])
+    quadratic = _solve(weighted, moment)
     nearest = np.zeros_like(linear)
     closest = np.where(is_donor, distance, np.inf).argmin(axis=1)
     nearest[np.arange(len(new)), closest] = 1.0
@@ -156,40 +219,18 @@ def _fit(
     return np.where((count >= _ENOUGH_FOR_SQUARES)[:, None], quadratic, linear), linear
 
 
-def _solve(basis: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return the donors' weights in a weighted least-squares fit's value at the origin (n_new, n_donors)."""
-    weighted = basis * weight[..., None]
-    moment = weighted.transpose(0, 2, 1) @ basis
+def _solve(weighted: FloatArray, moment: FloatArray) -> FloatArray:
+    """Return the donors' weights in a weighted least-squares fit's value at the origin (n_new, n_donors).
+
+    weighted: basis times weight (n_new, n_donors, k), moment: its product with the basis (n_new, k, k).
+    """
     ridge = _RIDGE * np.maximum(np.trace(moment, axis1=1, axis2=2), 1e-300)
-    diagonal = np.arange(basis.shape[-1])
+    diagonal = np.arange(moment.shape[-1])
+    moment = moment.copy()
     moment[:, diagonal, diagonal] += ridge[:, None]
     unit = np.zeros((*moment.shape[:2], 1))
     unit[:, 0] = 1.0
     return np.asarray((weighted @ np.linalg.solve(moment, unit))[..., 0])
-
-
-class _NearCells:
-    """Pairs of cells that are at most RINGS neighbours apart."""
-
-    def __init__(self, cells: IndexArray) -> None:
-        n_cells, n_corners = cells.shape
-        row = np.repeat(np.arange(n_cells), n_corners)
-        ones = np.ones(cells.size, dtype=np.int32)
-        at_node = scipy.sparse.csr_array((ones, (row, cells.ravel())), shape=(n_cells, int(cells.max()) + 1))
-        beside = at_node @ at_node.T
-        near = beside
-        for _ in range(RINGS - 1):
-            near = near @ beside
-            near.data[:] = 1
-        pairs = near.tocoo()
-        self._n = n_cells
-        self._keys = np.sort(pairs.row.astype(np.int64) * n_cells + pairs.col)
-
-    def are_near(self, home: IndexArray, cells: IndexArray) -> BoolArray:
-        """Say which cells (n, k) are near those of home (n,)."""
-        wanted = home[:, None].astype(np.int64) * self._n + cells
-        at = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
-        return np.asarray(self._keys[at] == wanted)
 
 
 @dataclass(frozen=True)

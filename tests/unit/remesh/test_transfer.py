@@ -7,7 +7,7 @@ import pytest
 from presswork.model import CellBlock, Mesh
 from presswork.remesh.carrier import Carrier, Part, SurfacePlaces, place_points
 from presswork.remesh.fill import fill_with_quadrilaterals
-from presswork.remesh.transfer import find_transfer, keep_peaks, locate
+from presswork.remesh.transfer import RINGS, NearCells, OldPoints, keep_peaks, locate
 
 SIZE = 0.05
 
@@ -108,13 +108,27 @@ def test_values_do_not_cross_a_fold():
 def carry_with_peaks(old, new, values):
     """Carry one field as carry does; return it at the new points without and with its peaks, and their volumes."""
     start, end = place(old), place(new)
-    fits = [
-        find_transfer(start, at, old[1], locate(*old, at).cell, np.repeat(np.arange(len(old[1])), 4))
-        for at in (start, end)
-    ]
+    points = OldPoints(start, NearCells(old[1]), np.repeat(np.arange(len(old[1])), 4))
+    fit = points.find_transfer(end, locate(*old, end).cell)
     volume = np.repeat(areas(new) / 4, 4)
-    found = fits[1].apply(values[:, None])[:, 0]
-    return found, keep_peaks(values, found, volume, (fits[0], fits[1]), (start, end)), volume
+    found = fit.apply(values[:, None])[:, 0]
+    return found, keep_peaks(values, found, volume, points, end, fit), volume
+
+
+def test_near_cells_are_those_within_four_neighbours():
+    """Against the rings themselves, node by node, on two arms that hang together at their foot."""
+    cells = np.array(
+        [[i, i + 1, 40 + i + 1, 40 + i] for i in range(39)] + [[100 + i, 101 + i, 141 + i, 140 + i] for i in range(39)]
+    )
+    cells[39, [0, 3]] = cells[0, [0, 3]]
+    near = NearCells(cells)
+    for home in (0, 3, 20, 39, 41):
+        reached = {home}
+        for _ in range(RINGS):
+            nodes = set(cells[sorted(reached)].ravel().tolist())
+            reached = {c for c, corners in enumerate(cells.tolist()) if nodes & set(corners)}
+        found = near.are_near(np.array([home]), np.arange(len(cells))[None])[0]
+        assert set(np.flatnonzero(found).tolist()) == reached
 
 
 def areas(mesh):
@@ -147,9 +161,9 @@ def test_fields_of_the_second_order_have_no_peaks_to_restore():
 
 def test_few_donors_give_a_linear_fit_then_the_nearest_value():
     points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.4]])
-    linear = find_transfer(points, np.array([[0.3, 0.6]])).apply(points @ [[2.0], [1.0]])
+    linear = OldPoints(points).find_transfer(np.array([[0.3, 0.6]])).apply(points @ [[2.0], [1.0]])
     assert linear[0, 0] == pytest.approx(1.2, abs=1e-9)
-    assert find_transfer(points[:2], np.array([[0.8, 0.2]])).apply(np.array([[3.0], [5.0]]))[0, 0] == 5.0
+    assert OldPoints(points[:2]).find_transfer(np.array([[0.8, 0.2]])).apply(np.array([[3.0], [5.0]]))[0, 0] == 5.0
 
 
 def test_nodes_are_located_and_linear_fields_continued_a_little_beyond():
