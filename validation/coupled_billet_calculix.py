@@ -24,16 +24,14 @@ from pathlib import Path
 import numpy as np
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, IntArray
+from validation.hot_billet import HEIGHT, PLACES, RADIUS, STROKE, make_billet, press
 
-RADIUS, HEIGHT, STROKE, CELLS, TIME, SLABS, SWEEPS = 10.0, 15.0, 3.0, (16, 24), 0.5, 10, 3
+CELLS, TIME, SLABS, SWEEPS = (16, 24), 0.5, 10, 3
 YIELD, HARDENING, COLD, MELTING = 280.0, 180.0, 200.0, 1500.0
 """Flow stress YIELD + HARDENING times strain at COLD, falling evenly to nothing at MELTING [MPa, degrees C]."""
-PLACES = {"middle": (0.0, 0.0), "side": (RADIUS, 0.0), "face": (0.0, HEIGHT), "rim": (RADIUS, HEIGHT)}
-"""Where temperatures are compared, by their place at the start [mm]."""
 WEDGE = np.pi / 90
 """Angle of the wedge that CalculiX makes of an axisymmetric body."""
 DENSITY = ["*DENSITY", "7.8e-9"]
@@ -45,45 +43,8 @@ SECTION = "*SOLID SECTION, ELSET=EALL, MATERIAL=STEEL"
 def run_presswork(element: str = "quad4_fbar", largest: float = 0.02) -> tuple[dict[str, float], float]:
     """Return temperatures at PLACES [degrees C] and the force of the die [N]."""
     law = {"law": "linear", "yield_stress": YIELD, "modulus": HARDENING}
-    case = Case.model_validate(
-        {
-            "title": "hot billet",
-            "analysis": "axisymmetric",
-            "workpiece": {
-                "material": "steel",
-                "element": element,
-                "mesh": {"size": [RADIUS, HEIGHT], "cells": CELLS},
-            },
-            "materials": {
-                "steel": {
-                    "young": "100 GPa",
-                    "poisson": 0.35,
-                    "density": "7800 kg/m^3",
-                    "hardening": law,
-                    "heating": {"reference": COLD, "melting": MELTING, "exponent": 1},
-                    "thermal": {
-                        "conductivity": [[20, 53], [800, 27], [1300, 28]],
-                        "specific_heat": [[20, "440 J/(kg*K)"], [700, "800 J/(kg*K)"], [1300, "650 J/(kg*K)"]],
-                    },
-                }
-            },
-            "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
-            "tools": {
-                "die": {
-                    "profile": [[0, HEIGHT], [RADIUS, HEIGHT]],
-                    "contact": "sticking",
-                    "heat": {"temperature": 200, "conductance": "5 kW/(m^2*K)"},
-                }
-            },
-            "heat": {
-                "initial_temperature": 1200,
-                "tolerance": 0.2,
-                "surroundings": {"ambient": 20, "coefficient": "1 kW/(m^2*K)"},
-            },
-            "stages": [{"name": "upset", "duration": TIME, "tools": {"die": {"stroke": STROKE, "direction": [0, -1]}}}],
-            "solver": {"max_increment": largest},
-        }
-    )
+    heating = {"reference": COLD, "melting": MELTING, "exponent": 1}
+    case = make_billet(CELLS, law, [press(TIME)], largest, element=element, heating=heating)
     procedure = ImplicitProcedure(build_model(case), threads=1)
     for _ in procedure.advance():
         pass

@@ -20,14 +20,12 @@ from pathlib import Path
 import numpy as np
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import BoolArray, FloatArray, IntArray
+from validation.hot_billet import PLACES, make_billet, press
 
-RADIUS, HEIGHT, STROKE, CELLS = 10.0, 15.0, 3.0, (20, 32)
-PLACES = {"middle": (0.0, 0.0), "side": (RADIUS, 0.0), "face": (0.0, HEIGHT), "rim": (RADIUS, HEIGHT)}
-"""Where temperatures are compared, by their place at the start [mm]."""
+CELLS = (20, 32)
 
 
 def has_calculix() -> bool:
@@ -37,44 +35,9 @@ def has_calculix() -> bool:
 
 def run_presswork() -> ImplicitProcedure:
     """Return the billet after upsetting and dwell."""
-    case = Case.model_validate(
-        {
-            "title": "hot billet",
-            "analysis": "axisymmetric",
-            "workpiece": {"material": "steel", "mesh": {"size": [RADIUS, HEIGHT], "cells": CELLS}},
-            "materials": {
-                "steel": {
-                    "young": "100 GPa",
-                    "poisson": 0.35,
-                    "density": "7800 kg/m^3",
-                    "hardening": {"law": "linear", "yield_stress": 100, "modulus": 100},
-                    "thermal": {
-                        "conductivity": [[20, 53], [800, 27], [1300, 28]],
-                        "specific_heat": [[20, "440 J/(kg*K)"], [700, "800 J/(kg*K)"], [1300, "650 J/(kg*K)"]],
-                    },
-                }
-            },
-            "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},
-            "tools": {
-                "die": {
-                    "profile": [[0, HEIGHT], [RADIUS, HEIGHT]],
-                    "contact": "sticking",
-                    "heat": {"temperature": 200, "conductance": "5 kW/(m^2*K)"},
-                }
-            },
-            "heat": {
-                "initial_temperature": 1200,
-                "plastic_fraction": 0,
-                "tolerance": 0.2,
-                "surroundings": {"ambient": 20, "coefficient": "1 kW/(m^2*K)"},
-            },
-            "stages": [
-                {"name": "upset", "duration": 1e-6, "tools": {"die": {"stroke": STROKE, "direction": [0, -1]}}},
-                {"name": "dwell", "duration": 1},
-            ],
-            "solver": {"max_increment": 0.01},
-        }
-    )
+    law = {"law": "linear", "yield_stress": 100, "modulus": 100}
+    stages = [press(1e-6), {"name": "dwell", "duration": 1}]
+    case = make_billet(CELLS, law, stages, 0.01, heat={"plastic_fraction": 0})
     procedure = ImplicitProcedure(build_model(case), threads=1)
     for _ in procedure.advance():
         pass

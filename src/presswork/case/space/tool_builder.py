@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.case.space.tools import PlaneTool, ProfileTool, SpaceTool
-from presswork.case.tools.builder import weigh_sides
+from presswork.case.tools.builder import is_backwards
 from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.segments import TURN, X0, X1, reverse_segments, sample_arc
@@ -82,17 +82,9 @@ def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float) -> Surfa
         return Problem(f"tools.{name}.profile.{error.point}", error.fault, error.remedy, value)
     seen = nodes - np.array(tool.position)
     across = np.hypot(seen[:, 0], seen[:, 1]) if tool.shape == "round" else seen[:, 0]
-    backwards = tool.free_side == "right"
-    if tool.free_side == "auto":
-        balance = weigh_sides(np.column_stack([across, seen[:, 2]]), segments)
-        if abs(balance) < 1e-9 * size:
-            return Problem(
-                f"tools.{name}.free_side",
-                "the workpiece does not say which side of the profile is free",
-                'set free_side = "left" or "right", seen along the profile as drawn',
-                tool.free_side,
-            )
-        backwards = balance < 0.0
+    backwards = is_backwards(name, tool.free_side, np.column_stack([across, seen[:, 2]]), segments)
+    if isinstance(backwards, Problem):
+        return backwards
     if backwards:
         segments = reverse_segments(segments)
     return _turn(segments) if tool.shape == "round" else _draw_out(segments, CHORD * size, BEYOND * size)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -53,17 +54,10 @@ def build_tool(
     segments = shift_segments(outline.segments, place)
     m, mu = np.where(np.isnan(outline.m), tool.m, outline.m), np.where(np.isnan(outline.mu), tool.mu, outline.mu)
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    drawn, backwards = outline.segments, tool.free_side == "right"
-    if tool.free_side == "auto":
-        balance = weigh_sides(nodes, segments)
-        if abs(balance) < 1e-9 * size:
-            return Problem(
-                f"tools.{name}.free_side",
-                "the workpiece does not say which side of the profile is free",
-                'set free_side = "left" or "right", seen along the profile as drawn',
-                tool.free_side,
-            )
-        backwards = balance < 0.0
+    drawn = outline.segments
+    backwards = is_backwards(name, tool.free_side, nodes, segments)
+    if isinstance(backwards, Problem):
+        return backwards
     if backwards:
         drawn, m, mu = reverse_segments(drawn), m[::-1].copy(), mu[::-1].copy()
         segments = shift_segments(drawn, place)
@@ -186,7 +180,27 @@ def _check_crossing(name: str, tool: CaseTool, outline: Outline) -> Problem | No
     )
 
 
-def weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:
+def is_backwards(
+    name: str, free_side: Literal["auto", "left", "right"], nodes: FloatArray, segments: FloatArray
+) -> bool | Problem:
+    """Say whether a profile is drawn with its tool's metal on the left; auto: with the workpiece's nodes on the right.
+
+    nodes (n, 2) [mm] of the workpiece and segments (n, 7) of the profile are in one frame.
+    """
+    if free_side != "auto":
+        return free_side == "right"
+    balance = _weigh_sides(nodes, segments)
+    if abs(balance) < 1e-9 * float(np.linalg.norm(np.ptp(nodes, axis=0))):
+        return Problem(
+            f"tools.{name}.free_side",
+            "the workpiece does not say which side of the profile is free",
+            'set free_side = "left" or "right", seen along the profile as drawn',
+            free_side,
+        )
+    return balance < 0.0
+
+
+def _weigh_sides(nodes: FloatArray, segments: FloatArray) -> float:
     """Return the mean signed distance [mm] of the workpiece: positive when it lies left of the profile.
 
     Nodes nearest to an end of the profile count only when there are no others.
