@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -187,6 +188,71 @@ def test_limits_are_what_the_case_says(tmp_path) -> None:
     assert stressed.status == "gave_up"
     assert "the hydrostatic stress is" in stressed.reason
     assert "0.333 times the flow stress" in stressed.reason
+
+
+CLOSED_DIE = """
+title = "A billet in a closed die that its volume more than fills"
+analysis = "axisymmetric"
+[workpiece]
+material = "steel"
+[workpiece.mesh]
+kind = "rectangle"
+size = [10, 20]
+cells = [10, 20]
+[materials.steel]
+young = "200 GPa"
+poisson = 0.3
+density = "7850 kg/m^3"
+hardening = {law = "swift", K = 700, e0 = 0.015, n = 0.2}
+[tools.punch]
+profile = [[0, 20], [40, 20]]
+contact = "frictionless"
+[tools.container]
+profile = [[12, -5], [12, 30]]
+contact = "frictionless"
+[boundary.axis]
+set = "left"
+fix = ["x"]
+[boundary.middle]
+set = "bottom"
+fix = ["y"]
+[[stages]]
+name = "press"
+[stages.tools.punch]
+stroke = 9
+direction = [0, -1]
+[limits]
+stop = false
+"""
+
+
+@pytest.mark.parametrize(
+    "overrides", [[], [*EXPLICIT[:2], EXPLICIT[3], "output.rows=200"]], ids=["implicit", "explicit"]
+)
+@pytest.mark.parametrize("analysis", ["axisymmetric", "plane_strain"])
+def test_a_closed_cavity_stops_a_run_that_would_go_on_beyond_its_limits(tmp_path, analysis, overrides) -> None:
+    """A full container answers by the bulk modulus: the pressure is K times the logarithm of the lost volume.
+
+    The volume of the container, 12 wide, is that of the billet, 10 wide and 20 high, where the punch stands at
+    20 (10 / 12)^2 in axisymmetry, and at 20 (10 / 12) in plane strain.
+    """
+    outcome = run(write(tmp_path, CLOSED_DIE), tmp_path / "out", f'analysis="{analysis}"', *overrides)
+    assert outcome.status == "gave_up"
+    history, largest = outcome.result.history, outcome.result.summary["limits"]["mean_pressure"]["largest"]
+    stroke, force = history["punch.stroke"][-1], abs(history["punch.force"][-1])
+    full = 20 * (10 / 12) ** (2 if analysis == "axisymmetric" else 1)
+    stop = re.search(r"mean pressure in the workpiece is ([\d.e+]+) MPa, ([\d.]+) times its mean flow", outcome.reason)
+    assert stop is not None
+    assert float(stop[2]) == pytest.approx(largest, rel=5e-3)
+    assert 10.0 < largest < 15.0
+    assert float(stop[1]) == pytest.approx(200e3 / 3 / (1 - 0.6) * np.log(full / (20 - stroke)), rel=0.05)
+    assert f"punch presses with {force:.4g} N" in outcome.reason
+    if not overrides:
+        assert "hold 100 % of the surface" in outcome.reason
+    assert "--set limits.mean_pressure=" in outcome.reason
+    on = run(write(tmp_path, CLOSED_DIE), tmp_path / "on", f'analysis="{analysis}"', *overrides,
+             "limits.mean_pressure=1000", f"stages.0.tools.punch.stroke={stroke + 0.2}")  # fmt: skip
+    assert on.status == "completed"
 
 
 @pytest.fixture(scope="module")

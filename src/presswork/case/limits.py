@@ -15,7 +15,9 @@ _LIMITS = model.Limits()
 class Limits(Part):
     """Beyond which a state is no longer physics; a run stops there, with all that it has computed."""
 
-    stop: bool = Field(default=_LIMITS.stop, description="false: the run goes on beyond its limits, and warns")
+    stop: bool = Field(
+        default=_LIMITS.stop, description="false: the run goes on beyond its limits but mean_pressure, and warns"
+    )
     penetration: Number = Field(
         default=_LIMITS.penetration,
         gt=0,
@@ -25,6 +27,12 @@ class Limits(Part):
     thinning: Number = Field(default=_LIMITS.thinning, gt=0, lt=1, description="of a sheet, over its first thickness")
     hydrostatic_stress: Number = Field(
         default=_LIMITS.hydrostatic_stress, gt=0, description="of solids, either way, over the flow stress there"
+    )
+    mean_pressure: Number = Field(
+        default=_LIMITS.mean_pressure,
+        gt=0,
+        description="mean pressure in a solid between tools, over its mean flow stress: beyond it the metal has no way "
+        "out. It stops a run even where stop = false",
     )
 
     def build(self) -> model.Limits:

@@ -19,3 +19,5 @@ class Limits:
     """Thinning of a sheet, over its thickness at the start."""
     hydrostatic_stress: float = 30.0
     """Hydrostatic stress, tension or compression, over the flow stress."""
+    mean_pressure: float = 10.0
+    """Mean pressure in a body between tools, over its mean flow stress: a closed cavity. It holds whatever `stop`."""

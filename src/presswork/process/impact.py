@@ -23,12 +23,12 @@ from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
-from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Mesh, Model, Stage, Tool, ToolMotion
+from presswork.model import ELEMENTS, Blow, Drive, ExplicitSolid, FloatArray, Mesh, Model, Stage, Tool, ToolMotion
 from presswork.process.die_fill import DieFill
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself, names_of_heat
 from presswork.process.heat_quantities import show_dies, warn_of_tables
-from presswork.process.limits import Watched, measure_hydrostatic_stress
+from presswork.process.limits import Measure, Watched, measure_hydrostatic_stress, measure_mean_pressure
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.peaks import find_peaks, peak_columns, peak_row
 from presswork.process.penetration import Penetration
@@ -225,9 +225,27 @@ class ExplicitImpact(RowRecording):
         deepest = Penetration().note(mesh, self.solids.position, placed, self._find_gaps)
         stress, flow = self.solids.stress, self._flow_stress()
         centres = np.concatenate([self.solids.position[b.connectivity].mean(axis=1) for b in mesh.blocks])
-        hydrostatic = measure_hydrostatic_stress(stress[:, :3].mean(axis=1), flow, centres)
+        mean = stress[:, :3].mean(axis=1)
+        hydrostatic = measure_hydrostatic_stress(mean, flow, centres)
         peaks = find_peaks(mesh, self.solids.position, self.solids.damage, self.solids.critical_damage())
-        return Watched((hydrostatic, *([deepest] if deepest else [])), damage=peaks)
+        return Watched(
+            (hydrostatic, *self._measure_pressure(mean, flow), *([deepest] if deepest else [])), damage=peaks
+        )
+
+    def _measure_pressure(self, stress: FloatArray, flow_stress: FloatArray) -> list[Measure]:
+        """Return the mean pressure in the metal; none without tools or with UMATs. Both (n,) [MPa]."""
+        model, position = self.model, self.solids.position
+        if not model.tools or any(material.umat for material in model.materials):
+            return []
+        volumes = [
+            _core.lump_volumes(
+                ELEMENTS[block.element].cell, np.ascontiguousarray(block.connectivity, dtype=np.int32), position,
+                axisymmetric=model.analysis == "axisymmetric", depth=model.depth,
+            )
+            for block in model.mesh.blocks
+        ]  # fmt: skip
+        volume = np.concatenate([np.sum(of, axis=1) for of in volumes])
+        return [measure_mean_pressure("workpiece", stress, flow_stress, volume)]
 
     def _flow_stress(self) -> FloatArray:
         """Return the flow stress of the cells (n_cells,) [MPa], as SolidMaterial has it; effective stress of a UMAT."""

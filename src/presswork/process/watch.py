@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from presswork.fields.table import describe_field, split_components, to_scalar
 from presswork.model import FloatArray, Limits, Mesh
-from presswork.process.limits import Watched, explain_breach, find_breach
+from presswork.process.limits import NEVER_PASSED, Watched, explain_breach, find_breach
 from presswork.process.peaks import Peak
 from presswork.process.recording import Snapshot
 
@@ -50,9 +50,12 @@ class Watch:
         breach = find_breach(self._limits, watched.measures)
         if breach is None:
             return None
-        reason = f"{_say_when(row)}{explain_breach(breach, self._limits)}"
+        if not self._limits.stop:
+            final = find_breach(self._limits, [m for m in watched.measures if m.limit in NEVER_PASSED])
+            breach = breach if final is None else final
+        reason = f"{_say_when(row)}{explain_breach(breach, self._limits, row)}"
         self._passed.setdefault(breach.limit, reason)
-        return reason if self._limits.stop else None
+        return reason if self._limits.stop or breach.limit in NEVER_PASSED else None
 
     def _take_peak(self, peak: Peak, row: Mapping[str, Any]) -> None:
         """Remember the largest damage by a criterion, and when and where it first passed the critical value."""
