@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from presswork import CaseError, build_model, read_case, run_model
+from presswork.case.description import describe
 from presswork.interaction.supports import NotHeldError
 from presswork.view.all_plots import plot_all
 
@@ -120,6 +121,12 @@ def test_a_resumed_run_gives_the_same_bits_on_any_number_of_threads(case, whole,
 def test_bad_input_is_told(case, change, said) -> None:
     with pytest.raises(CaseError, match=said):
         build_model(read_case(case, change))
+
+
+def test_the_model_is_told_in_words(case) -> None:
+    words = describe(build_model(read_case(case)))
+    assert "tool die: plane with the normal (0, 0, -1), at (0, 0, 7.5) mm, shear, m = 0.3, whole tool mirrored" in words
+    assert "tool die moves by (0, 0, -3) mm" in words
 
 
 def test_a_block_that_nothing_holds_is_refused(case, tmp_path) -> None:

@@ -46,7 +46,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
     for number, stage in enumerate(problem.stages, 1):
         lines += [
             f'stage {number} "{stage.name}", {stage.duration:g} s:',
-            *(f"  {line}" for line in _describe_stage(stage)),
+            *(f"  {line}" for line in _describe_stage(stage, problem.dimension)),
         ]
     if isinstance(problem.explicit, model.ExplicitSolid):
         return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
@@ -174,7 +174,7 @@ def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
     return f"support: {fixed} held on {support.node_set} ({len(mesh.node_sets[support.node_set])} nodes)"
 
 
-def _describe_stage(stage: model.Stage) -> Iterator[str]:
+def _describe_stage(stage: model.Stage, dimension: int) -> Iterator[str]:
     if stage.drive is not None:
         yield describe_drive(stage.drive)
     for name, motion in stage.tool_motion.items():
@@ -186,7 +186,8 @@ def _describe_stage(stage: model.Stage) -> Iterator[str]:
             x, y, *_ = motion.push.direction
             yield f"tool {name} pushes along ({x:g}, {y:g}), with {motion.push.force[-1, 1]:g} N at the end"
         if any(motion.move):
-            yield f"tool {name} moves by ({motion.move[0]:g}, {motion.move[1]:g}) mm"
+            way = ", ".join(f"{part:g}" for part in motion.move[:dimension])
+            yield f"tool {name} moves by ({way}) mm"
         if motion.turn:
             yield f"tool {name} turns by {np.degrees(motion.turn):g} degrees counter-clockwise"
     for entry in stage.prescribed:
