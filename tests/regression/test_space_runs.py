@@ -84,3 +84,18 @@ def test_threads_do_not_change_a_bit(model, tmp_path) -> None:
     for threads in (1, 2):
         run_model(model, tmp_path / str(threads), threads=threads)
     assert (tmp_path / "1/history.csv").read_bytes() == (tmp_path / "2/history.csv").read_bytes()
+
+
+def test_a_face_that_is_let_go_springs_back(tmp_path) -> None:
+    """What held it fades over the next stage; the energy is that of its way."""
+    path = tmp_path / "block.toml"
+    path.write_text(TEXT.replace("[solver]", '[[stages]]\nname = "release"\n[solver]'))
+    result = run_model(build_model(read_case(path)), tmp_path / "out", threads=1).result
+    assert result.summary["status"] == "completed"
+    drawn, free = (
+        result.history["right.displacement_x"][result.history["stage"] == s][-1] for s in ("pull", "release")
+    )
+    assert drawn == pytest.approx(1.0)
+    assert 0.01 < drawn - free < 0.05, "about the elastic strain, a quarter of a per cent of 8 mm"
+    assert abs(result.history["grip.force_x"][-1]) < 1e-3 * abs(result.history["grip.force_x"]).max()
+    assert abs(result.summary["energy"]["error_percent"]) < 1.5

@@ -3,24 +3,55 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from presswork.interaction.contract import Forces, Guess, Interaction
+from presswork.interaction.supports import Supports
+from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.edges import GAUSS_3, edge_areas, edge_shape_functions
 from presswork.mesh.faces import face_areas, press_faces
 from presswork.model import FloatArray, IntArray, Model
-from presswork.state import State
+from presswork.state import Arrays, State
+
+
+@dataclass
+class FadingLoads(Arrays):
+    """What is left of the stage before, of a model in space."""
+
+    owner = "fading_loads"
+    force: FloatArray
+    """Forces left from the previous stage; they fade to zero over this stage (n_points, freedoms) [N, N mm]."""
 
 
 class Loads(Interaction):
-    """The loads of a model of solids: forces, edge forces, pressures that follow the surface."""
+    """The loads of a model of solids: forces, edge forces, pressures that follow the surface.
+
+    In space what a stage has held and the next one does not fades over that one.
+    """
 
     is_driving = True
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, supports: Supports) -> None:
         self._model = model
+        self._supports = supports
+        self._fades = model.dimension == 3
+
+    def at_rest(self) -> tuple[Arrays, ...]:
+        """Return no forces left."""
+        return (FadingLoads(np.zeros(self._model.mesh.points.shape)),) if self._fades else ()
+
+    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
+        """Keep what holds a converged state in balance where the next stage holds nothing."""
+        if not self._fades:
+            return
+        force = internal()
+        if SpaceToolArrays in state:  # tools stay where they are
+            force = force - state[SpaceToolArrays].force.sum(axis=0)
+        state[FadingLoads].force = np.where(self._supports.fixed(next_stage), 0.0, force)
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces:
         """Return the loads at a guess."""
@@ -36,9 +67,12 @@ class Loads(Interaction):
         if not settings.is_small:
             points = points + (state_n.nodes.displacement + increment)
         found = evaluate_loads(self._model, points, stage, fraction)
+        force = found.force
+        if self._fades:
+            force = force + (1.0 - fraction) * state_n[FadingLoads].force
         if settings.is_small or not settings.pressure_stiffness:
-            return Forces(found.force, found.pairs[:0], found.blocks[:0])
-        return found
+            return Forces(force, found.pairs[:0], found.blocks[:0])
+        return Forces(force, found.pairs, found.blocks)
 
 
 def evaluate_loads(model: Model, points: FloatArray, stage: int, fraction: float) -> Forces:

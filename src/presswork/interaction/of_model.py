@@ -29,7 +29,7 @@ class Interactions:
             self.loads = ShellLoads(model, cells.directors, self.supports)
         else:
             self.supports = Supports(model)
-            self.loads = Loads(model)
+            self.loads = Loads(model, self.supports)
         self.bodies = BodyContacts(model, cells)
         self.tools = PlaneTools(model, cells, self.supports)
         self.space_tools = SpaceTools(model, cells) if model.space_tools or model.beads else None

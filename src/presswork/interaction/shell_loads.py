@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from presswork import _core
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import measure_shells
 from presswork.interaction.contract import Forces, Guess, Interaction
+from presswork.interaction.loads import FadingLoads
 from presswork.interaction.supports import Supports
 from presswork.mesh.directors import Directors
 from presswork.mesh.edges import GAUSS_3, edge_shape_functions
@@ -26,15 +26,6 @@ def _skew(v: FloatArray) -> FloatArray:
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         matrix[..., i, j], matrix[..., j, i] = -v[..., k], v[..., k]
     return matrix
-
-
-@dataclass
-class FadingLoads(Arrays):
-    """What is left of the stage before."""
-
-    owner = "fading_loads"
-    force: FloatArray
-    """Forces left from the previous stage; they fade to zero over this stage (n_points, 6) [N, N mm]."""
 
 
 class ShellLoads(Interaction):

@@ -29,7 +29,7 @@ from presswork.fields.instant import Instant
 from presswork.implicit.energy import Work
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.shell_loads import FadingLoads
+from presswork.interaction.loads import FadingLoads
 from presswork.law.umat import open_sheet_law
 from presswork.mesh.directors import cell_normals
 from presswork.mesh.thickness_rule import thickness_rule

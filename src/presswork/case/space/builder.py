@@ -99,7 +99,7 @@ def _check_names(case: SpaceCase) -> list[Problem]:
             fault = f"expected a unit of length, but {error}"
             problems.append(Problem("workpiece.mesh.unit", fault, "e.g. mm, m, inch", piece.mesh.unit))
     names = [stage.name for stage in case.stages]
-    loaded = False
+    held = False
     for index, stage in enumerate(case.stages):
         if stage.name in names[:index]:
             fault = "two stages have this name"
@@ -107,13 +107,13 @@ def _check_names(case: SpaceCase) -> list[Problem]:
         is_loaded = bool(stage.force or stage.face_force or stage.pressure)
         moves = any(any(motion.build().move) for motion in stage.tools.values())
         displaced = any(entry.value != 0.0 for entry in stage.displacement)
-        if case.heat is None and not (is_loaded or loaded or moves or displaced):
+        if case.heat is None and not (is_loaded or held or moves or displaced):
             remedy = (
                 "add [stages.tools.NAME], [[stages.displacement]], [[stages.face_force]], [[stages.pressure]] or "
                 "[[stages.force]]"
             )
             problems.append(Problem(f"stages.{index}", f'the stage "{stage.name}" changes nothing', remedy))
-        loaded = is_loaded
+        held = is_loaded or displaced  # which the next stage may let go
         for tool in stage.tools:
             if tool not in case.tools:
                 remedy = suggest(tool, case.tools, "tools")
