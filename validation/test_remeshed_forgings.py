@@ -10,6 +10,7 @@ from presswork.post import measure_die_fill
 from presswork.recorder import run_model
 from presswork.results import Result
 from validation.closed_dies import FILLED, forge
+from validation.sharp_corners import make_hub
 
 pytestmark = pytest.mark.validation
 
@@ -46,11 +47,8 @@ def test_example_goes_to_its_end(name, tmp_path):
 @pytest.mark.parametrize(("foot", "land"), [(2.0, 1.5), (1.0, 1.5), (0.0, 1.5), (3.0, 0.0), (0.0, 0.0)])
 def test_hub_on_sharper_corners_is_forged_to_full_die(foot, land, tmp_path):
     """The packaged hub has 3 mm at its foot and 1.5 mm at its flash land; 0 is a sharp corner."""
-    case = Case.from_toml(str(copy_example("forging_hub", tmp_path)))
-    changed = case.model_dump(exclude_unset=True)
-    profile = changed["tools"]["die"]["profile"]
-    profile[2]["radius"], profile[4]["radius"] = foot, land
-    assert run_model(build_model(Case(**changed)), tmp_path / "run", threads=1).status == "completed"
+    model = build_model(make_hub(foot, land, None, tmp_path))
+    assert run_model(model, tmp_path / "run", threads=1).status == "completed"
     result = Result(tmp_path / "run")
     assert measure_die_fill(result, "die", x_range=(0.0, 20.4)).filled == pytest.approx(1.0)
     volume = result.summary["volume"]

@@ -93,20 +93,20 @@ class ContactArrays(Arrays):
 
 @dataclass
 class SpaceToolArrays(Arrays):
-    """Where the tools in space are, and their force on the nodes of a shell."""
+    """Where the tools in space are, and their force on the nodes."""
 
     owner = "space_tools"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
         ("displacement", "travel", "travel_increment", "energy"), RUN
     )
     displacement: FloatArray
-    """Since the start (n_sheet_tools, 3) [mm]."""
+    """Since the start (n_space_tools, 3) [mm]."""
     travel: FloatArray
     """The part of it that forces have made, in the same form."""
     travel_increment: FloatArray
     """Of the last increment."""
     force: FloatArray
-    """Of each tool on the nodes (n_sheet_tools, n_points, 3) [N]."""
+    """Of each tool on the nodes (n_space_tools, n_points, 3) [N]."""
     friction: FloatArray
     """The part of it along the tool, in the same form."""
     energy: float

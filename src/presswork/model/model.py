@@ -91,7 +91,7 @@ class Model:
 
     @property
     def space_tools(self) -> tuple[Tool, ...]:
-        """Tools with a surface in space, which touch sheets."""
+        """Tools with a surface in space, which touch sheets and solids in space."""
         return tuple(tool for tool in self.tools if not isinstance(tool.shape, Profile))
 
     @property
