@@ -10,6 +10,7 @@ import pytest
 
 from presswork import CaseError, build_model, read_case, run_model
 from presswork.case.description import describe
+from presswork.case.space.schema import SpaceCase
 from presswork.interaction.supports import NotHeldError
 from presswork.view.all_plots import plot_all
 
@@ -121,6 +122,18 @@ def test_a_resumed_run_gives_the_same_bits_on_any_number_of_threads(case, whole,
 def test_bad_input_is_told(case, change, said) -> None:
     with pytest.raises(CaseError, match=said):
         build_model(read_case(case, change))
+
+
+def test_a_round_tool_beside_a_symmetry_plane_is_refused(case) -> None:
+    ball = {"shape": "round", "profile": [[0, 0], [3, 3]], "position": [2, 0, 7.5], "contact": "frictionless"}
+    data = read_case(case).model_dump(exclude_unset=True)
+    data["tools"]["die"] = ball
+    with pytest.raises(
+        CaseError, match=r"tools\.die\.position .* the symmetry plane x = 0 cuts this round tool beside"
+    ):
+        build_model(SpaceCase.model_validate(data))
+    data["tools"]["die"] = ball | {"position": [0, 0, 7.5]}
+    assert build_model(SpaceCase.model_validate(data)).tools[0].mirrored_across == (True, True, False)
 
 
 def test_the_model_is_told_in_words(case) -> None:

@@ -51,8 +51,17 @@ def build_tool(name: str, tool: SpaceTool, mesh: Mesh, mirrors: tuple[FloatArray
             f"the deepest {-gap[deepest]:.6g} mm at ({place})",
             f"move the tool by ({away}) mm, or turn its surface over if its metal is on the other side",
         )
-    friction = Friction(tool.contact, tool.m, tool.mu)
-    return Tool(name, shape, tool.position, friction, mirrored_across=_find_mirrors(tool, shape, mirrors, size))
+    cut = _find_mirrors(tool, shape, mirrors, size)
+    for axis in (0, 1):
+        if tool.shape == "round" and cut[axis] and abs(tool.position[axis] - mirrors[axis][0]) > TOLERANCE * size:
+            plane = f"{'xy'[axis]} = {mirrors[axis][0]:g}"
+            return Problem(
+                f"tools.{name}.position",
+                f"the symmetry plane {plane} cuts this round tool beside its axis, so it has no mirror image of itself",
+                f"put its axis on {plane}, or model the whole workpiece",
+                list(tool.position),
+            )
+    return Tool(name, shape, tool.position, Friction(tool.contact, tool.m, tool.mu), mirrored_across=cut)
 
 
 def _make_shape(name: str, tool: SpaceTool, nodes: FloatArray, size: float, folder: Path) -> Surface | Problem:
