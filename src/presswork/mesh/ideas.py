@@ -23,6 +23,7 @@ _PARABOLIC_TRIANGLES = (42, 52, 62, 72, 82, 92)
 _LINEAR_QUADS = (44, 54, 64, 74, 84, 94)
 _PARABOLIC_QUADS = (45, 55, 65, 75, 85, 95)
 _LINES = (11, 21, 22, 23, 24)
+_SOLIDS = {111: "tetra", 112: "wedge", 115: "hexahedron", 116: "hexahedron20", 118: "tetra10"}
 _GROUPS = (2435, 2452, 2467, 2477)
 _NODE_CODE, _ELEMENT_CODE = 7, 8
 
@@ -43,7 +44,11 @@ def read_ideas(path: Path) -> RawMesh:
     elements: dict[int, tuple[str, IntArray]] = {}
     for position in (place for place, number in enumerate(types) if number == 2412):
         _read_elements(file.read_sets(position), index, elements, raw)
-    for kind in sorted({kind for kind, _ in elements.values() if not kind.startswith("line")}):
+    kinds = {kind for kind, _ in elements.values() if not kind.startswith("line")}
+    if "hexahedron" in kinds:
+        raw.hexahedra.append(np.array([cell for kind, cell in elements.values() if kind == "hexahedron"]))
+        raw.other_kinds.add("hexahedron")
+    for kind in sorted(kinds - {"hexahedron"}):
         raw.add_cells(kind, np.array([cell for other, cell in elements.values() if other == kind]))
     for number, lines in datasets:
         if number in _GROUPS:
@@ -77,7 +82,8 @@ def _read_elements(
                 ) from None
             kind = _kind_of(descriptor, len(nodes))
             if kind is None:
-                raw.other_kinds.add(f"element type {descriptor} with {len(nodes)} nodes")
+                named = _SOLIDS.get(descriptor, "element type")
+                raw.other_kinds.add(f"{named} {descriptor} with {len(nodes)} nodes")
                 continue
             if kind in ("tri6", "quad8"):
                 nodes = np.concatenate([nodes[::2], nodes[1::2]])
@@ -85,7 +91,7 @@ def _read_elements(
 
 
 def _kind_of(descriptor: int, n_nodes: int) -> str | None:
-    """Return tri3, tri6, quad4, quad8, line2 or line3 for an element type, None for any other."""
+    """Return tri3, tri6, quad4, quad8, line2, line3 or hexahedron for an element type, None for any other."""
     kinds = {
         3: ("tri3", _LINEAR_TRIANGLES),
         6: ("tri6", _PARABOLIC_TRIANGLES),
@@ -94,6 +100,8 @@ def _kind_of(descriptor: int, n_nodes: int) -> str | None:
     }
     if descriptor in _LINES and n_nodes in (2, 3):
         return f"line{n_nodes}"
+    if _SOLIDS.get(descriptor) == "hexahedron" and n_nodes == 8:
+        return "hexahedron"
     kind, descriptors = kinds.get(n_nodes, ("", ()))
     return kind if descriptor in descriptors else None
 

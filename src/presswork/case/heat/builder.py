@@ -14,8 +14,8 @@ from presswork.case.settings import build_output
 from presswork.case.solid.bodies import WORKPIECE, mesh_body
 from presswork.case.solid.references import check_set_names
 from presswork.case.solid.workpiece import MeshFile, Rectangle
-from presswork.case.space.builder import mesh_space_body
-from presswork.case.space.schema import Box
+from presswork.case.space.mesh import MadeMesh
+from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import fitting_patterns
 from presswork.mesh.facing import find_lying
@@ -93,8 +93,8 @@ def _check_bodies(case: HeatCase) -> Iterator[Problem]:
         if family != _FAMILY[case.geometry]:
             remedy = "take hex8" if case.geometry == "solid" else 'take quad4, or geometry = "solid"'
             yield Problem(f"{key}.element", f"no element of geometry = {case.geometry}", remedy, element)
-        elif isinstance(body.mesh, Box) != (case.geometry == "solid") and not isinstance(body.mesh, MeshFile):
-            what = "a box" if isinstance(body.mesh, Box) else "a rectangle"
+        elif isinstance(body.mesh, MadeMesh) != (case.geometry == "solid") and not isinstance(body.mesh, MeshFile):
+            what = f"a {body.mesh.kind}"
             remedy = "give size = [x, y, z] and cells of three" if case.geometry == "solid" else "give size = [x, y]"
             yield Problem(f"{key}.mesh", f"{what} does not go with geometry = {case.geometry}", remedy)
         elif isinstance(body.mesh, Rectangle) and body.mesh.pattern is not None:
@@ -102,6 +102,8 @@ def _check_bodies(case: HeatCase) -> Iterator[Problem]:
             if body.mesh.pattern not in fitting:
                 remedy = f"choose one of: {', '.join(fitting)}; or another element"
                 yield Problem(f"{key}.mesh.pattern", f"does not fit element = {element}", remedy, body.mesh.pattern)
+        elif isinstance(body.mesh, MadeMesh):
+            yield from check_space_mesh(f"{key}.mesh", body.mesh, element)
         if isinstance(body.mesh, MeshFile):
             try:
                 unit_factor(body.mesh.unit, LENGTH)
@@ -166,7 +168,7 @@ def _build_meshes(case: HeatCase) -> tuple[model.Mesh, tuple[model.Body, ...]]:
     parts = {}
     for name, (key, body) in _list_bodies(case).items():
         material, element = materials.index(body.material), _element(case, body)
-        if isinstance(body.mesh, Box) or case.geometry == "solid":
+        if isinstance(body.mesh, MadeMesh) or case.geometry == "solid":
             assert not isinstance(body.mesh, Rectangle)
             return mesh_space_body(key, body.mesh, element, material, case.source), ()
         parts[name] = mesh_body(key, body.mesh, element, material, case.source)

@@ -17,7 +17,7 @@ from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.settings import Output
 from presswork.case.solid.workpiece import MeshFile, Rectangle
-from presswork.case.space.schema import Box
+from presswork.case.space.mesh import MadeMesh
 from presswork.case.units import Density, HeatTransfer, Length, Number, Time
 
 _HEAT = model.Heat(initial=())
@@ -55,7 +55,7 @@ class HeatBody(Part):
     element: model.HeatElement | None = Field(
         default=None, description="element, of which the cell counts; without it quad4, in space hex8"
     )
-    mesh: Annotated[Rectangle | Box | MeshFile, Field(discriminator="kind"), BeforeValidator(choose_kind)] = Field(
+    mesh: Annotated[Rectangle | MadeMesh | MeshFile, Field(discriminator="kind"), BeforeValidator(choose_kind)] = Field(
         description="the mesh of the body"
     )
     initial_temperature: Temperature | None = Field(

@@ -18,14 +18,10 @@ from presswork.case.settings import build_output, build_solver, check_small_disp
 from presswork.case.solid.builder import build_materials
 from presswork.case.solid.law_checks import check_integrator
 from presswork.case.solid.references import check_set_names
-from presswork.case.solid.workpiece import MeshFile
 from presswork.case.space.heat import build_space_heat, check_space_heat
-from presswork.case.space.schema import AXES, Box, FaceForce, SpaceCase, SpaceStage
+from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
+from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.tool_builder import build_tool
-from presswork.case.units import LENGTH, unit_factor
-from presswork.memory import available_memory, estimate_box, explain_shortage
-from presswork.mesh import MeshError, grade_line
-from presswork.mesh.box import mesh_box, read_solid_mesh
 from presswork.mesh.faces import face_areas
 
 logger = logging.getLogger(__name__)
@@ -86,18 +82,7 @@ def _check_names(case: SpaceCase) -> list[Problem]:
     if piece.material not in case.materials:
         remedy = suggest(piece.material, case.materials, "materials")
         problems.append(Problem("workpiece.material", "no such material", remedy, piece.material))
-    if isinstance(piece.mesh, Box):
-        x, y, z = piece.mesh.cells
-        needed, there = estimate_box(x * y * z, piece.element), available_memory()
-        if needed > there:
-            fault, _, remedy = explain_shortage(needed, there).partition("; ")
-            problems.append(Problem("workpiece.mesh.cells", fault, remedy, list(piece.mesh.cells)))
-    else:
-        try:
-            unit_factor(piece.mesh.unit, LENGTH)
-        except ValueError as error:
-            fault = f"expected a unit of length, but {error}"
-            problems.append(Problem("workpiece.mesh.unit", fault, "e.g. mm, m, inch", piece.mesh.unit))
+    problems += check_space_mesh("workpiece.mesh", piece.mesh, piece.element)
     names = [stage.name for stage in case.stages]
     held = False
     for index, stage in enumerate(case.stages):
@@ -175,27 +160,6 @@ def _check_sets(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
         uses += [(f"{key}.face_force.{row}.set", load.set, True) for row, load in enumerate(stage.face_force)]
         uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
     return check_set_names(uses, mesh, sides="face")
-
-
-def mesh_space_body(
-    key: str, mesh: Box | MeshFile, element: model.SpaceElement, material: int, source: Path | None
-) -> model.Mesh:
-    """Mesh a body in space, or read its mesh; arguments and errors as those of solid.bodies.mesh_body."""
-    if isinstance(mesh, Box):
-        x, y, z = (
-            grade_line(mesh.origin[axis], [(mesh.size[axis], mesh.cells[axis], mesh.grading[axis])])
-            for axis in range(3)
-        )
-        return mesh_box(x, y, z, element=element, material=material)
-    folder = source.parent if source is not None else Path()
-    scale = unit_factor(mesh.unit, LENGTH)
-    try:
-        found, notes = read_solid_mesh(folder / mesh.path, element=element, scale=scale, material=material)
-    except MeshError as error:
-        raise CaseError([Problem(f"{key}.mesh.path", error.fault, error.remedy, mesh.path)], source) from error
-    for note in notes:
-        logger.warning("%s.mesh.path = %s: %s", key, mesh.path, note)
-    return found
 
 
 def _find_symmetry_planes(case: SpaceCase, mesh: model.Mesh) -> tuple[tuple[model.FloatArray, ...], list[Problem]]:

@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.case_file import CaseFile
@@ -16,38 +16,12 @@ from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.settings import Output, Solver
 from presswork.case.solid.schema import MaterialTable
-from presswork.case.solid.workpiece import Count, MeshFile
+from presswork.case.space.mesh import SpaceMesh
 from presswork.case.space.tools import SpaceTool, SpaceToolMotion
-from presswork.case.units import Force3, Length, Number, Point3, Stress, StressVector3, Time, fault
+from presswork.case.units import Force3, Length, Point3, Stress, StressVector3, Time, fault
 
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
-
-
-class Box(Part):
-    """A box meshed by the program; its sets are left, right (x), bottom, top (y), back, front (z) and all."""
-
-    kind: Literal["box"] = Field(default="box", description="a box meshed by the program")
-    origin: Point3 = Field(default=(0.0, 0.0, 0.0), description="lowest corner [x, y, z] [mm]")
-    size: Point3 = Field(description="extent along x, y and z [mm]")
-    cells: tuple[Count, Count, Count] = Field(description="number of cells along x, y and z")
-    grading: tuple[Number, Number, Number] = Field(
-        default=(1.0, 1.0, 1.0), description="size of the last cell over the first along x, y and z"
-    )
-
-    @model_validator(mode="after")
-    def _check_positive(self) -> Self:
-        for name in ("size", "grading"):
-            if min(getattr(self, name)) <= 0:
-                raise fault("expected three values > 0", "give [x, y, z], all positive", key=name)
-        return self
-
-
-def assume_box(mesh: object) -> object:
-    """Take a mesh without `kind` for a box, unless it names a file."""
-    if isinstance(mesh, dict) and "kind" not in mesh:
-        return {"kind": "file" if "path" in mesh else "box", **mesh}
-    return mesh
 
 
 class SpaceWorkpiece(Part):
@@ -57,9 +31,7 @@ class SpaceWorkpiece(Part):
     element: model.SpaceElement = Field(
         default="hex8_fbar", description="element formulation; without it hex8_fbar, which does not lock in volume"
     )
-    mesh: Annotated[Box | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_box)] = Field(
-        description="the mesh of the workpiece"
-    )
+    mesh: SpaceMesh = Field(description="the mesh of the workpiece")
 
 
 class SpaceBoundary(Part):
