@@ -21,6 +21,7 @@ void bind_one_step(nb::module_& m);
 void bind_explicit_plane(nb::module_& m);
 void bind_heat(nb::module_& m);
 void bind_damage(nb::module_& m);
+void bind_transfer(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -45,4 +46,5 @@ NB_MODULE(_core, m) {
   bind_explicit_plane(m);
   bind_heat(m);
   bind_damage(m);
+  bind_transfer(m);
 }

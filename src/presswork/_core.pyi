@@ -7,10 +7,9 @@ from typing import Annotated, overload
 import numpy
 from numpy.typing import NDArray
 
-
 pack_width: int = 8
 
-architecture: str = 'native'
+architecture: str = "native"
 
 def set_threads(n: int) -> None:
     """Set the number of threads of every loop."""
@@ -29,7 +28,9 @@ class StrainMeasure(enum.Enum):
 
     small = 3
 
-def measure_increments(F: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], measure: StrainMeasure) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+def measure_increments(
+    F: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], measure: StrainMeasure
+) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
     Strain (n, 4: xx, yy, zz, xy), rotation (n, 2: cosine, sine) and d strain / d l* (n, 4, 5) of increments F (n, 5).
     """
@@ -105,12 +106,28 @@ class Modulus(enum.Enum):
 class VonMises:
     """Isotropic elasticity with von Mises plasticity; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, hardening: HardeningLaw, parameters: Sequence[float], *, integrator: Integrator = Integrator.backward_euler, substeps: int = 10, modulus: Modulus = Modulus.consistent) -> None: ...
-
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def __init__(
+        self,
+        young: float,
+        poisson: float,
+        hardening: HardeningLaw,
+        parameters: Sequence[float],
+        *,
+        integrator: Integrator = Integrator.backward_euler,
+        substeps: int = 10,
+        modulus: Modulus = Modulus.consistent,
+    ) -> None: ...
+    def flow_stress(
+        self, eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """Flow stress and its slope [MPa] at equivalent plastic strains (n)."""
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def update(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Advance points by strain increments (n, 4), or (n, 6) in space: xx, yy, zz, xy, yz, zx; returns stress, eqps (n) and tangent (n, 4, 4) or (n, 6, 6).
         """
@@ -153,7 +170,9 @@ class YieldFunction:
     def of_plane_stress_alone(self) -> bool:
         """Whether there is no such function of a stress in space."""
 
-    def evaluate(self, stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def evaluate(
+        self, stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Equivalent stress (n), its gradient (n, N) and Hessian (n, N, N) at stresses (n, N): xx, yy, xy; xx, yy, zz, xy; or xx, yy, zz, xy, yz, zx.
         """
@@ -177,7 +196,25 @@ class Thermal:
 class SheetLaw:
     """Elastic-plastic sheet in plane stress; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+    def __init__(
+        self,
+        young: float,
+        poisson: float,
+        yield_function: YieldFunction,
+        hardening: HardeningLaw,
+        parameters: Sequence[float],
+        *,
+        rate: RateLaw = RateLaw.none,
+        rate_parameters: Mapping[str, float] = {},
+        chaboche: Chaboche | None = None,
+        yoshida_uemori: YoshidaUemori | None = None,
+        thermal: Thermal | None = None,
+        young_saturated: float = 0.0,
+        young_rate: float = 0.0,
+        expansion: Sequence[float] = [],
+        young_factor: Sequence[float] = [],
+        poisson_curve: Sequence[float] = [],
+    ) -> None:
         """
         expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
         """
@@ -200,22 +237,53 @@ class SheetLaw:
     def heats(self) -> bool:
         """Whether plastic work raises the temperature."""
 
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def flow_stress(
+        self,
+        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        rate: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Flow stress and its slope by plastic strain [MPa] at equivalent plastic strains (n), their rates (n) [1/s], without them at rest, and temperatures (n) [degrees C], without them that of the start.
         """
 
-    def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def rate_factor(
+        self, rate: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
-    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+    def differentiate(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        history: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        dt: float = 1.0,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> NDArray[numpy.float64]:
         """
         d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+    def update(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        history: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        dt: float = 1.0,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+        tangent: bool = True,
+        packed: bool = True,
+    ) -> tuple[
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.uint8],
+    ]:
         """
         Advance points by strain increments (n, 3) over dt [s] at temperatures (n), without them that of the start; returns stress (n, 3), history (n, history_size), thickness strain increment (n), tangent (n, 3, 3; (0, 3, 3) if not asked for) and failed (n).
         """
@@ -223,7 +291,25 @@ class SheetLaw:
 class PlaneLaw:
     """Elastic-plastic solid in plane strain or axisymmetry; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+    def __init__(
+        self,
+        young: float,
+        poisson: float,
+        yield_function: YieldFunction,
+        hardening: HardeningLaw,
+        parameters: Sequence[float],
+        *,
+        rate: RateLaw = RateLaw.none,
+        rate_parameters: Mapping[str, float] = {},
+        chaboche: Chaboche | None = None,
+        yoshida_uemori: YoshidaUemori | None = None,
+        thermal: Thermal | None = None,
+        young_saturated: float = 0.0,
+        young_rate: float = 0.0,
+        expansion: Sequence[float] = [],
+        young_factor: Sequence[float] = [],
+        poisson_curve: Sequence[float] = [],
+    ) -> None:
         """
         expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
         """
@@ -246,22 +332,53 @@ class PlaneLaw:
     def heats(self) -> bool:
         """Whether plastic work raises the temperature."""
 
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def flow_stress(
+        self,
+        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        rate: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Flow stress and its slope by plastic strain [MPa] at equivalent plastic strains (n), their rates (n) [1/s], without them at rest, and temperatures (n) [degrees C], without them that of the start.
         """
 
-    def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def rate_factor(
+        self, rate: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
-    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+    def differentiate(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        history: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        dt: float = 1.0,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> NDArray[numpy.float64]:
         """
         d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+    def update(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        history: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        dt: float = 1.0,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+        tangent: bool = True,
+        packed: bool = True,
+    ) -> tuple[
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.uint8],
+    ]:
         """
         Advance points by strain increments (n, 4): xx, yy, zz, xy; as SheetLaw.update, without thickness.
         """
@@ -269,7 +386,25 @@ class PlaneLaw:
 class SolidLaw:
     """Elastic-plastic solid in space; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+    def __init__(
+        self,
+        young: float,
+        poisson: float,
+        yield_function: YieldFunction,
+        hardening: HardeningLaw,
+        parameters: Sequence[float],
+        *,
+        rate: RateLaw = RateLaw.none,
+        rate_parameters: Mapping[str, float] = {},
+        chaboche: Chaboche | None = None,
+        yoshida_uemori: YoshidaUemori | None = None,
+        thermal: Thermal | None = None,
+        young_saturated: float = 0.0,
+        young_rate: float = 0.0,
+        expansion: Sequence[float] = [],
+        young_factor: Sequence[float] = [],
+        poisson_curve: Sequence[float] = [],
+    ) -> None:
         """
         expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
         """
@@ -292,22 +427,53 @@ class SolidLaw:
     def heats(self) -> bool:
         """Whether plastic work raises the temperature."""
 
-    def flow_stress(self, eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def flow_stress(
+        self,
+        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        rate: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Flow stress and its slope by plastic strain [MPa] at equivalent plastic strains (n), their rates (n) [1/s], without them at rest, and temperatures (n) [degrees C], without them that of the start.
         """
 
-    def rate_factor(self, rate: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def rate_factor(
+        self, rate: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
-    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+    def differentiate(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        history: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        dt: float = 1.0,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> NDArray[numpy.float64]:
         """
         d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+    def update(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        history: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        dt: float = 1.0,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+        tangent: bool = True,
+        packed: bool = True,
+    ) -> tuple[
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.float64],
+        NDArray[numpy.uint8],
+    ]:
         """
         Advance points by strain increments (n, 6): xx, yy, zz, xy, yz, zx; as SheetLaw.update, without thickness.
         """
@@ -340,10 +506,8 @@ class LawFault:
     """The worst of what the calls of a law have told."""
 
     def __init__(self) -> None: ...
-
     @property
     def status(self) -> LawStatus: ...
-
     @property
     def cell(self) -> int:
         """In the block."""
@@ -355,7 +519,9 @@ class LawFault:
 class UmatPlace:
     """Which increment a UMAT is called in."""
 
-    def __init__(self, *, stage: int = 1, increment: int = 1, stage_time: float = 0.0, time: float = 0.0, dt: float = 1.0) -> None:
+    def __init__(
+        self, *, stage: int = 1, increment: int = 1, stage_time: float = 0.0, time: float = 0.0, dt: float = 1.0
+    ) -> None:
         """Counted from 1; times [s] are those of the increment's start."""
 
 def umat_history_size(components: int) -> int:
@@ -366,7 +532,16 @@ def umat_history_size(components: int) -> int:
 class Umat:
     """A material law from a shared library with Abaqus's UMAT interface."""
 
-    def __init__(self, library: str, properties: Sequence[float], n_state: int, *, jacobian: UmatJacobian = UmatJacobian.stress_increment, thread_safe: bool = False, plastic_strain: int = 0) -> None:
+    def __init__(
+        self,
+        library: str,
+        properties: Sequence[float],
+        n_state: int,
+        *,
+        jacobian: UmatJacobian = UmatJacobian.stress_increment,
+        thread_safe: bool = False,
+        plastic_strain: int = 0,
+    ) -> None:
         """
         Open the library; raises RuntimeError that says what is missing. plastic_strain: which state variable is the equivalent plastic strain, from 1, or 0.
         """
@@ -379,8 +554,13 @@ class Umat:
 
     @property
     def n_state(self) -> int: ...
-
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], state: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float = 1.0) -> tuple[LawStatus, NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def update(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        state: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        dt: float = 1.0,
+    ) -> tuple[LawStatus, NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Call it once at a small strain increment from no deformation: xx, yy, xy; xx, yy, zz, xy; or xx, yy, zz, xy, yz, zx (n). Returns status, stress (n), state (n_state) and tangent (n, n).
         """
@@ -397,7 +577,17 @@ class TangentKind(enum.Enum):
 class PointSettings:
     """Kinematics and tangent of an integration point."""
 
-    def __init__(self, *, measure: StrainMeasure = StrainMeasure.log, tangent: TangentKind = TangentKind.consistent, green_lagrange_matrix: bool = False, k_e: bool = True, k_u: bool = True, k_v: bool = False, small_displacements: bool = False) -> None: ...
+    def __init__(
+        self,
+        *,
+        measure: StrainMeasure = StrainMeasure.log,
+        tangent: TangentKind = TangentKind.consistent,
+        green_lagrange_matrix: bool = False,
+        k_e: bool = True,
+        k_u: bool = True,
+        k_v: bool = False,
+        small_displacements: bool = False,
+    ) -> None: ...
 
 class Family(enum.Enum):
     """Where an element serves."""
@@ -416,24 +606,20 @@ class Element:
 
     @property
     def name(self) -> str: ...
-
     @property
     def cell(self) -> str:
         """Kind of cell of the mesh."""
 
     @property
     def nodes(self) -> int: ...
-
     @property
     def points(self) -> int:
         """Integration points of a cell; of a shell those in its plane."""
 
     @property
     def family(self) -> Family: ...
-
     @property
     def description(self) -> str: ...
-
     @property
     def in_implicit(self) -> bool:
         """Whether the implicit procedure has it."""
@@ -453,12 +639,55 @@ def kept_values(law: PlaneLaw | SolidLaw) -> int:
     Values that a point of a solid keeps for a law besides stress and eqps; at the end the directions of its axes: x in the plane (2), x and y in space (6).
     """
 
-def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | PlaneLaw | SolidLaw | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, history_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, dt: float = 0.0, first_cell: int = 0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, when: UmatPlace | None = None, fault: LawFault | None = None) -> int:
+def evaluate_block(
+    element: str,
+    connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    increment: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    law: VonMises | PlaneLaw | SolidLaw | Umat,
+    settings: PointSettings,
+    *,
+    axisymmetric: bool,
+    depth: float,
+    hourglass_fraction: float,
+    stress_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    eqps_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    hourglass_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    hourglass: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    volume: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    force: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    stiffness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")] | None,
+    symmetric: bool = False,
+    history_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    history: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")] | None = None,
+    dt: float = 0.0,
+    first_cell: int = 0,
+    temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    temperature_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    when: UmatPlace | None = None,
+    fault: LawFault | None = None,
+) -> int:
     """
     Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. history (n_cells, points, n_history) is what the law keeps besides stress and eqps; temperature (n_cells, points) [degrees C] is given at the end of the increment, without it that of the law's start. Returns the index of a cell turned inside out, or -1; what the law told is in fault.
     """
 
-def differentiate_cell(element: str, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], along: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+def differentiate_cell(
+    element: str,
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    increment: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    along: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    law: VonMises,
+    settings: PointSettings,
+    *,
+    axisymmetric: bool,
+    depth: float,
+    hourglass_fraction: float,
+    stress_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    eqps_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    hourglass_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
     Forces (nodes, d) of one solid cell and their exact derivative along a move of its nodes, by dual numbers.
     """
@@ -481,22 +710,74 @@ def shell_sizes(element: str) -> tuple[int, int, int]:
     Number of nodes of a shell, of integration points in its plane, and of values it keeps besides its points.
     """
 
-def shell_shape(element: str) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+def shell_shape(
+    element: str,
+) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
     Shape functions (q, nodes), their slopes (q, nodes, 2) and weights (q) at a shell's points, and the slopes at its nodes (nodes, nodes, 2).
     """
 
-def evaluate_shells(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], director_of: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], director: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], layer_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, *, dt: float, penalty: float, state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], state: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool, small_displacements: bool = False, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, young: float = 0.0, poisson: float = 0.0, first_cell: int = 0, when: UmatPlace | None = None, fault: LawFault | None = None) -> tuple[int, ShellFault]:
+def evaluate_shells(
+    element: str,
+    connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    director_of: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    undeformed: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    increment: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    director: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    layer_position: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    layer_weight: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    law: SheetLaw | Umat,
+    *,
+    dt: float,
+    penalty: float,
+    state_n: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
+    state: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")]],
+    volume: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    force: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    stiffness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")] | None,
+    symmetric: bool,
+    small_displacements: bool = False,
+    temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    young: float = 0.0,
+    poisson: float = 0.0,
+    first_cell: int = 0,
+    when: UmatPlace | None = None,
+    fault: LawFault | None = None,
+) -> tuple[int, ShellFault]:
     """
     Evaluate a block of shells over one increment (n, 6): displacement and rotation vector. state: [thickness (n_cells, q), stress (n_cells, q, k, 3), history (n_cells, q, k, h), direction (n_cells, q, k, 2), shear (n_cells, q, 2)]. temperature (n_cells, q, k) [degrees C] is given at the end of the increment, without it that of the law's start. young and poisson are the elastic constants of a law from a shared library; what it told is in fault. Fills state, volume, force and stiffness; returns the first cell that failed, or -1, and why.
     """
 
-def find_facing(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], reach: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], thickness: float) -> tuple[NDArray[numpy.int32], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+def find_facing(
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    own: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    other: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    reach: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    thickness: float,
+) -> tuple[
+    NDArray[numpy.int32],
+    NDArray[numpy.int32],
+    NDArray[numpy.float64],
+    NDArray[numpy.float64],
+    NDArray[numpy.float64],
+    NDArray[numpy.float64],
+]:
     """
     Points of a rule on edges own (n, 2) that edges other (m, 2) face within reach (n,): the two edges of each, the shape functions there, gap [mm] and area [mm2]; thickness 0: rings.
     """
 
-def touch_profile(segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.int32]]:
+def touch_profile(
+    segments: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+) -> tuple[
+    NDArray[numpy.float64],
+    NDArray[numpy.float64],
+    NDArray[numpy.float64],
+    NDArray[numpy.float64],
+    NDArray[numpy.int32],
+    NDArray[numpy.int32],
+]:
     """
     Gap (n) and normal (n, 2) of points to a tool profile, those of the second face where a point lies in an inner corner (infinite elsewhere), and the indices of the segments touched by the first and the second (-1: none).
     """
@@ -564,12 +845,42 @@ class InterfaceResult:
     def master_force(self) -> tuple[float, float]:
         """Of the slave on the master [N]."""
 
-def evaluate_interface(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], slots: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], x_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, slave_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], master_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], held: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], pressure: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slip: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], believed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], least_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear_limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], mu: float, tangential_part: float, reach: float, touching: float, thickness: float, with_tangent: bool) -> InterfaceResult:
+def evaluate_interface(
+    slave: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    master: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    slots: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    x: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    x_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    *,
+    slave_depth: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    master_depth: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    held: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+    pressure: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    shear: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    slip: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    believed: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    least_weight: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    stiffness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    shear_limit: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    mu: float,
+    tangential_part: float,
+    reach: float,
+    touching: float,
+    thickness: float,
+    with_tangent: bool,
+) -> InterfaceResult:
     """
     Mortar contact of slave and master edges at positions x; see interface.hpp.
     """
 
-def find_edge_pairs(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], margin: float, self: bool) -> NDArray[numpy.int32]:
+def find_edge_pairs(
+    slave: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    master: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    x: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    margin: float,
+    self: bool,
+) -> NDArray[numpy.int32]:
     """
     Pairs of half-edges (n, 2) that may touch within the margin [mm], slave and master.
     """
@@ -578,28 +889,53 @@ class ToolSurface:
     """Surface of a rigid tool in its own frame; see tool_surface.hpp."""
 
     @staticmethod
-    def triangles(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, depth: float = float('inf'), smooth: bool = False) -> ToolSurface:
+    def triangles(
+        points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        triangles: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        *,
+        depth: float = float("inf"),
+        smooth: bool = False,
+    ) -> ToolSurface:
         """
         Surface of triangles (n, 3) over points (n_points, 3) [mm], counter-clockwise as seen from free space. smooth: rounded off, with normals that do not jump; see smooth_triangulation.hpp. Penetrations deeper than depth [mm] are not found. Raises ValueError where a triangle has no area, an edge has more than two triangles, or neighbours are wound against each other.
         """
 
     @staticmethod
-    def swept(half_widths: Sequence[float], corner_radius: float, segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, depth: float = float('inf')) -> ToolSurface:
+    def swept(
+        half_widths: Sequence[float],
+        corner_radius: float,
+        segments: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        depth: float = float("inf"),
+    ) -> ToolSurface:
         """
         A profile carried round a rectangle of half widths along x and y (one may be infinite) with rounded corners [mm]. segments (n, 7) as in model.Tool, in (s, z): s the signed distance from the plan curve, positive outside. Penetrations deeper than depth [mm] are not found. Raises ValueError.
         """
 
-    def nearest(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf'), hints: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32]]:
+    def nearest(
+        self,
+        points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        reach: float = float("inf"),
+        hints: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int32]]:
         """
         Nearest places to points (n, 3) that are closer than reach [mm]: gap (n,), positive off the tool and infinite where there is none, normal (n, 3) out of the tool, place (n, 3), and hints (n,) for the next call.
         """
 
-    def distance_bound(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> NDArray[numpy.float64]:
+    def distance_bound(
+        self,
+        points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        reach: float = float("inf"),
+    ) -> NDArray[numpy.float64]:
         """
         The gap, or where nothing is closer than reach how far each point is from the surface at least (n,) [mm].
         """
 
-    def slopes(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def slopes(
+        self,
+        points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        reach: float = float("inf"),
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Derivatives of the gap (n, 3) and of the normal (n, 3, 3: component, direction) [1/mm] to points (n, 3); zero where nothing is near, and of the normal on triangles that are not smooth.
         """
@@ -611,10 +947,19 @@ class ToolSurface:
 class SheetUnder:
     """Which shell of a sheet lies beneath a place in the plan x, y."""
 
-    def __init__(self, blocks: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]]) -> None:
+    def __init__(
+        self, blocks: Sequence[Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]]
+    ) -> None:
         """blocks: corners of the cells of each, (n, 3) or (n, 4)."""
 
-    def find(self, places: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.int32], NDArray[numpy.uint8], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def find(
+        self,
+        places: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        cells: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    ) -> tuple[
+        NDArray[numpy.int32], NDArray[numpy.uint8], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]
+    ]:
         """
         Find what lies beneath places (n, 2) of a sheet with nodes (n_points, 3); cells (n): found last, or -1.
         Returns the cells, whether they lie beneath, and where they do: nodes (n, 4), their weights (n, 4; a
@@ -624,104 +969,213 @@ class SheetUnder:
 class ScalarAssembler:
     """Sparsity pattern and scatter of element arrays, one freedom a node."""
 
-    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
-
+    def __init__(
+        self,
+        n_nodes: int,
+        connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]],
+        symmetric: bool,
+        couplings: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> None: ...
     @property
     def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-
     @property
     def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-
-    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def assemble_matrix(
+        self,
+        stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """
         Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
         """
 
-    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def add_blocks(
+        self,
+        pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        blocks: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """Add blocks (n, D, D) at node pairs (n, 2)."""
 
-    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+    def assemble_vector(
+        self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
+    ) -> NDArray[numpy.float64]:
         """Nodal force (n_nodes, D) of packed element forces."""
 
-    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def constrain(
+        self,
+        mask: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        value: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        scale: float,
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+        rhs: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """Prescribe the masked freedoms in the matrix and the right-hand side."""
 
 class Assembler:
     """Sparsity pattern and scatter of element arrays, two freedoms a node."""
 
-    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
-
+    def __init__(
+        self,
+        n_nodes: int,
+        connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]],
+        symmetric: bool,
+        couplings: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> None: ...
     @property
     def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-
     @property
     def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-
-    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def assemble_matrix(
+        self,
+        stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """
         Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
         """
 
-    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def add_blocks(
+        self,
+        pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        blocks: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """Add blocks (n, D, D) at node pairs (n, 2)."""
 
-    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+    def assemble_vector(
+        self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
+    ) -> NDArray[numpy.float64]:
         """Nodal force (n_nodes, D) of packed element forces."""
 
-    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def constrain(
+        self,
+        mask: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        value: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        scale: float,
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+        rhs: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """Prescribe the masked freedoms in the matrix and the right-hand side."""
 
 class SpaceAssembler:
     """The same with three freedoms a node."""
 
-    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
-
+    def __init__(
+        self,
+        n_nodes: int,
+        connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]],
+        symmetric: bool,
+        couplings: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> None: ...
     @property
     def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-
     @property
     def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-
-    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def assemble_matrix(
+        self,
+        stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """
         Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
         """
 
-    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def add_blocks(
+        self,
+        pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        blocks: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """Add blocks (n, D, D) at node pairs (n, 2)."""
 
-    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+    def assemble_vector(
+        self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
+    ) -> NDArray[numpy.float64]:
         """Nodal force (n_nodes, D) of packed element forces."""
 
-    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def constrain(
+        self,
+        mask: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        value: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        scale: float,
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+        rhs: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """Prescribe the masked freedoms in the matrix and the right-hand side."""
 
 class ShellAssembler:
     """The same with six freedoms a node, rotations in the nodes' frames."""
 
-    def __init__(self, n_nodes: int, connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], symmetric: bool, couplings: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)] | None = None) -> None: ...
-
+    def __init__(
+        self,
+        n_nodes: int,
+        connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]],
+        symmetric: bool,
+        couplings: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> None: ...
     @property
     def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-
     @property
     def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
-
-    def assemble_matrix(self, stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def assemble_matrix(
+        self,
+        stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """
         Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
         """
 
-    def add_blocks(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], blocks: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], turned: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], frames: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def add_blocks(
+        self,
+        pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        blocks: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """Add blocks (n, D, D) at node pairs (n, 2)."""
 
-    def assemble_vector(self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> NDArray[numpy.float64]:
+    def assemble_vector(
+        self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
+    ) -> NDArray[numpy.float64]:
         """Nodal force (n_nodes, D) of packed element forces."""
 
-    def constrain(self, mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], value: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], scale: float, data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    def constrain(
+        self,
+        mask: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        value: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        scale: float,
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+        rhs: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
         """Prescribe the masked freedoms in the matrix and the right-hand side."""
 
-def solve_iteratively(indptr: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], indices: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], data: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rhs: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, symmetric: bool, tolerance: float, most_iterations: int) -> NDArray[numpy.float64] | None:
+def solve_iteratively(
+    indptr: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    indices: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    rhs: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    *,
+    symmetric: bool,
+    tolerance: float,
+    most_iterations: int,
+) -> NDArray[numpy.float64] | None:
     """
     Solution (n,) of a sparse system by conjugate gradients to a residual of tolerance times that of rhs; None if it is far.
 
@@ -733,22 +1187,16 @@ class Energies:
 
     @property
     def kinetic(self) -> float: ...
-
     @property
     def internal(self) -> float: ...
-
     @property
     def hourglass(self) -> float: ...
-
     @property
     def external(self) -> float: ...
-
     @property
     def damping(self) -> float: ...
-
     @property
     def contact(self) -> float: ...
-
     @property
     def friction(self) -> float: ...
 
@@ -758,7 +1206,6 @@ class TabulatedMises:
     """
 
     def __init__(self, law: SheetLaw) -> None: ...
-
     @property
     def table_error(self) -> float:
         """Largest error of the table, of the flow stress."""
@@ -767,7 +1214,14 @@ class TabulatedMises:
     def table_rows(self) -> int:
         """Number of the table's intervals."""
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, single: bool = False) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def update(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        single: bool = False,
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Advance points by strain increments (n, 3); returns stress (n, 3), equivalent plastic strain (n), thickness strain increment (n).
         """
@@ -792,14 +1246,32 @@ class ShellTreatment(enum.Enum):
 class SpaceLoop:
     """Central differences for shells and solids in space; mm, s, t, N, MPa."""
 
-    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
-
-    def advance(self, time: float, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
+    def __init__(
+        self, points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None: ...
+    def advance(
+        self,
+        time: float,
+        dt: float,
+        dt_before: float,
+        force_scale: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        velocity_scale: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        damping: float = 0.0,
+    ) -> tuple[int, LawStatus, int]:
         """
         Advance as many cycles of dt [s] from `time` on as the scales have values, the step before dt_before, or up to that in which an element fails; returns the element, what its law told (done, if it is turned inside out) and the cycle, or -1, done, -1.
         """
 
-    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+    def energies(
+        self,
+        dt: float,
+        dt_before: float,
+        *,
+        damping: float = 0.0,
+        force_scale: float = 1.0,
+        velocity_scale: float = 1.0,
+    ) -> Energies:
         """Energies at the present time; dt: the next step [s]."""
 
     @property
@@ -823,10 +1295,14 @@ class SpaceLoop:
     def added_mass(self) -> NDArray[numpy.float64]:
         """What scaling has added to the mass of each element (n) [t]."""
 
-    def scale_mass(self, factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def scale_mass(
+        self, factor: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """Multiply the masses of the elements by factors (n)."""
 
-    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def set_temperature(
+        self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
         """
@@ -844,7 +1320,11 @@ class SpaceLoop:
         Let the laws of shells take their rates by a time that is so many times that of the cycles from now on.
         """
 
-    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def prescribe(
+        self,
+        fixed: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        velocity: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> None:
         """
         Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
         """
@@ -857,22 +1337,25 @@ class SpaceLoop:
         """Positions (n_nodes, dimension) [mm]."""
 
     @position.setter
-    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def position(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def velocity(self) -> NDArray[numpy.float64]:
         """Velocities (n_nodes, freedoms), half a step back [mm/s, 1/s]."""
 
     @velocity.setter
-    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def velocity(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def force(self) -> NDArray[numpy.float64]:
         """Nodal forces and moments from outside (n_nodes, freedoms) [N, N mm]."""
 
     @force.setter
-    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def force(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def internal_force(self) -> NDArray[numpy.float64]:
         """
@@ -880,8 +1363,9 @@ class SpaceLoop:
         """
 
     @internal_force.setter
-    def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def internal_force(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def reaction_impulse(self) -> NDArray[numpy.float64]:
         """
@@ -889,8 +1373,9 @@ class SpaceLoop:
         """
 
     @reaction_impulse.setter
-    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def reaction_impulse(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     def stress(self, block: int) -> NDArray[numpy.float64]:
         """
         Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa]; of squeezed shells with the pressure added to xx and yy.
@@ -901,7 +1386,9 @@ class SpaceLoop:
         What the law of a block keeps (n, points in the plane, layers, size); first eqps.
         """
 
-    def set_layers(self, block: int, layers: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def set_layers(
+        self, block: int, layers: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Set the layers (n, points in the plane, layers, 3 + size) of a block: sum and difference of the normal stresses, shear, what the law keeps.
         """
@@ -914,12 +1401,16 @@ class SpaceLoop:
     def thickness(self, block: int) -> NDArray[numpy.float64]:
         """Thickness (n) [mm] of a block."""
 
-    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+    def trial_force(
+        self, increment: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> NDArray[numpy.float64]:
         """
         Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
         """
 
-    def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool) -> int:
+    def add_tool(
+        self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool
+    ) -> int:
         """Add a rigid tool; returns its number."""
 
     def remove_tool(self, tool: int) -> None:
@@ -941,7 +1432,9 @@ class SpaceLoop:
     def move_tool(self, tool: int) -> None:
         """Let velocities move a tool again that a force has placed."""
 
-    def drive_tool(self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def drive_tool(
+        self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Velocities (n, 3), or forces (n) of a pushed tool, of the next n cycles.
         """
@@ -976,34 +1469,75 @@ class SpaceLoop:
     def contact_force(self) -> NDArray[numpy.float64]:
         """Forces of the tools on the nodes (n_nodes, 3) [N]."""
 
-    def add_bead(self, place: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], length: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, force: float, tool: int = -1) -> int:
+    def add_bead(
+        self,
+        place: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        across: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        length: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        force: float,
+        tool: int = -1,
+    ) -> int:
         """
         Add a drawbead of points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length
         [N/mm], the tool that it moves with; returns its number.
         """
 
-    def drive_bead(self, bead: int, share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def drive_bead(
+        self, bead: int, share: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """Shares (n) of its force in the next n cycles."""
 
     def bead_restraint(self, bead: int) -> float:
         """Restraining force, summed along the line [N]."""
 
-    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
+    def add_shells(
+        self,
+        connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        thickness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        axis: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        law: SheetLaw | Umat,
+        density: float,
+        height: Sequence[float],
+        weight: Sequence[float],
+        *,
+        tabulate: bool = True,
+        treatment: ShellTreatment = ShellTreatment.plain,
+        viscous: bool = False,
+        hourglass: Sequence[float] = [0.03, 0.03, 0.03],
+        elastic: Sequence[float] = [0.0, 0.0],
+        number: Sequence[int] = [],
+    ) -> None:
         """
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0.
         """
 
-    def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
+    def set_hanging(
+        self, hanging: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the whole side and two of those that have half of it.
         """
 
-    def inherit(self, other: SpaceLoop, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
+    def inherit(
+        self,
+        other: SpaceLoop,
+        position: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        node_parents: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        parent: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        share: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        dt: float,
+    ) -> None:
         """
         Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share (n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.
         """
 
-    def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:
+    def restore(
+        self,
+        state: Mapping[
+            str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
+        ],
+    ) -> None:
         """Take over what state gave."""
 
     @property
@@ -1020,8 +1554,13 @@ class SpaceLoop:
 
     @ironing.setter
     def ironing(self, arg: bool, /) -> None: ...
-
-    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float) -> None:
+    def add_solids(
+        self,
+        element: str,
+        cells: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        law: VonMises | SolidLaw,
+        density: float,
+    ) -> None:
         """
         Add cells (n, nodes) of hex8 or hex8_fbar; they are numbered as they come.
         """
@@ -1031,14 +1570,32 @@ class SpaceLoopSingle:
     SpaceLoop in single precision, positions and work excepted; it has shells alone.
     """
 
-    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
-
-    def advance(self, time: float, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
+    def __init__(
+        self, points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None: ...
+    def advance(
+        self,
+        time: float,
+        dt: float,
+        dt_before: float,
+        force_scale: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        velocity_scale: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        damping: float = 0.0,
+    ) -> tuple[int, LawStatus, int]:
         """
         Advance as many cycles of dt [s] from `time` on as the scales have values, the step before dt_before, or up to that in which an element fails; returns the element, what its law told (done, if it is turned inside out) and the cycle, or -1, done, -1.
         """
 
-    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+    def energies(
+        self,
+        dt: float,
+        dt_before: float,
+        *,
+        damping: float = 0.0,
+        force_scale: float = 1.0,
+        velocity_scale: float = 1.0,
+    ) -> Energies:
         """Energies at the present time; dt: the next step [s]."""
 
     @property
@@ -1062,10 +1619,14 @@ class SpaceLoopSingle:
     def added_mass(self) -> NDArray[numpy.float64]:
         """What scaling has added to the mass of each element (n) [t]."""
 
-    def scale_mass(self, factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def scale_mass(
+        self, factor: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """Multiply the masses of the elements by factors (n)."""
 
-    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def set_temperature(
+        self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
         """
@@ -1083,7 +1644,11 @@ class SpaceLoopSingle:
         Let the laws of shells take their rates by a time that is so many times that of the cycles from now on.
         """
 
-    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def prescribe(
+        self,
+        fixed: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        velocity: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> None:
         """
         Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
         """
@@ -1096,22 +1661,25 @@ class SpaceLoopSingle:
         """Positions (n_nodes, dimension) [mm]."""
 
     @position.setter
-    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def position(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def velocity(self) -> NDArray[numpy.float64]:
         """Velocities (n_nodes, freedoms), half a step back [mm/s, 1/s]."""
 
     @velocity.setter
-    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def velocity(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def force(self) -> NDArray[numpy.float64]:
         """Nodal forces and moments from outside (n_nodes, freedoms) [N, N mm]."""
 
     @force.setter
-    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def force(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def internal_force(self) -> NDArray[numpy.float64]:
         """
@@ -1119,8 +1687,9 @@ class SpaceLoopSingle:
         """
 
     @internal_force.setter
-    def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def internal_force(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def reaction_impulse(self) -> NDArray[numpy.float64]:
         """
@@ -1128,8 +1697,9 @@ class SpaceLoopSingle:
         """
 
     @reaction_impulse.setter
-    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def reaction_impulse(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     def stress(self, block: int) -> NDArray[numpy.float64]:
         """
         Stress xx, yy, xy (n, points in the plane, layers, 3) of a block in the law's frame [MPa]; of squeezed shells with the pressure added to xx and yy.
@@ -1140,7 +1710,9 @@ class SpaceLoopSingle:
         What the law of a block keeps (n, points in the plane, layers, size); first eqps.
         """
 
-    def set_layers(self, block: int, layers: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def set_layers(
+        self, block: int, layers: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Set the layers (n, points in the plane, layers, 3 + size) of a block: sum and difference of the normal stresses, shear, what the law keeps.
         """
@@ -1153,12 +1725,16 @@ class SpaceLoopSingle:
     def thickness(self, block: int) -> NDArray[numpy.float64]:
         """Thickness (n) [mm] of a block."""
 
-    def trial_force(self, increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+    def trial_force(
+        self, increment: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> NDArray[numpy.float64]:
         """
         Internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed.
         """
 
-    def add_tool(self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool) -> int:
+    def add_tool(
+        self, surface: ToolSurface, *, friction: float, penalty: float, damping: float, edges: bool, thickness: bool
+    ) -> int:
         """Add a rigid tool; returns its number."""
 
     def remove_tool(self, tool: int) -> None:
@@ -1180,7 +1756,9 @@ class SpaceLoopSingle:
     def move_tool(self, tool: int) -> None:
         """Let velocities move a tool again that a force has placed."""
 
-    def drive_tool(self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def drive_tool(
+        self, tool: int, drive: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Velocities (n, 3), or forces (n) of a pushed tool, of the next n cycles.
         """
@@ -1215,34 +1793,75 @@ class SpaceLoopSingle:
     def contact_force(self) -> NDArray[numpy.float64]:
         """Forces of the tools on the nodes (n_nodes, 3) [N]."""
 
-    def add_bead(self, place: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], length: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, force: float, tool: int = -1) -> int:
+    def add_bead(
+        self,
+        place: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        across: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        length: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        force: float,
+        tool: int = -1,
+    ) -> int:
         """
         Add a drawbead of points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length
         [N/mm], the tool that it moves with; returns its number.
         """
 
-    def drive_bead(self, bead: int, share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def drive_bead(
+        self, bead: int, share: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """Shares (n) of its force in the next n cycles."""
 
     def bead_restraint(self, bead: int) -> float:
         """Restraining force, summed along the line [N]."""
 
-    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
+    def add_shells(
+        self,
+        connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        thickness: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        axis: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        law: SheetLaw | Umat,
+        density: float,
+        height: Sequence[float],
+        weight: Sequence[float],
+        *,
+        tabulate: bool = True,
+        treatment: ShellTreatment = ShellTreatment.plain,
+        viscous: bool = False,
+        hourglass: Sequence[float] = [0.03, 0.03, 0.03],
+        elastic: Sequence[float] = [0.0, 0.0],
+        number: Sequence[int] = [],
+    ) -> None:
         """
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0.
         """
 
-    def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
+    def set_hanging(
+        self, hanging: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the whole side and two of those that have half of it.
         """
 
-    def inherit(self, other: SpaceLoopSingle, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
+    def inherit(
+        self,
+        other: SpaceLoopSingle,
+        position: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        node_parents: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        parent: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        share: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        dt: float,
+    ) -> None:
         """
         Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share (n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.
         """
 
-    def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:
+    def restore(
+        self,
+        state: Mapping[
+            str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
+        ],
+    ) -> None:
         """Take over what state gave."""
 
     @property
@@ -1263,13 +1882,31 @@ class SpaceLoopSingle:
 class DeformationLaw:
     """Deformation theory of a sheet in plane stress."""
 
-    def __init__(self, young: float, strain_metric: Sequence[float], law: HardeningLaw, parameters: Sequence[float]) -> None:
+    def __init__(
+        self, young: float, strain_metric: Sequence[float], law: HardeningLaw, parameters: Sequence[float]
+    ) -> None:
         """strain_metric: rows of Q, e^2 = E' Q E over E = (xx, yy, 2 xy)."""
 
-    def flow_curve(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def flow_curve(
+        self, strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """Stress [MPa] and its slope at total equivalent strains (n)."""
 
-def evaluate_inverse(triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axes: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], edges: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], curvature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bases: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], blank: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], thickness: float, law: DeformationLaw, height: Sequence[float], weight: Sequence[float], *, with_stiffness: bool) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], int]:
+def evaluate_inverse(
+    triangles: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    share: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    axes: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    edges: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    curvature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    bases: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    blank: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    thickness: float,
+    law: DeformationLaw,
+    height: Sequence[float],
+    weight: Sequence[float],
+    *,
+    with_stiffness: bool,
+) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], int]:
     """
     Forces (n, 3, 3) [N] of the triangles of a part whose nodes come from `blank`, their derivatives (n, 6, 6) along the nodes' bases, and the index of a triangle turned over in the blank, or -1.
     """
@@ -1279,9 +1916,26 @@ class AdiabaticMises:
     Von Mises plasticity with strain rate, softening by temperature and adiabatic heating.
     """
 
-    def __init__(self, mises: VonMises, *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, start: float = 0.0, reference: float = 0.0, melting: float = 0.0, exponent: float = 1.0, heating: float = 0.0) -> None: ...
-
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float, stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rise: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def __init__(
+        self,
+        mises: VonMises,
+        *,
+        rate: RateLaw = RateLaw.none,
+        rate_parameters: Mapping[str, float] = {},
+        start: float = 0.0,
+        reference: float = 0.0,
+        melting: float = 0.0,
+        exponent: float = 1.0,
+        heating: float = 0.0,
+    ) -> None: ...
+    def update(
+        self,
+        strain: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        dt: float,
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        rise: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Advance points by strain increments (n, 4) in dt; returns stress (n, 4), equivalent plastic strain (n) and rise of temperature (n).
         """
@@ -1289,26 +1943,65 @@ class AdiabaticMises:
 class PlaneLoop:
     """Central differences for solids in the plane; mm, s, t, N, MPa."""
 
-    def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], contact: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float = 1.0, hourglass_fraction: float = 0.05) -> None: ...
-
-    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises | PlaneLaw | Umat, density: float, *, young: float = 0.0, poisson: float = 0.0, rolling: Sequence[float] = [1.0, 0.0]) -> None:
+    def __init__(
+        self,
+        points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        contact: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        *,
+        axisymmetric: bool,
+        depth: float = 1.0,
+        hourglass_fraction: float = 0.05,
+    ) -> None: ...
+    def add_solids(
+        self,
+        element: str,
+        cells: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        law: AdiabaticMises | PlaneLaw | Umat,
+        density: float,
+        *,
+        young: float = 0.0,
+        poisson: float = 0.0,
+        rolling: Sequence[float] = [1.0, 0.0],
+    ) -> None:
         """
         Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a shared library; rolling: unit direction of the law's x.
         """
 
-    def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:
+    def restore(
+        self,
+        state: Mapping[
+            str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
+        ],
+    ) -> None:
         """Take over what state gave."""
 
     @property
     def mass(self) -> NDArray[numpy.float64]:
         """Mass of each node (n_nodes) [t]."""
 
-    def advance(self, time: float, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
+    def advance(
+        self,
+        time: float,
+        dt: float,
+        dt_before: float,
+        force_scale: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        velocity_scale: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        damping: float = 0.0,
+    ) -> tuple[int, LawStatus, int]:
         """
         Advance as many cycles of dt [s] from `time` on as the scales have values, the step before dt_before, or up to that in which an element fails; returns the element, what its law told (done, if it is turned inside out) and the cycle, or -1, done, -1.
         """
 
-    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float = 1.0) -> Energies:
+    def energies(
+        self,
+        dt: float,
+        dt_before: float,
+        *,
+        damping: float = 0.0,
+        force_scale: float = 1.0,
+        velocity_scale: float = 1.0,
+    ) -> Energies:
         """Energies at the present time; dt: the next step [s]."""
 
     @property
@@ -1332,10 +2025,14 @@ class PlaneLoop:
     def added_mass(self) -> NDArray[numpy.float64]:
         """What scaling has added to the mass of each element (n) [t]."""
 
-    def scale_mass(self, factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def scale_mass(
+        self, factor: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """Multiply the masses of the elements by factors (n)."""
 
-    def set_temperature(self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def set_temperature(
+        self, block: int, temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> None:
         """
         Give the points of a block's elements temperatures (n, points) [degrees C] from now on; of shells (n, points in the plane, layers).
         """
@@ -1353,7 +2050,11 @@ class PlaneLoop:
         Let the laws of shells take their rates by a time that is so many times that of the cycles from now on.
         """
 
-    def prescribe(self, fixed: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def prescribe(
+        self,
+        fixed: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        velocity: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> None:
         """
         Prescribe velocities of the freedoms marked in fixed (n_nodes, freedoms).
         """
@@ -1366,22 +2067,25 @@ class PlaneLoop:
         """Positions (n_nodes, dimension) [mm]."""
 
     @position.setter
-    def position(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def position(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def velocity(self) -> NDArray[numpy.float64]:
         """Velocities (n_nodes, freedoms), half a step back [mm/s, 1/s]."""
 
     @velocity.setter
-    def velocity(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def velocity(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def force(self) -> NDArray[numpy.float64]:
         """Nodal forces and moments from outside (n_nodes, freedoms) [N, N mm]."""
 
     @force.setter
-    def force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def force(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def internal_force(self) -> NDArray[numpy.float64]:
         """
@@ -1389,8 +2093,9 @@ class PlaneLoop:
         """
 
     @internal_force.setter
-    def internal_force(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
+    def internal_force(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
     @property
     def reaction_impulse(self) -> NDArray[numpy.float64]:
         """
@@ -1398,9 +2103,15 @@ class PlaneLoop:
         """
 
     @reaction_impulse.setter
-    def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
-
-    def add_wall(self, segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, mu: float = 0.0) -> None:
+    def reaction_impulse(
+        self, arg: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], /
+    ) -> None: ...
+    def add_wall(
+        self,
+        segments: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        mu: float = 0.0,
+    ) -> None:
         """Add a rigid profile; they are numbered as they come."""
 
     def wall_force(self, wall: int) -> NDArray[numpy.float64]:
@@ -1440,14 +2151,31 @@ class PlaneLoop:
     def rise(self) -> NDArray[numpy.float64]:
         """Rise of temperature since the start (n)."""
 
-def conduct_heat(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductivity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float, flow: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], conduction: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None) -> int:
+def conduct_heat(
+    cell: str,
+    connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    conductivity: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    *,
+    axisymmetric: bool,
+    depth: float,
+    flow: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    conduction: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")] | None,
+) -> int:
     """
     Fill flow, the heat that leaves the nodes of each cell [N mm/s], and its derivative by their temperatures.
 
     conductivity: rows of temperature and value (n, 2). Returns the number of a cell turned inside out, or -1.
     """
 
-def find_heat_content(pieces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], latent: float, start: float, end: float, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+def find_heat_content(
+    pieces: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    latent: float,
+    start: float,
+    end: float,
+    temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
     Heat content [mm2/s2] and specific heat [mm2/(s2 K)] at temperatures of any shape [degrees C].
 
@@ -1457,7 +2185,14 @@ def find_heat_content(pieces: Annotated[NDArray[numpy.float64], dict(order='C', 
 def shapes_at_points(cell: str, n_points: int) -> NDArray[numpy.float64]:
     """Shape functions of a cell at the points of a rule (n_points, nodes)."""
 
-def lump_volumes(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float) -> NDArray[numpy.float64]:
+def lump_volumes(
+    cell: str,
+    connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    *,
+    axisymmetric: bool,
+    depth: float,
+) -> NDArray[numpy.float64]:
     """Volume that each node of each cell stands for (n_cells, nodes) [mm3]."""
 
 class DamageCriterion(enum.Enum):
@@ -1477,8 +2212,58 @@ class Damage:
     """Damage that grows with plastic strain and does not act back."""
 
     def __init__(self, criterion: DamageCriterion, parameters: Mapping[str, float]) -> None: ...
-
-    def advance(self, value_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+    def advance(
+        self,
+        value_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        stress: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        eqps_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        eqps: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        *,
+        dt: float,
+        temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> NDArray[numpy.float64]:
         """
         Damage (n,) of points after an increment of dt [s]: stresses (n, 3 | 4 | 6) [MPa] and equivalent plastic strains (n,) at its start and end, temperature (n,) [degrees C].
         """
+
+most_donors: int = 12
+
+donor_rings: int = 4
+
+def locate_in_cells(
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    cells: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    wanted: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+) -> tuple[NDArray[numpy.int64], NDArray[numpy.int64], NDArray[numpy.float64]]:
+    """
+    Cell (n,) in which, or nearest to which, each wanted point (n, 2) lies, corners of a triangle of it (n, 3), and barycentric coordinates there (n, 3).
+    """
+
+class Donors:
+    """Points of an old mesh from which values at new points are fitted."""
+
+    def __init__(
+        self,
+        position: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        cell_of: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        cells: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    ) -> None: ...
+    def fit(
+        self,
+        places: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        home: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    ) -> tuple[NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Donors of new points (n, 2), whose cells home (n,) are, the nearest first, and their weights in the quadratic and the linear fit, each (n, most_donors).
+        """
+
+def apply_fit(
+    donor: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    weight: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    linear_weight: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    values: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+) -> NDArray[numpy.float64]:
+    """
+    Values (n, m) at new points by the fits of Donors from values at old ones (n_old, m).
+    """

@@ -17,7 +17,6 @@ from presswork import _core
 from presswork.mesh.topology import count_corners
 from presswork.model import ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArray, Mesh
 from presswork.remesh.transfer import (
-    NearCells,
     OldPoints,
     Places,
     PointTransfer,
@@ -81,15 +80,10 @@ class _Sources:
         return locate(self.position, self.old_cells, self.points[self.own])
 
     @cached_property
-    def near(self) -> NearCells:
-        """Which old cells are near each other."""
-        return NearCells(self.old_cells)
-
-    @cached_property
     def of_nodes(self) -> tuple[IndexArray, PointTransfer]:
         """Nodes of the old part, and how fields at them are found at the new ones."""
         nodes, first = np.unique(self.old_cells, return_index=True)
-        old = OldPoints(self.position[nodes], self.near, first // self.old_cells.shape[1])
+        old = OldPoints(self.position[nodes], first // self.old_cells.shape[1], self.old_cells)
         return nodes, old.find_transfer(self.points[self.own], self.places.cell)
 
     @cached_property
@@ -102,7 +96,7 @@ class _Sources:
     def old_points(self) -> OldPoints:
         """The integration points of the old cells."""
         places, n_cells = place_points(self.old, self.position), len(self.old_cells)
-        return OldPoints(places, self.near, np.repeat(np.arange(n_cells), len(places) // n_cells))
+        return OldPoints(places, np.repeat(np.arange(n_cells), len(places) // n_cells), self.old_cells)
 
     @cached_property
     def new_points(self) -> FloatArray:

@@ -4,10 +4,11 @@
 import numpy as np
 import pytest
 
+from presswork import _core
 from presswork.model import CellBlock, Mesh
 from presswork.remesh.carrier import Carrier, Part, SurfacePlaces, place_points
 from presswork.remesh.fill import fill_with_quadrilaterals
-from presswork.remesh.transfer import RINGS, NearCells, OldPoints, keep_peaks, locate
+from presswork.remesh.transfer import OldPoints, keep_peaks, locate
 
 SIZE = 0.05
 
@@ -108,27 +109,38 @@ def test_values_do_not_cross_a_fold():
 def carry_with_peaks(old, new, values):
     """Carry one field as carry does; return it at the new points without and with its peaks, and their volumes."""
     start, end = place(old), place(new)
-    points = OldPoints(start, NearCells(old[1]), np.repeat(np.arange(len(old[1])), 4))
+    points = OldPoints(start, np.repeat(np.arange(len(old[1])), 4), old[1])
     fit = points.find_transfer(end, locate(*old, end).cell)
     volume = np.repeat(areas(new) / 4, 4)
     found = fit.apply(values[:, None])[:, 0]
     return found, keep_peaks(values, found, volume, points, end, fit), volume
 
 
-def test_near_cells_are_those_within_four_neighbours():
+def test_donors_are_the_nearest_points_within_four_neighbours():
     """Against the rings themselves, node by node, on two arms that hang together at their foot."""
     cells = np.array(
         [[i, i + 1, 40 + i + 1, 40 + i] for i in range(39)] + [[100 + i, 101 + i, 141 + i, 140 + i] for i in range(39)]
     )
     cells[39, [0, 3]] = cells[0, [0, 3]]
-    near = NearCells(cells)
+    centres = np.stack([np.concatenate([np.arange(39)] * 2), np.repeat([0.0, 0.1], 39)], axis=1)
+    points = OldPoints(centres, np.arange(len(cells)), cells)
     for home in (0, 3, 20, 39, 41):
         reached = {home}
-        for _ in range(RINGS):
+        for _ in range(_core.donor_rings):
             nodes = set(cells[sorted(reached)].ravel().tolist())
             reached = {c for c, corners in enumerate(cells.tolist()) if nodes & set(corners)}
-        found = near.are_near(np.array([home]), np.arange(len(cells))[None])[0]
-        assert set(np.flatnonzero(found).tolist()) == reached
+        found = points.find_transfer(centres[[home]], np.array([home])).donor[0]
+        assert set(found.tolist()) == reached
+        assert found[0] == home
+
+
+def test_donors_are_the_nearest_points_of_a_mesh_without_folds():
+    old, new = random_mesh(9), random_mesh(10)
+    start, end = place(old), place(new)
+    found = OldPoints(start, np.repeat(np.arange(len(old[1])), 4), old[1]).find_transfer(end, locate(*old, end).cell)
+    distance = np.linalg.norm(end[:, None] - start[None], axis=2)
+    nearest = np.argsort(distance, axis=1)[:, : _core.most_donors]
+    np.testing.assert_array_equal(found.donor, nearest)
 
 
 def areas(mesh):
@@ -161,9 +173,15 @@ def test_fields_of_the_second_order_have_no_peaks_to_restore():
 
 def test_few_donors_give_a_linear_fit_then_the_nearest_value():
     points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.4]])
-    linear = OldPoints(points).find_transfer(np.array([[0.3, 0.6]])).apply(points @ [[2.0], [1.0]])
-    assert linear[0, 0] == pytest.approx(1.2, abs=1e-9)
-    assert OldPoints(points[:2]).find_transfer(np.array([[0.8, 0.2]])).apply(np.array([[3.0], [5.0]]))[0, 0] == 5.0
+
+    def fit(n, at, values):
+        one_cell = np.zeros(n, dtype=int), np.array([[0, 1, 2, 3]])
+        return (
+            OldPoints(points[:n], *one_cell).find_transfer(np.array([at]), np.zeros(1, dtype=int)).apply(values)[0, 0]
+        )
+
+    assert fit(5, [0.3, 0.6], points @ [[2.0], [1.0]]) == pytest.approx(1.2, abs=1e-9)
+    assert fit(2, [0.8, 0.2], np.array([[3.0], [5.0]])) == 5.0
 
 
 def test_nodes_are_located_and_linear_fields_continued_a_little_beyond():

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+
+#include "arrays.hpp"
+#include "transfer/cell_grid.hpp"
+#include "transfer/donors.hpp"
+
+namespace presswork::bindings {
+
+namespace {
+
+Cells view_cells(const Ints& cells, int n_points) {
+  require(cells.ndim() == 2 && (cells.shape(1) == 3 || cells.shape(1) == 4), "cells must have shape (n, 3 | 4)");
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    require(cells.data()[i] >= 0 && (n_points < 0 || cells.data()[i] < n_points), "cells must be node indices");
+  return {static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)), cells.data()};
+}
+
+std::size_t count_places(const Doubles& places) {
+  require(places.ndim() == 2 && places.shape(1) == 2, "places must have shape (n, 2)");
+  return places.shape(0);
+}
+
+void require_cells(const Ints& of, std::size_t n, int n_cells) {
+  require(of.size() == n, "one cell a point");
+  for (std::size_t i = 0; i < n; ++i) require(of.data()[i] >= 0 && of.data()[i] < n_cells, "cells must exist");
+}
+
+std::tuple<NewArray<std::int64_t>, NewArray<std::int64_t>, NewDoubles> locate(Doubles points, Ints cells,
+                                                                              Doubles wanted) {
+  const Cells view = view_cells(cells, static_cast<int>(count_places(points)));
+  const std::size_t n = count_places(wanted);
+  require(view.n > 0, "a mesh has cells");
+  std::int64_t *cell, *nodes;
+  double* share;
+  auto result = std::make_tuple(new_array({n}, &cell), new_array({n, 3}, &nodes), new_array({n, 3}, &share));
+  nb::gil_scoped_release release;
+  const CellGrid grid(points.data(), view);
+#pragma omp parallel for schedule(static) if (n > 2000)  // waking a thread takes longer than a short loop
+  for (std::size_t i = 0; i < n; ++i) {
+    const PlaceInCell place = grid.locate(wanted.data() + 2 * i);
+    cell[i] = place.cell;
+    std::copy(place.nodes, place.nodes + 3, nodes + 3 * i);
+    std::copy(place.share, place.share + 3, share + 3 * i);
+  }
+  return result;
+}
+
+// Donors, and how many cells they are found in.
+struct BoundDonors {
+  Donors donors;
+  int n_cells;
+};
+
+std::tuple<NewArray<int>, NewDoubles, NewDoubles> fit(const BoundDonors& self, Doubles places, Ints home) {
+  const std::size_t n = count_places(places);
+  require_cells(home, n, self.n_cells);
+  int* donor;
+  double *weight, *linear_weight;
+  const std::vector<std::size_t> shape{n, most_donors};
+  auto result = std::make_tuple(new_array(shape, &donor), new_array(shape, &weight), new_array(shape, &linear_weight));
+  nb::gil_scoped_release release;
+#pragma omp parallel if (n > 2000)  // waking a thread takes longer than a short loop
+  {
+    auto scratch = self.donors.make_scratch();
+#pragma omp for schedule(static)
+    for (std::size_t i = 0; i < n; ++i) {
+      const Fit found = self.donors.fit(places.data() + 2 * i, home.data()[i], scratch);
+      std::copy(found.donor, found.donor + most_donors, donor + most_donors * i);
+      std::copy(found.weight, found.weight + most_donors, weight + most_donors * i);
+      std::copy(found.linear_weight, found.linear_weight + most_donors, linear_weight + most_donors * i);
+    }
+  }
+  return result;
+}
+
+NewDoubles apply(Ints donor, Doubles weight, Doubles linear_weight, Doubles values) {
+  require(donor.ndim() == 2 && donor.shape(1) == most_donors && weight.size() == donor.size() &&
+              linear_weight.size() == donor.size() && values.ndim() == 2,
+          "donor, weight, linear_weight (n, donors), values (n_old, m)");
+  for (std::size_t i = 0; i < donor.size(); ++i)
+    require(donor.data()[i] >= 0 && static_cast<std::size_t>(donor.data()[i]) < values.shape(0), "donors must exist");
+  double* found;
+  auto result = new_array({donor.shape(0), values.shape(1)}, &found);
+  nb::gil_scoped_release release;
+  apply_fit(donor.data(), weight.data(), linear_weight.data(), static_cast<int>(donor.shape(0)), values.data(),
+            static_cast<int>(values.shape(1)), found);
+  return result;
+}
+
+}  // namespace
+
+void bind_transfer(nb::module_& m) {
+  m.attr("most_donors") = most_donors;
+  m.attr("donor_rings") = rings;
+  m.def("locate_in_cells", &locate, nb::arg("points"), nb::arg("cells"), nb::arg("wanted"),
+        "Cell (n,) in which, or nearest to which, each wanted point (n, 2) lies, corners of a triangle of it (n, 3), "
+        "and barycentric coordinates there (n, 3).");
+  nb::class_<BoundDonors>(m, "Donors", "Points of an old mesh from which values at new points are fitted.")
+      .def(
+          "__init__",
+          [](BoundDonors* self, Doubles position, Ints cell_of, Ints cells) {
+            const Cells view = view_cells(cells, -1);
+            const std::size_t n = count_places(position);
+            require_cells(cell_of, n, view.n);
+            new (self) BoundDonors{{position.data(), cell_of.data(), static_cast<int>(n), view}, view.n};
+          },
+          nb::arg("position"), nb::arg("cell_of"), nb::arg("cells"))
+      .def("fit", &fit, nb::arg("places"), nb::arg("home"),
+           "Donors of new points (n, 2), whose cells home (n,) are, the nearest first, and their weights in the "
+           "quadratic and the linear fit, each (n, most_donors).");
+  m.def("apply_fit", &apply, nb::arg("donor"), nb::arg("weight"), nb::arg("linear_weight"), nb::arg("values"),
+        "Values (n, m) at new points by the fits of Donors from values at old ones (n_old, m).");
+}
+
+}  // namespace presswork::bindings
