@@ -8,6 +8,7 @@ import pytest
 
 from presswork import Case, CaseError, build_model
 from presswork.case.description import describe
+from presswork.examples import copy_example
 from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import find_boundary_edges
 from presswork.outcome import GaveUpError, StartError
@@ -203,6 +204,78 @@ def test_a_case_without_the_key_keeps_its_first_mesh_until_an_increment_fails():
     assert abs(recording.procedure.energy_balance()["error_percent"]) < 1.0
 
 
+PRESSED = {"name": "press", "tools": {"punch": {"stroke": 12.0, "direction": [0, -1]}}}
+NOSE = {"profile": [[0, HEIGHT], {"to": [5, HEIGHT], "radius": 1.0}, [5, 40]], "contact": "shear", "m": 0.1}
+
+
+def of_cells(element):
+    return {"material": "steel", "element": element, "mesh": {"size": [10, HEIGHT], "cells": [10, 15]}}
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"stages": [PRESSED | {"pressure": [{"set": "right", "value": 100}]}]}, "the next increment fails"),
+        ({"stages": [PRESSED | {"edge_force": [{"set": "right", "total": [-2e4, 0]}]}]}, "the next increment fails"),
+        ({"workpiece": of_cells("tri3"), "contact": NOSE, "stroke": 4.0}, "deep in an edge"),
+        ({"workpiece": of_cells("tri6_6pt"), "contact": NOSE, "stroke": 5.5}, "deep in an edge"),
+    ],
+)
+def test_loaded_bodies_and_triangles_get_a_new_mesh_by_themselves(changes, reason):
+    stroke, contact = changes.get("stroke", 12.0), changes.get("contact", {"contact": "sticking"})
+    own = {key: value for key, value in changes.items() if key not in ("stroke", "contact")}
+    recording = begin(build_model(upsetting(stroke, contact=contact, **own)), 1)
+    notes = [line for report in recording.advance() for line in recording.log_lines(report) if "remesh" in line]
+    assert recording.remaining() == 0.0
+    assert recording.epoch >= 1
+    assert reason in notes[0]
+    assert abs(recording.procedure.energy_balance()["error_percent"]) < 2.0
+
+
+def test_a_body_whose_first_mesh_holds_keeps_it_where_another_gets_a_new_one(tmp_path):
+    """Two bodies without keys: one is asked for a new mesh, the other one is not looked at as new meshes are."""
+    recording = begin(build_model(Case.from_toml(copy_example("two_bodies", tmp_path))), 1)
+    for _ in zip(range(5), recording.advance(), strict=False):
+        pass
+    cells = [len(block.connectivity) for block in recording.model.mesh.blocks]
+    assert recording._remesh("asked for", {0})
+    assert recording._reason() is None
+    now = [len(block.connectivity) for block in recording.model.mesh.blocks]
+    assert now[0] != cells[0]
+    assert now[1] == cells[1]
+
+
+def test_what_prevents_new_meshes_is_told_by_check_and_log_and_the_mesh_stays(tmp_path):
+    """A support inside the body, and inertia: theory forbids new meshes there."""
+    mesh = build_model(upsetting()).mesh
+    lines = ["*NODE", *(f"{i}, {x}, {y}" for i, (x, y) in enumerate(mesh.points.tolist(), 1))]
+    lines += ["*ELEMENT, TYPE=CAX4"]
+    lines += [
+        f"{i}, {', '.join(map(str, cell))}" for i, cell in enumerate((mesh.blocks[0].connectivity + 1).tolist(), 1)
+    ]
+    for name, nodes in {"left": mesh.node_sets["left"], "foot": mesh.node_sets["bottom"], "pin": [30, 31]}.items():
+        lines += [f"*NSET, NSET={name}", ", ".join(str(node + 1) for node in nodes)]
+    (tmp_path / "billet.inp").write_text("\n".join(lines))
+    held = {name: {"set": name, "fix": ["x" if name == "left" else "y"]} for name in ("left", "foot")}
+    held["pin"] = {"set": "pin", "fix": ["x"]}
+    billet = {"material": "steel", "mesh": {"path": str(tmp_path / "billet.inp"), "unit": "mm"}}
+    pinned = build_model(upsetting(workpiece=billet, boundary=held))
+    assert "new meshes: none (boundary.pin.set: 2 nodes of pin lie inside" in describe(pinned)
+    assert "2 nodes of pin lie inside" in begin(pinned, 1).begin_log()
+    steel = {
+        "young": 2e5,
+        "poisson": 0.3,
+        "density": "7850 kg/m^3",
+        "hardening": {"law": "linear", "yield_stress": 700},
+    }
+    model = build_model(upsetting(materials={"steel": steel}, solver={"inertia": 1e-6}))
+    assert "new meshes: none (solver.inertia does not go together with new meshes)" in describe(model)
+    recording = begin(model, 1)
+    assert "no new meshes: solver.inertia" in recording.begin_log()
+    assert any("solver.inertia" in hint for hint in recording._find_hints())
+    assert not recording._may_change_mesh("fails")
+
+
 def test_a_run_that_gives_up_tells_why_there_is_no_other_mesh(tmp_path, monkeypatch):
     """A sticking punch turns a cell of the first mesh inside out, and no other mesh can be made."""
 
@@ -289,7 +362,7 @@ def test_die_fill_is_measured_on_the_mesh_of_its_step(remeshed):
     [
         (
             {"workpiece": {"material": "steel", "element": "tri3", "mesh": {"size": [10, HEIGHT], "cells": [4, 6]}}},
-            True,
+            False,
         ),
         ({"remesh": {"enabled": False}}, True),
         ({}, False),
@@ -297,6 +370,6 @@ def test_die_fill_is_measured_on_the_mesh_of_its_step(remeshed):
     ],
 )
 def test_a_run_that_keeps_its_mesh_says_what_new_ones_need(changes, told):
-    """Where it gives up: triangles and loaded bodies keep their mesh unless asked, quadrilaterals do not."""
+    """Where it gives up and new meshes have been switched off, or small displacements need none."""
     hints = begin(build_model(upsetting(**changes)), 1)._find_hints()
     assert any("with [remesh] in the case" in hint for hint in hints) == told

@@ -44,4 +44,6 @@ class Remeshing:
         return self.bodies.get(name, self)
 
     keeps_first: bool = False
-    """Whether the first mesh stays until an increment fails on it, or a tool cuts deep into its edges."""
+    """Whether the first mesh of a body stays until an increment fails on it, or a tool cuts deep into its edges."""
+    obstacle: str = ""
+    """What in the case prevents new meshes, where it has not asked for any; empty if nothing does."""

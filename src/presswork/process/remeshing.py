@@ -44,8 +44,8 @@ WAIT = 1.5
 """Factor on all triggers, up to which the present mesh goes on rather than one that changes the force too much."""
 MOST_WAITS = 3
 """Times that a mesh is put off because it changes the force: what waits longer only gets worse."""
-WAITED = "waited"
-"""Name in a checkpoint."""
+WAITED, ON_FIRST = "waited", "on_first"
+"""Names in a checkpoint."""
 PARTS = (1.0, 0.7, 0.85)
 """Of the size that is asked for, in meshes tried one after the other."""
 MOST_GIVEN_BACK = 1e-3
@@ -67,9 +67,11 @@ class RemeshedForming(ImplicitRecording):
         """Whether a new mesh was refused after the last increment."""
         self._waited = 0
         """How often one was put off because it changes the force, on this mesh."""
+        self._on_first = set(range(self._n_bodies)) if self.settings.keeps_first else set()
+        """Bodies whose first mesh is to stay until it fails."""
         if not self.settings.keeps_first:
             self._made_at = -1  # the first mesh is looked at, too
-        self._obstacle = self._find_obstacle()
+        self._obstacle = self.settings.obstacle or self._find_obstacle()
         if self._obstacle and not self.settings.keeps_first:
             raise StartError(f"{self._obstacle}: leave out [remesh]")
 
@@ -109,24 +111,25 @@ class RemeshedForming(ImplicitRecording):
         """Return why the present mesh should not go on, and of which bodies; wait: factor on the triggers."""
         if wait == 1.0 and self.number > 0 and self._passed_fraction():
             return "due", set(range(self._n_bodies))
-        if self.settings.keeps_first and self.epoch == 0:
-            return self._reason_to_leave_first()
         found: dict[int, str] = {}
         increment = self.procedure.state.nodes.increment
         for number, old in enumerate(self._sections()):
-            reason = find_reason(old, increment[old.points.start : old.points.stop], self._settings_of(number), wait)
+            if number in self._on_first:
+                reason = find_reason_to_leave_first(old)
+            else:
+                own = increment[old.points.start : old.points.stop]
+                reason = find_reason(old, own, self._settings_of(number), wait)
             if reason is not None:
                 found[number] = reason
         return ("; ".join(dict.fromkeys(found.values())), set(found)) if found else None
 
-    def _reason_to_leave_first(self) -> tuple[str, set[int]] | None:
-        """Return why a first mesh that is to stay should not go on, and of which bodies."""
-        for number, old in enumerate(self._sections()):
-            for chain in old.chains:
-                cut = find_cut_edge(old.position[chain], old.profiles, deepest=LAST_CUT, corners_count=True)
-                if cut is not None:
-                    return cut, {number}
-        return None
+    def begin_log(self) -> str:
+        """Name the linear solver, and what prevents new meshes."""
+        return super().begin_log() + (f"; no new meshes: {self._obstacle}" if self._obstacle else "")
+
+    def _find_hints(self) -> list[str]:
+        """Return what may have made the increment fail, and what prevents new meshes."""
+        return [*super()._find_hints(), *([f"no new mesh: {self._obstacle}"] if self._obstacle else [])]
 
     @property
     def _n_bodies(self) -> int:
@@ -233,6 +236,7 @@ class RemeshedForming(ImplicitRecording):
             return self._stay(reason, f"the largest force of a tool would change by {new.jump:.2%}")
         self._begin_on(new.procedure, new.origin, new.procedure.model.mesh.points)
         self._waited = 0
+        self._on_first -= own
         volume = new.procedure.volume() / new.procedure.initial_volume - 1.0
         cells = sum(len(block.connectivity) for block in self.model.mesh.blocks)
         self._notes.append(
@@ -266,11 +270,13 @@ class RemeshedForming(ImplicitRecording):
         return _NewEpoch(after, origin, _measure_jump(before.state, after.state), len(outcome.log))
 
     def _epoch_arrays(self) -> NamedArrays:
-        return super()._epoch_arrays() | {WAITED: np.array([self._waited])}
+        on_first = np.isin(np.arange(self._n_bodies), list(self._on_first))
+        return super()._epoch_arrays() | {WAITED: np.array([self._waited]), ON_FIRST: on_first}
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         super()._load_epoch(epoch)
         self._waited = int(epoch[WAITED][0])
+        self._on_first = set(np.flatnonzero(epoch[ON_FIRST]).tolist())
 
     def _stay(self, reason: str, fault: str) -> bool:
         """Go on with the old mesh."""
@@ -336,6 +342,12 @@ def find_reason(old: OldSection, increment: FloatArray, settings: Remeshing, wai
     size = measure_sizes(old, settings)
     longest = wait * TOO_LONG
     return next((long for line in lines if (long := find_long_edge(line, size, longest=longest)) is not None), None)
+
+
+def find_reason_to_leave_first(old: OldSection) -> str | None:
+    """Return why the first mesh of a body that is to stay should not go on."""
+    cuts = (find_cut_edge(old.position[c], old.profiles, deepest=LAST_CUT, corners_count=True) for c in old.chains)
+    return next((cut for cut in cuts if cut is not None), None)
 
 
 def keep_held(origin: FloatArray, model: Model) -> None:

@@ -111,6 +111,8 @@ def _describe_space_solid(problem: model.Model) -> Iterator[str]:
 
 
 def _describe_remeshing(remeshing: model.Remeshing) -> str:
+    if remeshing.obstacle:
+        return f"new meshes: none ({remeshing.obstacle})"
     if remeshing.keeps_first:
         return "new meshes: where an increment fails on the first one, or a tool cuts deep into it"
     due = f", and after every {remeshing.every:g} of a stage" if remeshing.every else ""

@@ -233,13 +233,12 @@ def _check_axis(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
     ]
 
 
-def _build_edge_force(entry: schema.EdgeForce, area: float, *, remeshed: bool) -> model.EdgeForce:
-    """Return a force per area; area: of the set [mm2]."""
-    first = area if remeshed else None
+def _build_edge_force(entry: schema.EdgeForce, area: float) -> model.EdgeForce:
+    """Return a force per area; area: of the set on the first mesh [mm2]."""
     if entry.value is not None:
-        return model.EdgeForce(entry.set, entry.value, first)
+        return model.EdgeForce(entry.set, entry.value, area)
     assert entry.total is not None
-    return model.EdgeForce(entry.set, (entry.total[0] / area, entry.total[1] / area), first)
+    return model.EdgeForce(entry.set, (entry.total[0] / area, entry.total[1] / area), area)
 
 
 def _build_stages(
@@ -250,8 +249,7 @@ def _build_stages(
     problems: list[Problem] = []
     blows: dict[str, int] = {}
     for number, given in enumerate(case.stages):
-        explicit, remeshed = case.procedure == "explicit", case.remesh is not None
-        stage = _build_stage(given, area_of, explicit=explicit, remeshed=remeshed)
+        stage = _build_stage(given, area_of, explicit=case.procedure == "explicit")
         drive = build_drive(given.find_timing(number), case.presses, _find_halves(case, stage, planes))
         if isinstance(drive, Problem):
             problems.append(drive)
@@ -276,9 +274,7 @@ def _find_halves(case: schema.Case, stage: model.Stage, planes: tuple[model.Floa
     return Halves(float(2 ** sum(cut)), 2.0 if across else 1.0)
 
 
-def _build_stage(
-    stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool, remeshed: bool
-) -> model.Stage:
+def _build_stage(stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool) -> model.Stage:
     """Turn a case's stage into the Model's; area_of: gives the area of an edge set [mm2]."""
     ramp = RAMP * stage.duration if stage.ramp is None else stage.ramp
     return model.Stage(
@@ -292,7 +288,5 @@ def _build_stage(
         ),
         forces=tuple(model.PointForce(entry.set, entry.value) for entry in stage.force),
         pressures=tuple(model.Pressure(entry.set, entry.value) for entry in stage.pressure),
-        edge_forces=tuple(
-            _build_edge_force(entry, area_of(entry.set), remeshed=remeshed) for entry in stage.edge_force
-        ),
+        edge_forces=tuple(_build_edge_force(entry, area_of(entry.set)) for entry in stage.edge_force),
     )

@@ -174,17 +174,32 @@ def check_places(case: Case, mesh: model.Mesh, bodies: Sequence[model.Body]) -> 
 def build_remeshing(
     case: Case, mesh: model.Mesh, bodies: Sequence[model.Body], tools: Sequence[model.Tool]
 ) -> model.Remeshing | None:
-    """Return when and how finely the bodies are meshed anew; None where they never are."""
+    """Return when and how finely the bodies are meshed anew; None where they never are.
+
+    Without keys, bodies that meet tools keep their first mesh until it fails.
+    """
     if case.remesh is not None:
         return case.remesh.build_all(mesh, bodies, tools) if case.remesh.enabled else None
-    is_one = len(mesh.blocks) == 1 and mesh.blocks[0].element.startswith("quad4") and len(bodies) < 2
-    loads = ("displacement", "force", "edge_force", "pressure")
-    is_loaded = any(getattr(stage, key) for stage in case.stages for key in loads)
-    is_other = case.procedure == "explicit" or case.series is not None or any(_find_obstacles(case).values())
-    if not tools or not is_one or is_loaded or is_other:
+    if not tools or case.procedure == "explicit" or case.solver.displacements == "small":
         return None
-    budget = max(Remesh().max_cells, 2 * len(mesh.blocks[0].connectivity))
-    return replace(Remesh(max_cells=budget).build_all(mesh, bodies, tools), keeps_first=True)
+    keys = Remesh()
+    of_body = {name: _allow_for(own) for name, (_, own) in keys.of_bodies(mesh, bodies).items()}
+    workpiece, *others = of_body.values()
+    keys = Remesh(max_cells=workpiece.max_cells, bodies=dict(zip(list(of_body)[1:], others, strict=True)))
+    return replace(keys.build_all(mesh, bodies, tools), keeps_first=True, obstacle=_explain(case, mesh, bodies))
+
+
+def _allow_for(mesh: model.Mesh) -> BodyRemesh:
+    """Return the keys of a body whose first mesh (of it alone) may exceed the usual budget."""
+    n_cells = sum(len(block.connectivity) for block in mesh.blocks)
+    return BodyRemesh(max_cells=max(BodyRemesh().max_cells, 2 * n_cells))
+
+
+def _explain(case: Case, mesh: model.Mesh, bodies: Sequence[model.Body]) -> str:
+    """Say what prevents new meshes; empty if nothing does."""
+    keys = [f"{key} does not go together with new meshes" for key, is_so in _find_obstacles(case).items() if is_so]
+    places = [f"{problem.key}: {problem.expected}" for problem in check_places(case, mesh, bodies)]
+    return "; ".join(keys + places)
 
 
 def check_tools(remesh: Remesh, mesh: model.Mesh, tools: Sequence[model.Tool]) -> list[Problem]:
