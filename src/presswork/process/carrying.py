@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from presswork.body.solids import Mechanics
 from presswork.evolution.points import EvolvedArrays
@@ -127,7 +127,7 @@ def _face(values: FloatArray, nodes: IntArray, run: ImplicitProcedure) -> None:
     edges = run.model.mesh.boundary_edges
     near = float(np.linalg.norm(position[edges[:, 1]] - position[edges[:, 0]], axis=1).max())
     others = np.setdiff1d(edges, nodes)
-    distance, place = cKDTree(position[nodes]).query(position[others], k=2, distance_upper_bound=near)
+    distance, place = scipy.spatial.cKDTree(position[nodes]).query(position[others], k=2, distance_upper_bound=near)
     faces = np.isfinite(distance).all(axis=1)
     share = 1.0 / (distance[faces] + 1e-9 * near)
     share /= share.sum(axis=1, keepdims=True)

@@ -82,7 +82,8 @@ class RemeshedForming(ImplicitRecording):
             return f"nothing says how {', '.join(undeclared)} would pass to a new mesh"
         try:
             for number, section in enumerate(self._sections()):
-                check_budget(section, self._settings_of(number))
+                if section.chains and not self.settings.keeps_first:
+                    check_budget(section, self._settings_of(number))
         except MeshError as error:
             return str(error)
         return ""

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError, cKDTree
+import scipy
 
 from presswork.geometry.polygon import contains, measure_distance
 from presswork.mesh.checks import MeshError, corner_jacobians
@@ -104,8 +104,8 @@ def _triangulate(line: FloatArray, after: IndexArray, size: SizeField) -> tuple[
     for round_ in range(_TRIANGLE_ROUNDS + 1):
         points = np.concatenate([line, inner])
         try:
-            found = Delaunay(points).simplices.astype(np.intp)
-        except QhullError as error:
+            found = scipy.spatial.Delaunay(points).simplices.astype(np.intp)
+        except scipy.spatial.QhullError as error:
             raise MeshError("the boundary has no inside", "another shape") from error
         between = (found < len(line)).all(axis=1)  # others have a vertex inside
         inside = ~between
@@ -153,7 +153,7 @@ def _place_rows(line: FloatArray, after: IndexArray, size: SizeField) -> FloatAr
 
 def _place_lattice(taken: FloatArray, sides: FloatArray, size: SizeField) -> FloatArray:
     """Return vertices on square lattices of spacings that differ by the root of two, off those that are taken."""
-    line, tree = sides[:, 0], cKDTree(taken)
+    line, tree = sides[:, 0], scipy.spatial.cKDTree(taken)
     low, high = line.min(axis=0), line.max(axis=0)
     least = float(size(line).min())
     most = float(np.linalg.norm(high - low))
@@ -188,7 +188,7 @@ def _thin(inner: FloatArray, size: SizeField) -> FloatArray:
     if len(inner) < 2:
         return inner
     wanted = size(inner)
-    pairs = cKDTree(inner).query_pairs(0.6 * float(wanted.max()), output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(inner).query_pairs(0.6 * float(wanted.max()), output_type="ndarray")
     apart = np.linalg.norm(inner[pairs[:, 0]] - inner[pairs[:, 1]], axis=1)
     close = pairs[apart < 0.6 * np.minimum(wanted[pairs[:, 0]], wanted[pairs[:, 1]])]
     dropped = np.zeros(len(inner), dtype=bool)

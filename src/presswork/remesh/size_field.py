@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import map_coordinates
-from scipy.spatial import cKDTree
+import scipy
 
 from presswork.geometry.profile_way import ProfileWay
 from presswork.model import BoolArray, FloatArray, IndexArray
@@ -49,7 +48,7 @@ class GradedSize:
     def __call__(self, points: FloatArray) -> FloatArray:
         """Return the edge length of cells at points (n, 2) [mm]."""
         at = ((points - self._low) / self._step).T
-        return np.asarray(map_coordinates(self._values, at, order=1, mode="nearest"))
+        return np.asarray(scipy.ndimage.map_coordinates(self._values, at, order=1, mode="nearest"))
 
     def limit(self, box: tuple[float, float, float, float], size: float) -> None:
         """Make cells in a rectangle (least x, y, largest x, y) no larger than a size [mm], graded round it."""
@@ -74,7 +73,7 @@ def grade(points: FloatArray, sources: SizeSources, largest: float, smallest: fl
         if least >= largest:
             continue
         reach = (largest - least) / GRADATION
-        distance, _ = cKDTree(sources.place[own]).query(points, distance_upper_bound=reach)
+        distance, _ = scipy.spatial.cKDTree(sources.place[own]).query(points, distance_upper_bound=reach)
         size = np.minimum(size, least + GRADATION * distance)
     return size
 
@@ -98,7 +97,7 @@ def tool_curvature(sides: FloatArray, profile: FloatArray, largest: float, corne
     places.append(way.at(corners))
     sizes.append(np.full(len(corners), corner_size))
     place, size = np.concatenate(places), np.concatenate(sizes)
-    distance, _ = cKDTree(_refine(sides, largest)).query(place)
+    distance, _ = scipy.spatial.cKDTree(_refine(sides, largest)).query(place)
     near = distance < REACH * largest
     # what is farther off may wait: it asks for less
     return SizeSources(place[near], size[near] + GRADATION * np.maximum(distance[near] - largest, 0.0))
@@ -108,7 +107,7 @@ def along_tool(sides: FloatArray, profile: FloatArray, largest: float, size: flo
     """Return a size all along a placed profile, where it is near the sides of a boundary (k, 2, 2)."""
     way = ProfileWay(profile)
     place = way.at(np.linspace(0.0, way.length, max(2, int(np.ceil(2.0 * way.length / size)) + 1))[:-1])
-    distance, _ = cKDTree(_refine(sides, largest)).query(place)
+    distance, _ = scipy.spatial.cKDTree(_refine(sides, largest)).query(place)
     near = distance < REACH * largest
     return SizeSources(place[near], size + GRADATION * np.maximum(distance[near] - largest, 0.0))
 

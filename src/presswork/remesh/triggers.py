@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from presswork import _core
 from presswork.geometry.profile_way import ProfileWay
@@ -58,7 +58,7 @@ def find_cut_edge(
         corners, turns = way.corners()
         depth = np.where(gap < -deepest * length, -gap / length, 0.0)
         if (turns < 0.0).any() and not corners_count:
-            apart, _ = cKDTree(way.at(corners[turns < 0.0])).query(middle)
+            apart, _ = scipy.spatial.cKDTree(way.at(corners[turns < 0.0])).query(middle)
             depth[apart < 0.75 * length] = 0.0
         worst = int(np.argmax(depth))
         if depth[worst] > 0.0:
