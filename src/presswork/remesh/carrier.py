@@ -16,6 +16,7 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.topology import count_corners
 from presswork.model import ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArray, Mesh
+from presswork.remesh.space.transfer import FitInSpace, PointsInSpace, locate_in_tetrahedra
 from presswork.remesh.transfer import (
     OldPoints,
     Places,
@@ -28,7 +29,7 @@ from presswork.remesh.transfer import (
 
 @dataclass(frozen=True)
 class SurfacePlaces:
-    """Where nodes of a new boundary lie on the old one."""
+    """Where nodes of a new boundary line lie on the old one."""
 
     node: IndexArray
     """Of the new mesh (k,)."""
@@ -43,6 +44,39 @@ class SurfacePlaces:
     later: IndexArray
     """Node after the one after (k,)."""
 
+    def carry(self, values: FloatArray) -> FloatArray:
+        """Return values at the old nodes (n_old_points, ...) at the new ones (k, ...), linear between two."""
+        share = self.part.reshape(-1, *(1,) * (values.ndim - 1))
+        return np.asarray((1.0 - share) * values[self.before] + share * values[self.after])
+
+    def carry_material(self, position: FloatArray, values: FloatArray) -> FloatArray:
+        """Return coordinates of the material (n_old_points, m) at the new nodes (k, m), along the arc of the line.
+
+        position: of the old nodes (n_old_points, 2) [mm].
+        """
+        around = np.stack([self.earlier, self.before, self.after, self.later], axis=1)
+        return interpolate_along(position[around], values[around], self.part)
+
+
+@dataclass(frozen=True)
+class SkinPlaces:
+    """Where nodes of a new skin in space lie on the old one."""
+
+    node: IndexArray
+    """Of the new mesh (k,)."""
+    corners: IndexArray
+    """Of the face of the old skin (k, 3)."""
+    share: FloatArray
+    """Of these corners (k, 3)."""
+
+    def carry(self, values: FloatArray) -> FloatArray:
+        """Return values at the old nodes (n_old_points, ...) at the new ones (k, ...), linear in each face."""
+        return np.asarray(np.einsum("ks,ks...->k...", self.share, values[self.corners]))
+
+    def carry_material(self, position: FloatArray, values: FloatArray) -> FloatArray:
+        """Return coordinates of the material (n_old_points, m) at the new nodes (k, m), so that a face stays one."""
+        return self.carry(values)
+
 
 @dataclass(frozen=True)
 class Part:
@@ -51,7 +85,7 @@ class Part:
     old_points: range
     new_points: range
     block: int
-    surface: SurfacePlaces | None
+    surface: SurfacePlaces | SkinPlaces | None
     """None: the mesh stays."""
 
 
@@ -60,55 +94,68 @@ class _Sources:
     """Where the values of a remeshed part come from."""
 
     position: FloatArray
-    """Of all nodes of the old mesh (n_old_points, 2) [mm]."""
+    """Of all nodes of the old mesh (n_old_points, 2 | 3) [mm]."""
     old: CellBlock
     new: CellBlock
     points: FloatArray
-    """Of the new mesh, of all parts (n_new_points, 2) [mm]."""
+    """Of the new mesh, of all parts (n_new_points, 2 | 3) [mm]."""
     own: IndexArray
     """The part's new nodes."""
 
     @cached_property
     def old_cells(self) -> IndexArray:
         """Corners of the old cells (n_cells, 3 | 4)."""
-        corners = self.old.connectivity[:, : count_corners(self.old.connectivity.shape[1])]
+        cells = self.old.connectivity
+        corners = cells if self.points.shape[1] == 3 else cells[:, : count_corners(cells.shape[1])]
         return corners.astype(np.intp)
 
     @cached_property
     def places(self) -> Places:
         """Where the new nodes lie in the old mesh."""
-        return locate(self.position, self.old_cells, self.points[self.own])
+        return self._locate(self.points[self.own])
 
     @cached_property
-    def of_nodes(self) -> tuple[IndexArray, PointTransfer]:
+    def of_nodes(self) -> tuple[IndexArray, PointTransfer | FitInSpace]:
         """Nodes of the old part, and how fields at them are found at the new ones."""
         nodes, first = np.unique(self.old_cells, return_index=True)
-        old = OldPoints(self.position[nodes], first // self.old_cells.shape[1], self.old_cells)
+        old = self._make_points(self.position[nodes], first // self.old_cells.shape[1])
         return nodes, old.find_transfer(self.points[self.own], self.places.cell)
 
     @cached_property
-    def of_points(self) -> PointTransfer:
+    def of_points(self) -> PointTransfer | FitInSpace:
         """How fields at the integration points of the old cells are found at those of the new ones."""
-        home = locate(self.position, self.old_cells, self.new_points).cell
+        home = self._locate(self.new_points).cell
         return self.old_points.find_transfer(self.new_points, home)
 
     @cached_property
-    def old_points(self) -> OldPoints:
+    def old_points(self) -> OldPoints | PointsInSpace:
         """The integration points of the old cells."""
         places, n_cells = place_points(self.old, self.position), len(self.old_cells)
-        return OldPoints(places, np.repeat(np.arange(n_cells), len(places) // n_cells), self.old_cells)
+        return self._make_points(places, np.repeat(np.arange(n_cells), len(places) // n_cells))
 
     @cached_property
     def new_points(self) -> FloatArray:
-        """Where the integration points of the new cells are (n, 2) [mm]."""
+        """Where the integration points of the new cells are (n, 2 | 3) [mm]."""
         return place_points(self.new, self.points)
+
+    @property
+    def _in_space(self) -> bool:
+        return bool(self.position.shape[1] == 3)
+
+    def _locate(self, wanted: FloatArray) -> Places:
+        return (locate_in_tetrahedra if self._in_space else locate)(self.position, self.old_cells, wanted)
+
+    def _make_points(self, position: FloatArray, cell_of: IndexArray) -> OldPoints | PointsInSpace:
+        if self._in_space:
+            return PointsInSpace(position, cell_of, self.old_cells)
+        return OldPoints(position, cell_of, self.old_cells)
 
 
 class Carrier:
     """Carries arrays from an old mesh to a new one, part by part."""
 
     def __init__(self, old: Mesh, position: FloatArray, new: Mesh, parts: Sequence[Part]) -> None:
-        """position: of the old nodes (n_old_points, 2) [mm], in which the new mesh lies."""
+        """position: of the old nodes (n_old_points, 2 | 3) [mm], in which the new mesh lies."""
         self.parts, self._position = parts, position
         self._n_points = len(new.points)
         self._sources: list[_Sources | None] = []
@@ -150,9 +197,7 @@ class Carrier:
         result = self.nodes(values)
         for part in self.parts:
             if part.surface is not None:
-                on = part.surface
-                around = np.stack([on.earlier, on.before, on.after, on.later], axis=1)
-                result[on.node] = interpolate_along(self._position[around], values[around], on.part)
+                result[part.surface.node] = part.surface.carry_material(self._position, values)
         return result
 
     def points(self, values: Sequence[FloatArray], at_rest: Sequence[FloatArray]) -> list[FloatArray]:
@@ -204,20 +249,18 @@ class Carrier:
                     part.old_points.start : part.old_points.stop
                 ]
                 continue
-            on = part.surface
-            share = on.part.reshape(-1, *(1,) * (values.ndim - 1))
-            result[on.node] = (1.0 - share) * values[on.before] + share * values[on.after]
+            result[part.surface.node] = part.surface.carry(values)
         return result
 
 
 def place_points(block: CellBlock, position: FloatArray) -> FloatArray:
-    """Return where the integration points of a block's cells are, cell after cell (n, 2) [mm]."""
+    """Return where the integration points of a block's cells are, cell after cell (n, 2 | 3) [mm]."""
     row = ELEMENTS[block.element]
     shapes = np.asarray(_core.shapes_at_points(row.cell, row.points))
-    return np.asarray(np.einsum("qa,cak->cqk", shapes, position[block.connectivity]).reshape(-1, 2))
+    return np.asarray(np.einsum("qa,cak->cqk", shapes, position[block.connectivity]).reshape(-1, position.shape[1]))
 
 
-def _apply(transfer: PointTransfer, values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+def _apply(transfer: PointTransfer | FitInSpace, values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
     """Return values (n_old, ...) at the new points, in rows of a shape; what is negative nowhere stays so."""
     flat = values.reshape(len(values), -1)
     found = transfer.apply(flat)

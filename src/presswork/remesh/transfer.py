@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -80,8 +81,27 @@ class OldPoints:
         return np.asarray(peaks[is_lost])
 
 
+class DonorsOfPoints(Protocol):
+    """Which old points new ones take their values from, in the plane or in space."""
+
+    @property
+    def donor(self) -> IntArray:
+        """(n_new, n_donors)."""
+
+
+class PeakSource(Protocol):
+    """Old points whose peaks new ones take over, in the plane or in space."""
+
+    @property
+    def position(self) -> FloatArray:
+        """(n_old, 2 | 3) [mm]."""
+
+    def find_peaks(self, given: FloatArray) -> IndexArray:
+        """Return the points whose value (n_old,) is above those of all their donors, and which the fit misses."""
+
+
 def keep_peaks(
-    given: FloatArray, found: FloatArray, volume: FloatArray, old: OldPoints, new: FloatArray, fit: PointTransfer
+    given: FloatArray, found: FloatArray, volume: FloatArray, old: PeakSource, new: FloatArray, fit: DonorsOfPoints
 ) -> FloatArray:
     """Return a field found at new points (n_new,) with the peaks that it has at old points, `given` (n_old,).
 

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a new mesh of a body in space is made from, and the new mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from presswork.mesh.checks import MeshError
+from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.remesh.space.tetrahedra import area_vectors, find_skin, measure_volumes
+from presswork.remesh.space.tools import PlacedTool
+
+_FLAT = 1e-9
+"""Of the body's size: nodes that lie closer to a plane than that lie in it."""
+
+
+@dataclass(frozen=True)
+class OldBody:
+    """A deformed body of tetrahedra."""
+
+    points: FloatArray
+    """Where its nodes are (n, 3) [mm]."""
+    cells: IndexArray
+    """(m, 4)."""
+    on_tool: BoolArray
+    """Which tools touch a node (n_tools, n)."""
+    held: BoolArray
+    """Components that supports hold (n, 3)."""
+    sets: Mapping[str, IndexArray]
+    """Nodes of places that the new mesh must have: whole faces of the skin."""
+    tools: Sequence[PlacedTool]
+    lost: float = 0.0
+    """Part of the volume that was lost so far, and is given back."""
+
+    def __post_init__(self) -> None:
+        """Raise MeshError where a place is not made of whole faces."""
+        for name, nodes in self.sets.items():
+            within = np.isin(self.faces, nodes).all(axis=1)
+            loose = np.setdiff1d(nodes, self.faces[within])
+            if len(loose):
+                where = ", ".join(f"{c:.4g}" for c in self.points[loose[0]])
+                raise MeshError(
+                    f"the set `{name}` has a node near ({where}) on none of its faces: new meshes keep places that are "
+                    "made of whole faces of the surface",
+                    "name a set of faces, or leave out [remesh]",
+                )
+
+    @cached_property
+    def faces(self) -> IndexArray:
+        """Its skin (k, 3), counter-clockwise seen from outside."""
+        return find_skin(self.cells)[0]
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """Unit normals of its faces outwards (k, 3)."""
+        area = area_vectors(self.points, self.faces)
+        return np.asarray(area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300))
+
+    @cached_property
+    def volume(self) -> float:
+        """[mm3]."""
+        return float(measure_volumes(self.points, self.cells).sum())
+
+    @cached_property
+    def planes(self) -> list[tuple[int, float, BoolArray]]:
+        """Planes in which supports hold whole faces: axis, coordinate [mm], which faces (k,)."""
+        scale, found = float(np.ptp(self.points, axis=0).max()), []
+        for axis in range(3):
+            at = self.points[self.faces, axis]
+            flat = self.held[self.faces, axis].all(axis=1) & (np.ptp(at, axis=1) < _FLAT * scale)
+            while flat.any():
+                level = float(at[np.argmax(flat), 0])
+                own = flat & (np.abs(at - level) < _FLAT * scale).all(axis=1)
+                found.append((axis, level, own))
+                flat &= ~own
+        return found
+
+    @cached_property
+    def in_plane(self) -> BoolArray:
+        """Faces in one of the planes (k,)."""
+        marked = np.zeros(len(self.faces), dtype=bool)
+        for _, _, own in self.planes:
+            marked |= own
+        return marked
+
+    @cached_property
+    def references(self) -> tuple[IndexArray, BoolArray]:
+        """A number for each face (k,), the same for faces in the same planes and sets; for each number the planes,
+        then the sets, in which its faces lie (n_numbers, n_planes + n_sets)."""
+        columns = [own for _, _, own in self.planes]
+        columns += [np.asarray(np.isin(self.faces, nodes).all(axis=1)) for nodes in self.sets.values()]
+        if not columns:
+            return np.zeros(len(self.faces), dtype=np.intp), np.zeros((1, 0), dtype=bool)
+        table, number = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
+        return number.ravel().astype(np.intp), table
+
+
+@dataclass(frozen=True)
+class NewBody:
+    """The new mesh in the deformed place."""
+
+    points: FloatArray
+    """(n, 3) [mm]."""
+    cells: IndexArray
+    """(m, 4)."""
+    faces: IndexArray
+    """Its skin (k, 3), counter-clockwise seen from outside."""
+    sets: Mapping[str, IndexArray]
+    """Nodes of the places of the old body."""
+    on_tool: BoolArray
+    """Which tools nodes lie on, to round-off (n_tools, n)."""
+    skin: IndexArray
+    """Nodes of its skin (s,)."""
+    corners: IndexArray
+    """Of the face of the old skin on which each of them lay (s, 3)."""
+    share: FloatArray
+    """Of those corners (s, 3)."""
+    offset: float
+    """By which free nodes were moved outwards to give the volume back [mm]."""

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Skin and inside meshed anew to a field of sizes, by MMG (Dapogny, Dobrzynski & Frey 2014, J. Comput. Phys. 262).
+
+The deformed tetrahedra are cut, joined and moved until their edges have the size asked for. Ridges of more than RIDGE
+and the borders between faces of different numbers stay rows of edges, flat faces stay flat.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.mesh.checks import MeshError
+from presswork.model import FloatArray, IndexArray
+
+RIDGE = 30.0
+"""[degrees]"""
+GRADATION = 1.3
+REMEDY = "install the extra: pip install presswork[remesh]"
+
+
+@dataclass(frozen=True)
+class FilledBody:
+    """Tetrahedra and their numbered skin."""
+
+    points: FloatArray
+    """(n, 3) [mm]."""
+    cells: IndexArray
+    """(m, 4)."""
+    faces: IndexArray
+    """(k, 3), counter-clockwise seen from outside."""
+    number: IndexArray
+    """Of each face (k,)."""
+
+
+def mesh_to_size(body: FilledBody, size: FloatArray, *, smallest: float, largest: float, away: float) -> FilledBody:
+    """Return a body meshed anew with edges of a size at its points (n,) [mm].
+
+    smallest, largest: bounds of edges [mm]; away: largest distance of the new skin from the old one, smoothed [mm].
+    Raises MeshError.
+    """
+    try:
+        from mmgpy import MmgMesh3D
+    except ImportError as error:
+        raise MeshError("new meshes in space need mmgpy, which is not installed", REMEDY) from error
+    mesh = MmgMesh3D()
+    mesh.set_mesh_size(len(body.points), len(body.cells), 0, len(body.faces), 0, 0)
+    mesh.set_vertices(np.ascontiguousarray(body.points))
+    mesh.set_tetrahedra(np.ascontiguousarray(body.cells, dtype=np.int32))
+    mesh.set_triangles(np.ascontiguousarray(body.faces, dtype=np.int32), body.number.astype(np.int64) + 1)
+    mesh["metric"] = np.ascontiguousarray(size[:, None])
+    try:
+        mesh.remesh(verbose=-1, hmin=smallest, hmax=largest, hausd=away, hgrad=GRADATION, ar=RIDGE)
+    except (RuntimeError, ValueError) as error:
+        raise MeshError(f"MMG cannot mesh the body anew ({error})", "smaller cells") from error
+    faces, reference = mesh.get_triangles_with_refs()
+    points = np.array(mesh.get_vertices())
+    cells = np.asarray(mesh.get_tetrahedra(), dtype=np.intp)
+    return FilledBody(points, cells, np.asarray(faces, dtype=np.intp), np.asarray(reference, dtype=np.intp) - 1)

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How long edges of tetrahedra may be where: the least of what the tools' radii and the thickness of the metal ask for,
+growing from there by no more than the gradation, within a budget of cells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from presswork.mesh.checks import MeshError
+from presswork.model import FloatArray
+from presswork.remesh.size_field import SizeSources, grade, join_sources
+from presswork.remesh.space.body import OldBody
+from presswork.remesh.space.tetrahedra import measure_volumes
+
+OF_RADIUS = 0.4
+OF_GAP = 0.25
+REACH = 2.0
+"""Cells of the largest size ahead of contact over which a tool's radius counts."""
+LEAST_ACROSS = 1.5
+"""Cells across the metal below which a budget is too small."""
+_CELLS_PER_CUBE = 14.0
+"""Tetrahedra in a cube whose edge is the size: measured on boxes and barrels, 11 to 14."""
+_OPPOSITE = 0.8
+"""Least cosine between a face's normal and that of one opposite to it, reversed."""
+
+
+@dataclass(frozen=True)
+class EdgeSizes:
+    """Bounds of the edges, and how many cells there may be."""
+
+    largest: float
+    """[mm]"""
+    smallest: float
+    """[mm]"""
+    max_cells: int
+
+
+def measure_sizes(body: OldBody, sizes: EdgeSizes, points: FloatArray | None = None) -> FloatArray:
+    """Return the length of edges asked for at points (n, 3), or at the nodes of the body (n,) [mm].
+
+    Where max_cells would be exceeded, all become longer. Raises MeshError where that leaves too few across the metal.
+    """
+    sources = [_ask_for_gaps(body, sizes)]
+    sources += [_ask_for_radii(body, tool, sizes) for tool in range(len(body.tools))]
+    all_sources = join_sources(*sources)
+    at_nodes = grade(body.points, all_sources, sizes.largest, sizes.smallest)
+    factor = _find_factor(body, at_nodes, sizes)
+    return factor * (at_nodes if points is None else grade(points, all_sources, sizes.largest, sizes.smallest))
+
+
+def expect_cells(body: OldBody, size: FloatArray) -> float:
+    """Return about how many cells a body needs with a size at its nodes (n,) [mm]."""
+    volume = measure_volumes(body.points, body.cells)
+    return float((_CELLS_PER_CUBE * volume / size[body.cells].mean(axis=1) ** 3).sum())
+
+
+def _find_factor(body: OldBody, size: FloatArray, sizes: EdgeSizes) -> float:
+    """Return the factor on all sizes that keeps the budget."""
+    factor = max(1.0, float(np.cbrt(expect_cells(body, size) / sizes.max_cells)))
+    thinnest = float(np.min(measure_thickness(body, LEAST_ACROSS * factor * sizes.largest), initial=np.inf))
+    if factor > 1.0 and thinnest < LEAST_ACROSS * factor * max(OF_GAP * thinnest, sizes.smallest):
+        raise MeshError(
+            f"{sizes.max_cells} cells are too few: fewer than {LEAST_ACROSS} lie across metal of {thinnest:.3g} mm",
+            "larger max_cells",
+        )
+    return factor
+
+
+def measure_thickness(body: OldBody, reach: float) -> FloatArray:
+    """Return how thick the metal is beneath each face (k,) [mm]; infinite beyond reach, and for faces in planes.
+
+    The thickness is the distance along the normal of the nearest face that looks the other way.
+    """
+    faces = np.flatnonzero(~body.in_plane)
+    corners = body.points[body.faces[faces]]
+    middle, normal = corners.mean(axis=1), body.normals[faces]
+    radius = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=2)).max(axis=1)
+    result = np.full(len(body.faces), np.inf)
+    pairs = cKDTree(middle).query_pairs(reach, output_type="ndarray")
+    facing = np.einsum("ni,ni->n", normal[pairs[:, 0]], normal[pairs[:, 1]]) < -_OPPOSITE
+    pairs = np.concatenate([pairs[facing], pairs[facing][:, ::-1]])
+    way = middle[pairs[:, 1]] - middle[pairs[:, 0]]
+    depth = -np.einsum("ni,ni->n", way, normal[pairs[:, 0]])
+    aside = np.sqrt(np.maximum((way**2).sum(axis=1) - depth**2, 0.0))
+    counts = (depth > 0.0) & (aside < radius[pairs[:, 0]] + radius[pairs[:, 1]])
+    found = np.full(len(faces), np.inf)
+    np.minimum.at(found, pairs[counts, 0], depth[counts])
+    result[faces] = found
+    return result
+
+
+def _ask_for_gaps(body: OldBody, sizes: EdgeSizes) -> SizeSources:
+    """Return a quarter of the metal's thickness at the middle and the corners of each face."""
+    thickness = measure_thickness(body, sizes.largest / OF_GAP)
+    known = np.isfinite(thickness)
+    corners = body.points[body.faces[known]]
+    place = np.concatenate([corners.mean(axis=1)[:, None], corners], axis=1)
+    return SizeSources(place.reshape(-1, 3), np.repeat(OF_GAP * thickness[known], 4))
+
+
+def _ask_for_radii(body: OldBody, tool: int, sizes: EdgeSizes) -> SizeSources:
+    """Return a part of the radii of a tool's bends where the skin is near them."""
+    place, radius = body.tools[tool].list_radii(sizes.smallest)
+    wanted = np.maximum(OF_RADIUS * radius, sizes.smallest)
+    place, wanted = place[wanted < sizes.largest], wanted[wanted < sizes.largest]
+    middles = body.points[body.faces].mean(axis=1)
+    skin = np.concatenate([body.points[np.unique(body.faces)], middles])
+    distance, _ = cKDTree(skin).query(place, distance_upper_bound=REACH * sizes.largest)
+    near = np.isfinite(distance)
+    growth = np.log(1.3) * np.maximum(distance[near] - sizes.largest, 0.0)  # what is farther off may wait
+    return SizeSources(place[near], wanted[near] + growth)

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The skin of a new mesh put in its place: nodes in contact on the tools, sharp edges of tools as edges of the mesh,
+planes flat to the bit, and the volume given back.
+
+A new node lies in a face of the old skin. It is in contact with a tool where half of that face's shares or more belong
+to nodes in contact: contact reaches half an edge beyond its last node, on the old mesh and on the new one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from presswork.mesh.checks import MeshError
+from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.remesh.space.body import OldBody
+from presswork.remesh.space.tetrahedra import area_vectors, enclosed_volume, list_edges, nodal_areas
+from presswork.remesh.space.tools import PlacedTool, put_on_tools
+
+LARGEST_OFFSET = 0.25
+"""Of the mean edge of the skin, by which the volume is given back at most."""
+STEEPEST, NEAR = 0.5, 0.02
+"""Of its distance from the end of a contact, and of its mean edge, by which a node may lie off a tool and come to lie
+on it."""
+SNAP = 0.45
+"""Of its mean edge, within which a node comes to lie on a tool's sharp edge."""
+APART = 0.3
+"""Of its mean edge, within which it then has no neighbour."""
+_NEAREST = 24
+_ROUNDS = 12
+
+
+@dataclass(frozen=True)
+class FacePlaces:
+    """Where points lie on the old skin."""
+
+    face: IndexArray
+    """(n,)."""
+    share: FloatArray
+    """Of the face's corners, in it or on its rim (n, 3)."""
+
+
+def locate_on_skin(points: FloatArray, faces: IndexArray, wanted: FloatArray) -> FacePlaces:
+    """Find the nearest place of faces (k, 3) over points to each wanted point (n, 3)."""
+    corners = points[faces]
+    n_near = min(_NEAREST, len(faces))
+    _, near = cKDTree(corners.mean(axis=1)).query(wanted, k=n_near)
+    near = near.reshape(len(wanted), n_near)
+    best = np.full(len(wanted), np.inf)
+    face, share = near[:, 0].copy(), np.full((len(wanted), 3), 1.0 / 3.0)
+    for candidate in near.T:
+        found = _nearest_shares(corners[candidate], wanted)
+        away = np.linalg.norm(np.einsum("nk,nki->ni", found, corners[candidate]) - wanted, axis=1)
+        better = away < best * (1.0 - 1e-12)
+        best[better], face[better], share[better] = away[better], candidate[better], found[better]
+    return FacePlaces(face, share)
+
+
+def _nearest_shares(corners: FloatArray, wanted: FloatArray) -> FloatArray:
+    """Return the shares (n, 3) of the nearest place to each wanted point in its triangle (n, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    u, v, w = b - a, c - a, wanted - a
+    uu, uv, vv, wu, wv = ((p * q).sum(axis=1) for p, q in ((u, u), (u, v), (v, v), (w, u), (w, v)))
+    double = np.maximum(uu * vv - uv**2, 1e-300)
+    s, t = (vv * wu - uv * wv) / double, (uu * wv - uv * wu) / double
+    inside = np.stack([1.0 - s - t, s, t], axis=1)
+    best, found = np.full(len(wanted), np.inf), inside.copy()
+    outside = inside.min(axis=1) < 0.0
+    for first, second in ((0, 1), (1, 2), (2, 0)):
+        along = corners[:, second] - corners[:, first]
+        part = ((wanted - corners[:, first]) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-300)
+        part = np.clip(part, 0.0, 1.0)
+        away = np.linalg.norm(corners[:, first] + part[:, None] * along - wanted, axis=1)
+        better = outside & (away < best)
+        best[better], found[better] = away[better], 0.0
+        found[better, first], found[better, second] = 1.0 - part[better], part[better]
+    return found
+
+
+@dataclass(frozen=True)
+class NewSkin:
+    """The skin in its place."""
+
+    points: FloatArray
+    """Of all nodes; those inside have not moved (n, 3) [mm]."""
+    on_tool: BoolArray
+    """(n_tools, n)."""
+    offset: float
+    """By which free nodes were moved to give the volume back [mm]."""
+
+
+def place_skin(
+    body: OldBody, points: FloatArray, faces: IndexArray, in_plane: BoolArray, places: FacePlaces
+) -> NewSkin:
+    """Return the skin of a new mesh in its place.
+
+    points: of all nodes of the new mesh (n, 3) [mm]; faces: its skin (k, 3); in_plane: coordinates of nodes that planes
+    hold (n, 3); places: of the nodes of the skin, in order, on the old one. Raises MeshError where the volume cannot be
+    given back.
+    """
+    skin = np.unique(faces)
+    edges = list_edges(faces)
+    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+    count = np.maximum(np.bincount(edges.ravel(), minlength=len(points)), 1)
+    around = np.bincount(edges.ravel(), np.repeat(length, 2), len(points)) / count
+    on_tool = np.zeros((len(body.tools), len(points)), dtype=bool)
+    longest = float(length.max())
+    for t, tool in enumerate(body.tools):
+        corners = body.faces[places.face]
+        touches = body.on_tool[t][corners]
+        share = (touches * places.share).sum(axis=1)
+        away = np.linalg.norm(body.points[corners] - points[skin][:, None], axis=2)
+        end = np.where(touches, away, np.inf).min(axis=1)  # how far the contact's end is
+        gap, _ = tool.touch(points[skin], longest)
+        close = gap < np.minimum(STEEPEST * end + NEAR * around[skin], longest)
+        on_tool[t, skin] = (share > 0.5 - 1e-6) & close | (gap < 0.0)
+    points = put_on_tools(points, body.tools, on_tool, in_plane, longest)
+    points = _keep_sharp_edges(body.tools, points, edges, around, on_tool, in_plane)
+    target = body.volume * (1.0 + body.lost)
+    return _give_volume_back(body, points, faces, on_tool, in_plane, target, float(length.mean()))
+
+
+def _keep_sharp_edges(
+    tools: Sequence[PlacedTool],
+    points: FloatArray,
+    edges: IndexArray,
+    around: FloatArray,
+    on_tool: BoolArray,
+    in_plane: BoolArray,
+) -> FloatArray:
+    """Return points with the nearest nodes in contact moved onto the sharp edges that tools point into the metal."""
+    result = points.copy()
+    for tool, own in zip(tools, on_tool, strict=True):
+        segments = tool.sharp_edges
+        crossing = np.flatnonzero(own[edges].all(axis=1))
+        if not len(segments) or not len(crossing):
+            continue
+        nodes = np.unique(edges[crossing])
+        foot, away = _nearest_on_segments(segments, result[nodes], float(around[nodes].max()))
+        near = away < SNAP * around[nodes]
+        near &= ~(in_plane[nodes] & (np.abs(foot - result[nodes]) > 1e-9 * around[nodes, None])).any(axis=1)
+        order = np.flatnonzero(near)[np.argsort(away[near], kind="stable")]
+        neighbours = _list_neighbours(edges, len(points))
+        for number in order.tolist():  # the nearest first: of two beside each other one alone fits on the edge
+            node = nodes[number]
+            apart = np.linalg.norm(result[neighbours[node]] - foot[number], axis=1)
+            if apart.min() > APART * around[node]:
+                result[node] = foot[number]
+    return result
+
+
+def _list_neighbours(edges: IndexArray, n_points: int) -> list[IndexArray]:
+    """Return the nodes at the other ends of the edges (m, 2) of each node."""
+    both = np.concatenate([edges, edges[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    return np.split(both[:, 1], np.searchsorted(both[:, 0], np.arange(1, n_points)))
+
+
+def _nearest_on_segments(segments: FloatArray, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+    """Return the nearest places on segments (m, 2, 3) to points (n, 3), and how far they are; far ones are infinite."""
+    foot, away = points.copy(), np.full(len(points), np.inf)
+    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    middle = cKDTree(segments.mean(axis=1))
+    for number, place in enumerate(points):
+        near = middle.query_ball_point(place, reach + 0.5 * float(length.max()))
+        if not near:
+            continue
+        begin, along = segments[near, 0], segments[near, 1] - segments[near, 0]
+        part = np.clip(((place - begin) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-300), 0.0, 1.0)
+        found = begin + part[:, None] * along
+        distance = np.linalg.norm(found - place, axis=1)
+        best = int(np.argmin(distance))
+        foot[number], away[number] = found[best], distance[best]
+    return foot, away
+
+
+def _give_volume_back(
+    body: OldBody,
+    points: FloatArray,
+    faces: IndexArray,
+    on_tool: BoolArray,
+    in_plane: BoolArray,
+    target: float,
+    edge: float,
+) -> NewSkin:
+    """Return the skin with its free nodes offset along their normals, so that it holds a volume."""
+    points, on_tool, total = points.copy(), on_tool.copy(), 0.0
+    skin = np.unique(faces)
+    for _ in range(_ROUNDS):
+        entered = _enter_tools(body, points, on_tool, in_plane, skin, edge)
+        way = _free_ways(points, faces, on_tool, in_plane)
+        if not way.any():
+            break
+        offset = _find_offset(points, faces, way, target)
+        points, total = points + offset * way, total + offset
+        if not entered and abs(enclosed_volume(points, faces) / target - 1.0) < 1e-12:
+            break
+    if abs(total) > LARGEST_OFFSET * edge:
+        raise MeshError(
+            f"an offset of {total:.3g} mm of the free surface would be needed to keep the volume", "smaller cells"
+        )
+    return NewSkin(points, on_tool, total)
+
+
+def _enter_tools(
+    body: OldBody, points: FloatArray, on_tool: BoolArray, in_plane: BoolArray, skin: IndexArray, edge: float
+) -> bool:
+    """Put nodes that lie inside tools onto them, in place; return whether there were any."""
+    entered = np.zeros_like(on_tool)
+    for t, tool in enumerate(body.tools):
+        gap, _ = tool.touch(points[skin], edge)
+        entered[t, skin] = (gap < 0.0) & ~on_tool[:, skin].any(axis=0)
+    if entered.any():
+        points[:] = put_on_tools(points, body.tools, entered, in_plane, edge)
+        on_tool |= entered
+    return bool(entered.any())
+
+
+def _free_ways(points: FloatArray, faces: IndexArray, on_tool: BoolArray, in_plane: BoolArray) -> FloatArray:
+    """Return the unit vectors along which nodes move outwards: none on tools, those in planes along these (n, 3)."""
+    flat = np.zeros(len(faces), dtype=bool)
+    for axis in range(3):
+        flat |= in_plane[faces, axis].all(axis=1)
+    normal = nodal_areas(points, faces, np.flatnonzero(~flat))
+    normal[in_plane] = 0.0
+    normal[on_tool.any(axis=0)] = 0.0
+    return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300))
+
+
+def _find_offset(points: FloatArray, faces: IndexArray, way: FloatArray, target: float) -> float:
+    """Return the offset along a way with which faces hold a volume [mm], by Newton's method."""
+    offset = 0.0
+    for _ in range(20):
+        moved = points + offset * way
+        lack = target - enclosed_volume(moved, faces)
+        slope = float(np.einsum("kj,kj->", area_vectors(moved, faces), way[faces].mean(axis=1)))
+        if slope <= 0.0 or abs(lack) < 1e-14 * target:
+            break
+        offset += lack / slope
+    return offset

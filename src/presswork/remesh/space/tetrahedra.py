@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tetrahedra as arrays: their skin, volumes and quality. A tetrahedron's fourth corner sees the first three clockwise:
+the edges from its first corner have a positive triple product.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.model import FloatArray, IndexArray
+
+FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+"""Corners of the faces, counter-clockwise seen from outside."""
+EDGES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+
+
+def find_skin(cells: IndexArray) -> tuple[IndexArray, IndexArray]:
+    """Return the faces (k, 3) that one of the cells (n, 4) only has, and that cell (k,)."""
+    faces = cells[:, FACES].reshape(-1, 3)
+    _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    own = np.sort(index[count == 1])
+    return faces[own], own // len(FACES)
+
+
+def measure_volumes(points: FloatArray, cells: IndexArray) -> FloatArray:
+    """Return the volumes of cells (n, 4); negative where one is inside out (n,) [mm3]."""
+    a, b, c = (points[cells[:, k]] - points[cells[:, 0]] for k in (1, 2, 3))
+    return np.asarray(np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0)
+
+
+def enclosed_volume(points: FloatArray, faces: IndexArray) -> float:
+    """Return the volume within closed faces (k, 3), counter-clockwise seen from outside [mm3]."""
+    middle = points[faces[:, 0]].mean(axis=0)  # near the body, so that little is lost to round-off
+    a, b, c = (points[faces[:, k]] - middle for k in (0, 1, 2))
+    return float(np.einsum("ni,ni->n", a, np.cross(b, c)).sum() / 6.0)
+
+
+def area_vectors(points: FloatArray, faces: IndexArray) -> FloatArray:
+    """Return the area of each face (k, 3) along its normal outwards (k, 3) [mm2]."""
+    first, second = (points[faces[:, k]] - points[faces[:, 0]] for k in (1, 2))
+    return np.asarray(0.5 * np.cross(first, second))
+
+
+def nodal_areas(points: FloatArray, faces: IndexArray, which: IndexArray | None = None) -> FloatArray:
+    """Return the area vector of each node, a third of its faces' (n_points, 3) [mm2]; which: faces that count."""
+    own = faces if which is None else faces[which]
+    areas, total = area_vectors(points, own) / 3.0, np.zeros_like(points)
+    for k in range(3):
+        np.add.at(total, own[:, k], areas)
+    return total
+
+
+def list_edges(simplices: IndexArray) -> IndexArray:
+    """Return every edge of triangles or tetrahedra once (m, 2), the lower node first, in order."""
+    pairs = [(0, 1), (1, 2), (2, 0)] if simplices.shape[1] == 3 else EDGES
+    return np.unique(np.sort(simplices[:, pairs].reshape(-1, 2), axis=1), axis=0)
+
+
+def measure_quality(points: FloatArray, cells: IndexArray) -> FloatArray:
+    """Return the mean ratio 12 (3 V)^(2/3) / sum of the squared edges (Liu & Joe 1994) of cells (n, 4).
+
+    1: regular, 0: flat, negative: inside out.
+    """
+    volume = measure_volumes(points, cells)
+    first, second = np.array(EDGES).T
+    edges = points[cells[:, second]] - points[cells[:, first]]
+    square = np.maximum((edges**2).sum(axis=(1, 2)), 1e-300)
+    return np.asarray(np.sign(volume) * 12.0 * np.cbrt(3.0 * np.abs(volume)) ** 2 / square)

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rigid tools as a new mesh must know them: where they stand, their sharp edges, and the radii of their bends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
+
+SHARP = float(np.radians(35.0))
+"""Turn from facet to facet above which an edge has no radius."""
+FLAT = float(np.radians(1.0))
+"""Turn below which two facets are one."""
+_ROUNDS = 20
+
+
+@dataclass(frozen=True)
+class PlacedTool:
+    """A rigid tool where it stands."""
+
+    surface: _core.ToolSurface
+    """In its own frame."""
+    position: FloatArray
+    """Of the origin of its frame (3,) [mm]."""
+    corners: FloatArray
+    """Of triangles that draw it, in its own frame (n_points, 3) [mm]."""
+    triangles: IntArray
+    """Counter-clockwise as seen from free space (n, 3)."""
+
+    def touch(self, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+        """Return the gap of points (n, 3) [mm], infinite beyond reach, and normals out of the tool (n, 3)."""
+        gap, normal, *_ = self.surface.nearest(np.ascontiguousarray(points - self.position), reach)
+        return gap, normal
+
+    @cached_property
+    def _bends(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Ends of the edges between facets that turn (m, 2, 3) [mm], the turn, positive where the tool is convex, and
+        the width of the narrower facet [mm] (m,) each."""
+        ends, one, other = _pair_facets(self.triangles)
+        corners = self.corners[self.triangles]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        doubled = np.linalg.norm(normal, axis=1)
+        normal = normal / np.maximum(doubled, 1e-300)[:, None]
+        segments = self.corners[ends] + self.position
+        length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+        width = np.minimum(doubled[one], doubled[other]) / np.maximum(length, 1e-300)
+        turn = np.arccos(np.clip((normal[one] * normal[other]).sum(axis=1), -1.0, 1.0))
+        away = corners[other].mean(axis=1) - corners[one].mean(axis=1)
+        convex = (normal[one] * away).sum(axis=1) <= 0.0
+        bent = turn > FLAT
+        return segments[bent], np.where(convex, turn, -turn)[bent], width[bent]
+
+    @property
+    def sharp_edges(self) -> FloatArray:
+        """Edges without a radius that point into the metal (m, 2, 3) [mm]."""
+        segments, turn, _ = self._bends
+        return segments[turn > SHARP]
+
+    def list_radii(self, spacing: float) -> tuple[FloatArray, FloatArray]:
+        """Return places on its bends no farther apart than a spacing [mm] (n, 3), and the radii there [mm] (n,).
+
+        0 at sharp edges that point into the metal; those that point out of it need no cells: metal does not fill them.
+        """
+        segments, turn, width = self._bends
+        radius = np.where(turn > SHARP, 0.0, width / np.abs(turn))
+        counts = turn > -SHARP
+        return _sample(segments[counts], radius[counts], spacing)
+
+
+def put_on_tools(
+    points: FloatArray, tools: Sequence[PlacedTool], own: BoolArray, held: BoolArray, reach: float
+) -> FloatArray:
+    """Return points (n, 3) on all the tools that own (n_tools, n) marks for each; what lies farther than reach stays.
+
+    held (n, 3) marks coordinates that planes hold: those stay to the last bit.
+    """
+    result = points.copy()
+    marked = np.flatnonzero(own.any(axis=0))
+    for _ in range(_ROUNDS):
+        largest = 0.0
+        for tool, holds in zip(tools, own, strict=True):
+            nodes = marked[holds[marked]]
+            if not len(nodes):
+                continue
+            gap, normal = tool.touch(result[nodes], reach)
+            near = np.isfinite(gap)
+            nodes, gap, normal = nodes[near], gap[near], normal[near]
+            along = np.where(held[nodes], 0.0, normal)
+            # in a plane the way to the tool is longer than the gap
+            slope = np.maximum((along**2).sum(axis=1), 1e-2)
+            result[nodes] -= (gap / slope)[:, None] * along
+            largest = max(largest, float(np.abs(gap).max(initial=0.0)))
+        if largest <= 1e-13 * reach:
+            break
+    return result
+
+
+def _pair_facets(triangles: IntArray) -> tuple[IndexArray, IndexArray, IndexArray]:
+    """Return the edges (m, 2) that two triangles share, and those two (m,) each."""
+    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    owner = np.tile(np.arange(len(triangles)), 3)
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    ends, owner = ends[order], owner[order]
+    same = np.flatnonzero((ends[1:] == ends[:-1]).all(axis=1))
+    return ends[same].astype(np.intp), owner[same], owner[same + 1]
+
+
+def _sample(segments: FloatArray, values: FloatArray, spacing: float) -> tuple[FloatArray, FloatArray]:
+    """Return points along segments (m, 2, 3) no farther apart than a spacing, each with its segment's value."""
+    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    count = np.maximum(np.ceil(length / spacing).astype(int), 1)
+    owner = np.repeat(np.arange(len(segments)), count)
+    first = np.repeat(np.cumsum(count) - count, count)
+    part = ((np.arange(len(owner)) - first) + 0.5) / count[owner]
+    return segments[owner, 0] + part[:, None] * (segments[owner, 1] - segments[owner, 0]), values[owner]

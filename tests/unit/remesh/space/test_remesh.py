@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""New meshes of deformed bodies of tetrahedra between rigid tools."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from presswork.mesh.checks import MeshError
+from presswork.remesh.space.remesh import remesh_body
+from presswork.remesh.space.size_field import EdgeSizes, expect_cells, measure_sizes, measure_thickness
+from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edges, measure_quality, measure_volumes
+from presswork.remesh.space.triggers import find_cut_edge, find_flat_cell, find_long_edge
+from tests.unit.remesh.space.bodies import ball_on_block, indented_block, mesh_box, upset_block
+
+BODIES = {upset_block: EdgeSizes(1.5, 0.6, 20_000), indented_block: EdgeSizes(0.6, 0.3, 40_000),
+          ball_on_block: EdgeSizes(1.0, 0.4, 20_000)}  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=BODIES, ids=lambda make: make.__name__)
+def pair(request):
+    body = request.param()
+    return body, remesh_body(body, BODIES[request.param])
+
+
+def area_in_contact(points, faces, on_tool):
+    return np.linalg.norm(area_vectors(points, faces)[on_tool[faces].all(axis=1)], axis=1).sum()
+
+
+def test_the_volume_is_given_back(pair):
+    body, new = pair
+    assert measure_volumes(new.points, new.cells).sum() == pytest.approx(body.volume, rel=1e-12)
+
+
+def test_what_old_meshes_have_lost_comes_back():
+    body = replace(upset_block(), lost=4e-4)
+    new = remesh_body(body, BODIES[upset_block])
+    assert measure_volumes(new.points, new.cells).sum() == pytest.approx(1.0004 * body.volume, rel=1e-12)
+
+
+def test_cells_are_good(pair):
+    _, new = pair
+    quality = measure_quality(new.points, new.cells)
+    assert quality.min() > 0.2
+    assert np.median(quality) > 0.7
+
+
+def test_nodes_in_contact_lie_on_the_tool_and_none_in_it(pair):
+    body, new = pair
+    for tool, on_tool in zip(body.tools, new.on_tool, strict=True):
+        gap, _ = tool.touch(new.points[on_tool], 1.0)
+        assert np.abs(gap).max() < 1e-12
+        gap, _ = tool.touch(new.points[new.skin], 1.0)
+        assert gap.min() > -1e-12
+
+
+def test_contact_keeps_its_area(pair):
+    """It reaches half an edge beyond its last node, on the old mesh and on the new one."""
+    body, new = pair
+    for held, on_tool in zip(body.on_tool, new.on_tool, strict=True):
+        area = area_in_contact(body.points, body.faces, held)
+        assert area_in_contact(new.points, new.faces, on_tool) == pytest.approx(area, rel=0.1)
+
+
+def test_planes_stay_flat_to_the_bit_and_sets_are_their_nodes(pair):
+    body, new = pair
+    assert set(new.sets) == set(body.sets)
+    for axis, level, own in body.planes:
+        area = np.linalg.norm(area_vectors(body.points, body.faces[own]), axis=1).sum()
+        flat = (new.points[new.faces, axis] == level).all(axis=1)
+        assert np.linalg.norm(area_vectors(new.points, new.faces[flat]), axis=1).sum() == pytest.approx(area, rel=0.01)
+    if body.sets:
+        assert (new.points[new.sets["left"], 0] == 0.0).all()
+
+
+def test_the_skin_is_that_of_the_cells_and_lies_on_the_old_one(pair):
+    body, new = pair
+    faces, _ = find_skin(new.cells)
+    assert {tuple(sorted(face)) for face in faces.tolist()} == {tuple(sorted(face)) for face in new.faces.tolist()}
+    before = np.einsum("ks,ksi->ki", new.share, body.points[new.corners])
+    assert np.linalg.norm(before - new.points[new.skin], axis=1).max() < 0.25
+    assert new.share.min() >= 0.0
+    np.testing.assert_allclose(new.share.sum(axis=1), 1.0, atol=1e-12)
+
+
+def test_sharp_edges_of_tools_become_edges_of_the_mesh():
+    body = indented_block(edge=5.35)
+    new = remesh_body(body, BODIES[indented_block])
+    on_edge = np.flatnonzero(np.hypot(new.points[:, 0] - 5.35, new.points[:, 2] - 6.5) < 1e-9)
+    edges = list_edges(new.faces)
+    along = edges[np.isin(edges, on_edge).all(axis=1)]
+    covered = np.abs(new.points[along[:, 1], 1] - new.points[along[:, 0], 1]).sum()
+    assert covered > 0.75 * 4.0
+
+
+def test_the_same_mesh_comes_out_to_the_bit():
+    first, second = (remesh_body(upset_block(), BODIES[upset_block]) for _ in range(2))
+    assert first.points.tobytes() == second.points.tobytes()
+    assert first.cells.tobytes() == second.cells.tobytes()
+
+
+def test_places_that_are_no_faces_are_refused():
+    body = upset_block()
+    with pytest.raises(MeshError, match="the set `line` has a node near"):
+        replace(body, sets={"line": body.faces[0, :2]})
+
+
+def test_a_budget_makes_cells_larger_and_one_that_is_too_small_is_refused():
+    body = upset_block()
+    sizes = EdgeSizes(0.8, 0.4, 6_000)
+    assert expect_cells(body, measure_sizes(body, sizes)) == pytest.approx(6_000, rel=1e-6)
+    assert len(remesh_body(body, sizes).cells) == pytest.approx(6_000, rel=0.2)
+    points, cells = mesh_box((6, 6, 2), (6.0, 6.0, 0.5))
+    flash = replace(body, points=points, cells=cells, held=np.zeros(points.shape, dtype=bool), sets={}, tools=[],
+                    on_tool=np.zeros((0, len(points)), dtype=bool))  # fmt: skip
+    assert measure_thickness(flash, 2.0).min() == pytest.approx(0.5)
+    assert measure_sizes(flash, EdgeSizes(1.0, 0.05, 200_000)).min() == pytest.approx(0.125, rel=0.15)
+    with pytest.raises(MeshError, match=r"fewer than 1.5 lie across metal of 0.5 mm"):
+        measure_sizes(flash, EdgeSizes(1.0, 0.05, 500))
+
+
+def test_triggers_name_the_place():
+    body = upset_block()
+    still = np.zeros_like(body.points)
+    assert find_flat_cell(body, still, 0.1) is None
+    assert "a cell near (" in find_flat_cell(body, still, 0.5)
+    squeezed = still.copy()
+    squeezed[:, 2] = -0.95 * body.points[:, 2]
+    assert find_flat_cell(body, squeezed, 0.1) is not None
+    assert find_long_edge(body, EdgeSizes(3.0, 0.5, 20_000)) is None
+    assert "times too long near (" in find_long_edge(body, EdgeSizes(0.6, 0.3, 80_000))
+    assert find_cut_edge(body) is None
+    assert "deep in an edge near (" in find_cut_edge(indented_block(), deepest=0.03)
