@@ -59,7 +59,7 @@ def run_row(element: str, freedoms: int, threads: int, reduction: float) -> dict
     import importlib.resources
 
     from presswork.case import Case, build_model
-    from presswork.implicit.linear_solver import Pardiso
+    from presswork.implicit.linear.direct import Pardiso
     from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 
     n = max(1, round(math.sqrt(freedoms / ELEMENTS[element][0])))

@@ -19,6 +19,10 @@ _BYTES_PER_ENTRY = 8 + 0.6 * 12
 """Of an element's matrix: the value, and 12 bytes an entry once merged."""
 _FACTOR_BYTES_PER_FREEDOM = {1: 2500.0, 2: 2500.0, 3: 12000.0, 6: 3500.0}
 """Of a sparse factorisation at 100,000 freedoms, by freedoms of a node; grows with the logarithm of their number."""
+_ENTRIES_OF_ROW = 81
+"""In the matrix of hexahedra."""
+_MULTIGRID_BYTES_PER_ENTRY = 30.0
+"""Of the whole matrix: its values twice, where they come from, and the levels above."""
 _EXPLICIT_BYTES_PER_CELL = 2000.0
 """Of an explicit cell beside its layers: mesh, forces, work arrays and what is written."""
 
@@ -33,18 +37,24 @@ def estimate_memory(problem: model.Model) -> float:
     blocks = [(len(b.connectivity), b.element, b.section.points if b.section else 0) for b in problem.mesh.blocks]
     nodes_per_cell = len(problem.mesh.points) / sum(cells for cells, _, _ in blocks)
     return sum(
-        _estimate_block(cells, element, layers, nodes_per_cell * cells, problem.freedoms, with_matrix)
+        _estimate_block(
+            cells, element, layers, nodes_per_cell * cells, problem.freedoms, with_matrix, problem.takes_multigrid
+        )
         for cells, element, layers in blocks
     )
 
 
-def _estimate_block(cells: int, element: str, layers: int, nodes: float, freedoms: int, with_matrix: bool) -> float:
-    """Estimate the bytes for cells of one kind, with their nodes."""
+def _estimate_block(
+    cells: int, element: str, layers: int, nodes: float, freedoms: int, with_matrix: bool, iterates: bool = False
+) -> float:
+    """Estimate the bytes for cells of one kind, with their nodes. iterates: multigrid solves, no factors are made."""
     state = cells * _count_points(element, layers) * (_BYTES_PER_LAYER if layers else _BYTES_PER_POINT)
     if not with_matrix:
         return state + cells * _EXPLICIT_BYTES_PER_CELL
     matrix = cells * (freedoms * model.ELEMENTS[element].nodes) ** 2 * _BYTES_PER_ENTRY
     unknowns = freedoms * nodes
+    if iterates:
+        return state + matrix + unknowns * _ENTRIES_OF_ROW * _MULTIGRID_BYTES_PER_ENTRY
     factor = _FACTOR_BYTES_PER_FREEDOM[freedoms] * unknowns * float(np.log(max(unknowns, 2)) / np.log(1e5))
     return state + matrix + factor
 
@@ -62,7 +72,7 @@ def estimate_rectangle(cells: int, element: str, layers: int, *, explicit: bool)
 
 def estimate_box(cells: int, element: str) -> float:
     """Estimate the bytes for a box of so many hexahedra, before it is meshed."""
-    return _estimate_block(cells, element, 0, float(cells), 3, with_matrix=True)
+    return _estimate_block(cells, element, 0, float(cells), 3, with_matrix=True, iterates=3 * cells >= model.LARGE)
 
 
 def check_memory(problem: model.Model) -> None:

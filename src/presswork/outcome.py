@@ -13,6 +13,8 @@ class IterationLog:
     residual: list[float] = field(default_factory=list)
     correction: list[float] = field(default_factory=list)
     contact_changes: list[int] = field(default_factory=list)
+    solutions: list[str] = field(default_factory=list)
+    """How an iterative solver found the corrections; empty where they came from factors."""
     start: int = 1
     """First iteration towards the present equilibrium: what contact asks for has been changed on purpose before it."""
 
@@ -29,6 +31,7 @@ class IterationLog:
         self.residual += other.residual
         self.correction += other.correction
         self.contact_changes += other.contact_changes
+        self.solutions += other.solutions
 
     @property
     def smooth_iterations(self) -> int:

@@ -146,3 +146,22 @@ def test_a_block_that_nothing_holds_is_refused(case, tmp_path) -> None:
     smooth = ["boundary.x=", "tools.die.contact=frictionless", "tools.die.m="]
     with pytest.raises(NotHeldError, match="nothing holds the workpiece"):
         run_model(build_model(read_case(case, smooth)), tmp_path / "out")
+
+
+@pytest.mark.parametrize("contact", ['contact = "shear"\nm = 0.3', 'contact = "coulomb"\nmu = 0.1'])
+def test_multigrid_finds_what_factors_find_and_run_log_tells_its_iterations(case, tmp_path, contact) -> None:
+    text = TEXT.replace('contact = "shear"\nm = 0.3', contact)
+    forces = {}
+    for name in ("direct", "multigrid"):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(f'{text}\n[solver]\nlinear_solver = "{name}"\n')
+        outcome = run_model(build_model(read_case(path)), tmp_path / name)
+        assert outcome.status == "completed"
+        assert outcome.result is not None
+        forces[name] = outcome.result.history["die.force"]
+    np.testing.assert_allclose(forces["multigrid"], forces["direct"], rtol=2e-4)
+    log = (tmp_path / "multigrid" / "run.log").read_text()
+    assert "smoothed aggregation" in log
+    assert "linear iterations" in log
+    assert "factors (" not in log
+    assert "linear iterations" not in (tmp_path / "direct" / "run.log").read_text()

@@ -15,7 +15,7 @@ from presswork import memory
 from presswork.case import Case, CaseError, ShellCase, build_model
 from presswork.case.stamping.schema import StampingCase
 from presswork.cli import app
-from presswork.implicit import linear_solver
+from presswork.implicit.linear import direct
 from presswork.memory import available_memory, estimate_memory
 from presswork.model import FloatArray
 from presswork.outcome import StartError
@@ -79,13 +79,13 @@ def test_memory_that_ends_on_the_way_is_said_so(tmp_path: Path, monkeypatch: pyt
     """Not called a failure to find equilibrium, whose remedy, a finer mesh, would make it worse."""
     calls = []
 
-    def fail(whole: Callable[..., None], self: object, data: FloatArray) -> None:
+    def fail(whole: Callable[..., None], self: object, data: FloatArray, *modes: object) -> None:
         calls.append(len(data))
         if len(calls) > 5:
-            raise linear_solver._explain(-2)
+            raise direct._explain(-2)
         whole(self, data)
 
-    for solver in (linear_solver.Pardiso, linear_solver.SuperLU):
+    for solver in (direct.Pardiso, direct.SuperLU):
         monkeypatch.setattr(solver, "factorise", functools.partialmethod(functools.partial(fail, solver.factorise)))
     outcome = run_model(build_model(CASES["solid"]()), tmp_path / "out")
     assert outcome.status == "gave_up"

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import stop
-from presswork.implicit.linear_solver import SolverError
-from presswork.implicit.linear_system import Balance
+from presswork.implicit.linear.contract import SolverError
+from presswork.implicit.linear.system import Balance
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.contract import Constraints, Point, turn, turn_back

@@ -17,7 +17,8 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.heat import Conduction
-from presswork.implicit.linear_solver import LinearSolver, SolverError, make_solver
+from presswork.implicit.linear.choose import make_solver
+from presswork.implicit.linear.contract import LinearSolver, SolverError
 from presswork.interaction.heat_films import Film, HeatFlow
 from presswork.model import FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import Failed, IterationLog

@@ -12,8 +12,8 @@ import numpy as np
 from presswork import stop
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
-from presswork.implicit.linear_solver import LinearSolver, SolverError
-from presswork.implicit.linear_system import Balance, LinearSystem
+from presswork.implicit.linear.contract import LinearSolver, SolverError
+from presswork.implicit.linear.system import Balance, LinearSystem
 from presswork.implicit.progress import Progress
 from presswork.interaction.contract import Constraints, Forces, Guess, Interaction, Point, Resistance, turn
 from presswork.interaction.placing import LostWorkpieceError
@@ -126,6 +126,8 @@ class Equilibrium:
             try:
                 refactorise = not factorised or self._needs_new_factors(balance, size)
                 correction, travel = self.system.correct(balance, point, refactorise=refactorise)
+                if self.system.iterations:
+                    log.solutions.append(str(self.system.iterations))
             except (SolverError, LostWorkpieceError) as error:
                 return Failed(log, str(error), 0.25)
             factorised = True

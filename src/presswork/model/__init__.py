@@ -59,11 +59,13 @@ from presswork.model.onestep import OneStepModel, PartBead
 from presswork.model.press import Blow, Crank, Drive, SpeedTable
 from presswork.model.remeshing import Remeshing, SizeWindow
 from presswork.model.settings import (
+    LARGE,
     Displacements,
     ExplicitSheet,
     ExplicitSolid,
     FrictionTangent,
     Integrator,
+    LinearSolverChoice,
     OutputSettings,
     SolverSettings,
     StrainMeasure,
@@ -107,6 +109,7 @@ __all__ = [
     "GROWN",
     "GTN",
     "HOTTEST",
+    "LARGE",
     "PHASES",
     "POROSITY",
     "STEFAN_BOLTZMANN",
@@ -153,6 +156,7 @@ __all__ = [
     "Integrator",
     "Kinematic",
     "Limits",
+    "LinearSolverChoice",
     "MarkedPoint",
     "MaskArray",
     "Material",

@@ -16,7 +16,7 @@ from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import Material
 from presswork.model.mesh import Mesh, Section
 from presswork.model.remeshing import Remeshing
-from presswork.model.settings import ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
+from presswork.model.settings import LARGE, ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
 from presswork.model.sheet import Refinement, Springback, TrimLine
 from presswork.model.stage import Stage, Support
 from presswork.model.tool import Drawbead, Profile, Tool
@@ -83,6 +83,12 @@ class Model:
         if self.heat is not None and self.heat.alone:
             return 1
         return 6 if self.analysis in ("shell", "stamping") else self.dimension
+
+    @property
+    def takes_multigrid(self) -> bool:
+        """Whether linear systems are solved by iteration, not by factors."""
+        choice, n = self.solver.linear_solver, self.freedoms * len(self.mesh.points)
+        return self.analysis == "solid" and (choice == "multigrid" or (choice == "auto" and n >= LARGE))
 
     @property
     def plane_tools(self) -> tuple[Tool, ...]:

@@ -12,6 +12,9 @@ Integrator = Literal["backward_euler", "radial_return", "direct", "tangent_radia
 StrainMeasure = Literal["log", "stretch", "green_lagrange", "small"]
 Displacements = Literal["large", "small"]
 FrictionTangent = Literal["return_mapping", "bond", "residual"]
+LinearSolverChoice = Literal["auto", "direct", "multigrid"]
+LARGE = 50_000
+"""Freedoms of a body in space from which multigrid takes less time and memory than factors."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,8 @@ class SolverSettings:
     terms: TangentTerms = TangentTerms()
     symmetric: bool = True
     """Factorise the symmetric part of the tangent (see docs/theory/solver.md for what it costs in iterations)."""
+    linear_solver: LinearSolverChoice = "auto"
+    """How linear systems are solved: by factors, or iterating with multigrid; auto: by the size of the body."""
     pressure_stiffness: bool = True
     """K_t: the follower stiffness of pressures."""
     friction_tangent: FrictionTangent = "return_mapping"

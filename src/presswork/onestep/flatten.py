@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from presswork import _core
-from presswork.implicit.linear_solver import SolverError, make_solver
+from presswork.implicit.linear.choose import make_solver
+from presswork.implicit.linear.contract import SolverError
 from presswork.mesh.checks import MeshError
 from presswork.mesh.triangles import double_areas, find_rims
 from presswork.model import BoolArray, FloatArray, IntArray

@@ -16,7 +16,8 @@ import numpy as np
 
 from presswork import _core
 from presswork.explicit.options import layer_rule
-from presswork.implicit.linear_solver import SolverError, make_solver
+from presswork.implicit.linear.choose import make_solver
+from presswork.implicit.linear.contract import SolverError
 from presswork.model import BoolArray, FloatArray, IntArray
 from presswork.onestep.law import STRAIN_METRIC
 from presswork.onestep.part import OneStepError, PartSurface

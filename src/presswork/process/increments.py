@@ -109,7 +109,8 @@ class IncrementRecording(EpochRecording):
             *(f"increment {report.number} cut back: {reason}" for reason in report.cutbacks),
             f"increment {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(log)} iterations, "
             f"residuals {' '.join(f'{r:.1e}' for r in log.residual)}, "
-            f"corrections {' '.join(f'{c:.1e}' for c in log.correction)}",
+            f"corrections {' '.join(f'{c:.1e}' for c in log.correction)}"
+            + (f", linear iterations {', '.join(log.solutions)}" if log.solutions else ""),
         ]
 
     def _epoch_arrays(self) -> NamedArrays:

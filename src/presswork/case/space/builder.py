@@ -60,7 +60,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         ),
         stages=tuple(_build_stage(stage, mesh) for stage in case.stages),
         solver=build_solver(
-            case.solver, with_coulomb=any(tool.contact != "frictionless" for tool in case.tools.values())
+            case.solver, with_coulomb=any(tool.contact.startswith("coulomb") for tool in case.tools.values())
         ),
         output=build_output(case.output),
         limits=case.limits.build(),

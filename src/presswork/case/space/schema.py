@@ -100,6 +100,15 @@ class SpaceStage(Part):
     pressure: tuple[FacePressure, ...] = Field(default=(), description="pressures")
 
 
+class SpaceSolver(Solver):
+    """How the implicit procedure integrates and iterates."""
+
+    linear_solver: model.LinearSolverChoice = Field(
+        default=model.SolverSettings().linear_solver,
+        description=f"direct: by factors; multigrid: iterating; auto: multigrid from {model.LARGE:,} freedoms on",
+    )
+
+
 class SpaceCase(CaseFile):
     """A complete case of a solid in space. Raises CaseError, with every problem found, when it is not valid."""
 
@@ -111,7 +120,7 @@ class SpaceCase(CaseFile):
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
     heat: SolidHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
     stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")
-    solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
+    solver: SpaceSolver = Field(default=SpaceSolver(), description="how the implicit procedure integrates and iterates")
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")

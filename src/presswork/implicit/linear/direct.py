@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sparse direct solvers behind one small interface: analyse once per pattern, factorise, solve.
+"""Sparse direct solvers: analyse once per pattern, factorise, solve.
 
 MKL PARDISO where it is installed (x86-64), SciPy's SuperLU elsewhere. PARDISO runs in its reproducible mode, so that
 the same matrix gives the same bits with any number of threads.
@@ -13,54 +13,28 @@ import os
 import sys
 import weakref
 from functools import cache
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from presswork.implicit.linear.contract import Modes, SolverError
 from presswork.model import FloatArray, IntArray
-
-
-class SolverError(Exception):
-    """The matrix could not be factorised: it is singular. Too little memory is a MemoryError."""
-
-
-class LinearSolver(Protocol):
-    """What the procedure asks of a solver."""
-
-    name: str
-
-    @property
-    def negative_pivots(self) -> int:
-        """How many negative pivots the last factors have, as far as the solver tells: a positive number is sure."""
-
-    def factorise(self, data: FloatArray) -> None:
-        """Factorise the matrix with these values."""
-
-    def solve(self, rhs: FloatArray) -> FloatArray:
-        """Return the solution for one right-hand side."""
-
-
-def make_solver(indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int) -> LinearSolver:
-    """Return the best solver installed, analysed for this pattern (upper triangle only if symmetric)."""
-    try:
-        return Pardiso(indptr, indices, symmetric=symmetric, threads=threads)
-    except ImportError:
-        return SuperLU(indptr, indices, symmetric=symmetric)
 
 
 class SuperLU:
     """SciPy's SuperLU: slower and not threaded, but everywhere. It tells whether the negative pivots are odd."""
 
     name = "SuperLU (SciPy); install pypardiso on x86-64 for speed"
+    iterations = None
 
     def __init__(self, indptr: IntArray, indices: IntArray, *, symmetric: bool) -> None:
         self._pattern = (indices, indptr)
         self._symmetric = symmetric
         self._factor: Any = None
 
-    def factorise(self, data: FloatArray) -> None:
+    def factorise(self, data: FloatArray, modes: Modes | None = None) -> None:
         from scipy.sparse.linalg import splu
 
         n = len(self._pattern[1]) - 1
@@ -152,6 +126,7 @@ class Pardiso:
     """MKL PARDISO; the analysis is done once, when it is made."""
 
     name = "MKL PARDISO"
+    iterations = None
 
     def __init__(self, indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int) -> None:
         loaded = _load_mkl()
@@ -196,7 +171,7 @@ class Pardiso:
         """Their number in a symmetric matrix; an unsymmetric one does not tell."""
         return int(self._iparm[22]) if self._type == -2 else 0
 
-    def factorise(self, data: FloatArray) -> None:
+    def factorise(self, data: FloatArray, modes: Modes | None = None) -> None:
         self._data = np.ascontiguousarray(data)
         empty = np.zeros(self._n)
         self._call(22, empty, empty)

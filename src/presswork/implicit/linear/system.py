@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 
 import numpy as np
@@ -12,7 +13,8 @@ import scipy
 
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
-from presswork.implicit.linear_solver import LinearSolver, make_solver
+from presswork.implicit.linear.choose import make_solver
+from presswork.implicit.linear.contract import Iterations, LinearSolver
 from presswork.interaction.contract import (
     Border,
     Constraints,
@@ -87,12 +89,16 @@ class LinearSystem:
     def solver(self) -> LinearSolver:
         """The linear solver of the assembler's pattern; it is analysed when it is first asked for."""
         if self._solver is None:
-            started, assembler = perf_counter(), self._analysed
-            self._solver = make_solver(
-                assembler.indptr, assembler.indices, symmetric=self._model.solver.symmetric, threads=self._threads
-            )
+            started, assembler, symmetric = perf_counter(), self._analysed, self._model.solver.symmetric
+            make = partial(make_solver, assembler.indptr, assembler.indices, symmetric=symmetric, threads=self._threads)
+            self._solver = make(freedoms=self._model.freedoms) if self._model.takes_multigrid else make()
             self._timing.add("analysis", started)
         return self._solver
+
+    @property
+    def iterations(self) -> Iterations | None:
+        """How an iterative solver found the last solution; None where it came from factors."""
+        return self.solver.iterations
 
     def factorise(self, point: Point, balance: Balance, *, keep: bool = False) -> FloatArray:
         """Factorise the matrix at a guess; return the right-hand side (n_points, freedoms) of what is out of balance.
@@ -108,7 +114,7 @@ class LinearSystem:
         self._prescribe(balance.constraints.mask, balance.constraints.value, self.data, rhs.reshape(-1))
         self._timing.add("assembly", started)
         started = perf_counter()
-        self.solver.factorise(self.data)
+        self.solver.factorise(self.data, partial(self._find_rigid_motions, point, balance.constraints))
         if self._model.analysis == "shell":
             self.negative_pivots = max(self.negative_pivots, self.solver.negative_pivots)
         self._timing.add("solve", started)
@@ -159,6 +165,18 @@ class LinearSystem:
         assembler = self._mechanics.assembler
         matrix = scipy.sparse.csr_matrix((self._unconstrained, assembler.indices, assembler.indptr))
         return matrix + scipy.sparse.triu(matrix, 1).T if self._model.solver.symmetric else matrix
+
+    def _find_rigid_motions(self, point: Point, constraints: Constraints) -> FloatArray:
+        """Return the rigid motions of a solid in space at a guess, in the nodes' own frames (n_points * 3, 6)."""
+        position = self._model.mesh.points + point.guess.displacement
+        arm = (position - position.mean(axis=0)) / np.ptp(position, axis=0).max()
+        motions = []
+        for axis in np.eye(3):
+            for motion in (np.broadcast_to(axis, arm.shape).copy(), np.cross(axis, arm)):
+                motion = turn(constraints, motion)
+                motion[constraints.mask == 1] = 0.0
+                motions.append(motion.reshape(-1))
+        return np.column_stack(motions)
 
     def _assemble(self, constraints: Constraints, point: Point, resistances: Sequence[Resistance | None]) -> None:
         """Fill the matrix with all stiffnesses, in the nodes' own frames."""

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from presswork.implicit import linear_solver
-from presswork.implicit.linear_solver import Pardiso, SolverError, SuperLU, make_solver
+from presswork.implicit.linear import direct
+from presswork.implicit.linear.choose import make_solver
+from presswork.implicit.linear.contract import SolverError
+from presswork.implicit.linear.direct import Pardiso, SuperLU
 
 
 def system(symmetric: bool, n: int = 60) -> tuple[sp.csr_matrix, np.ndarray]:
@@ -68,9 +70,9 @@ def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
 def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:
     """However many analyses follow; it takes longer than a small one."""
     pytest.importorskip("pypardiso")
-    looked, find = [], linear_solver._find_mkl
-    monkeypatch.setattr(linear_solver, "_find_mkl", lambda: (looked.append(1), find())[1])
-    linear_solver._load_mkl.cache_clear()
+    looked, find = [], direct._find_mkl
+    monkeypatch.setattr(direct, "_find_mkl", lambda: (looked.append(1), find())[1])
+    direct._load_mkl.cache_clear()
     matrix, rhs = system(symmetric=False)
     for _ in range(3):
         solver = make_solver(matrix.indptr, matrix.indices, symmetric=False, threads=1)
@@ -81,11 +83,11 @@ def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:
 
 def test_library_elsewhere_is_found_by_pypardiso(monkeypatch, tmp_path) -> None:
     wrapper = pytest.importorskip("pypardiso.pardiso_wrapper")
-    library = linear_solver._find_mkl()
+    library = direct._find_mkl()
     monkeypatch.delenv("PYPARDISO_MKL_RT", raising=False)
-    monkeypatch.setattr(linear_solver.sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(direct.sys, "prefix", str(tmp_path))
     monkeypatch.setattr(wrapper, "find_library", lambda name: library)
-    assert linear_solver._find_mkl() == library
+    assert direct._find_mkl() == library
 
 
 def test_a_singular_matrix_is_an_error() -> None:
@@ -99,6 +101,6 @@ def test_superlu_serves_where_pardiso_is_missing(monkeypatch) -> None:
     def missing(*args, **kwargs):
         raise ImportError
 
-    monkeypatch.setattr("presswork.implicit.linear_solver.Pardiso", missing)
+    monkeypatch.setattr("presswork.implicit.linear.choose.Pardiso", missing)
     matrix, _ = system(symmetric=False)
     assert "SuperLU" in make_solver(matrix.indptr, matrix.indices, symmetric=False, threads=1).name
