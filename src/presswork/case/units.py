@@ -166,6 +166,11 @@ def to_place(value: object) -> object:
     return value if value == "touch" else to_pair(value, LENGTH)
 
 
+def to_place3(value: object) -> object:
+    """Convert [x, y, z], each a number or a string with a unit; the word "touch" stays."""
+    return value if value == "touch" else to_triple(value, LENGTH)
+
+
 def to_sides(value: object) -> tuple[float, float]:
     """Convert one length for both directions, or [x, y], each a number or a string with a unit."""
     if isinstance(value, list | tuple):
@@ -243,6 +248,11 @@ StressVector = Annotated[tuple[float, float], *_pair(STRESS)]
 VelocityVector = Annotated[tuple[float, float], *_pair(VELOCITY)]
 Direction = Annotated[tuple[float, float], *_pair(PURE_NUMBER)]
 Point3 = Annotated[tuple[float, float, float], *_triple(LENGTH)]
+Place3 = Annotated[
+    Literal["touch"] | tuple[float, float, float],
+    BeforeValidator(to_place3),
+    WithJsonSchema({"anyOf": [{"const": "touch"}, {"type": "array", "items": _json_schema(LENGTH)}]}),
+]
 Direction3 = Annotated[tuple[float, float, float], *_triple(PURE_NUMBER)]
 StressVector3 = Annotated[tuple[float, float, float], *_triple(STRESS)]
 Force3 = Annotated[tuple[float, float, float], *_triple(FORCE)]

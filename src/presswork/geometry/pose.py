@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Position and angle of a rigid tool: maps between the tool's own frame, in which its profile is given, and space."""
+"""Position and angle of a rigid tool: maps between its own frame, in which its shape is given, and space."""
 
 from __future__ import annotations
 
@@ -69,3 +69,58 @@ def start_profile(tool: Tool) -> FloatArray:
 def start_centre(tool: Tool) -> FloatArray:
     """Return where the point about which a tool in the plane turns is at the start (2,) [mm]."""
     return np.array([tool.centre[0] + tool.position[0], tool.centre[1] + tool.position[1]])
+
+
+@dataclass(frozen=True)
+class SpacePose:
+    """Where a tool in space stands: it has turned about its centre, and moved with it."""
+
+    centre: FloatArray
+    """In its own frame (3,) [mm]."""
+    start: FloatArray
+    """Where that was at the start (3,) [mm]."""
+    displacement: FloatArray
+    """(3,) [mm]."""
+    turned: FloatArray | None
+    """Rotation from its own frame to space (3, 3); None: it has not turned."""
+
+    def to_frame(self, points: FloatArray) -> FloatArray:
+        """Return points (n, 3) of space in the tool's own frame."""
+        if self.turned is None:
+            return np.asarray(points - self.start - self.displacement)
+        return np.asarray((points - self.start - self.displacement) @ self.turned + self.centre)
+
+    def carry(self, points: FloatArray) -> FloatArray:
+        """Return where points (n, 3) of the tool's own frame are in space."""
+        if self.turned is None:
+            return np.asarray(points + self.start + self.displacement)
+        return np.asarray((points - self.centre) @ self.turned.T + self.start + self.displacement)
+
+    def turn(self, vectors: FloatArray) -> FloatArray:
+        """Return vectors (n, 3) of the tool's own frame as they point in space."""
+        return vectors if self.turned is None else np.asarray(vectors @ self.turned.T)
+
+
+def find_space_pose(tool: Tool, displacement: FloatArray, angle: float = 0.0) -> SpacePose:
+    """Return where a tool in space stands that has moved (3,) [mm] and turned about its axis [rad]."""
+    if angle == 0.0 and not any(tool.rotation):
+        return SpacePose(np.zeros(3), np.array(tool.position), displacement, None)
+    start = turn_about(np.array(tool.rotation))
+    centre = np.array((*tool.centre, 0.0)[:3])
+    turned = start @ turn_about(angle * np.array(tool.axis))
+    return SpacePose(centre, start @ centre + np.array(tool.position), displacement, turned)
+
+
+def find_axis(tool: Tool) -> FloatArray:
+    """Return the unit vector in space about which a tool turns (3,)."""
+    return np.asarray(turn_about(np.array(tool.rotation)) @ np.array(tool.axis))
+
+
+def turn_about(vector: FloatArray) -> FloatArray:
+    """Return the rotation (3, 3) about a vector by its length [rad] (Rodrigues)."""
+    angle = float(np.linalg.norm(vector))
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = vector / angle
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)

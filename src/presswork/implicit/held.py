@@ -18,8 +18,9 @@ def check_held(model: Model, interactions: Interactions, state: State) -> None:
         return
     if model.dimension == 3:
         tools = interactions.space_tools
-        touched = tools.contact.held_directions(state) if tools else None
+        touched = tools.held_directions(state) if tools else None
         check_held_in_space(model, interactions.supports.fixed(0), touched)
+        check_pushed(model, interactions, state, 0)
         return
     whole = Body("workpiece", range(len(model.mesh.points)), range(len(model.mesh.blocks)))
     bodies = model.bodies or (whole,)
@@ -63,12 +64,32 @@ def _held_by_tools(model: Model, interactions: Interactions, state: State, body:
 
 def check_pushed(model: Model, interactions: Interactions, state: State, stage: int) -> None:
     """Refuse a tool that a force pushes at nothing when a stage begins with this state."""
+    if model.dimension == 3:
+        _check_pushed_in_space(model, interactions, state, stage)
+        return
     for t, (direction, _) in interactions.tools.floating.pushed(stage).items():
         face, place = np.nonzero(state[ContactArrays].status[2 * t : 2 * t + 2])
         if not (interactions.tools.contact.normal[2 * t + face, place] @ direction > 0.1).any():
-            name, where = model.plane_tools[t].name, model.stages[stage].name
-            raise NotHeldError(
-                f"the tool {name!r} is pushed by a force in stage {where!r}, but nothing lies before it that would "
-                "stop it: it does not touch the workpiece there when the stage begins. Bring it there first by a "
-                "stage with a stroke, or put it on a spring"
-            )
+            raise _explain_not_stopped(model.plane_tools[t].name, model.stages[stage].name)
+
+
+def _check_pushed_in_space(model: Model, interactions: Interactions, state: State, stage: int) -> None:
+    """Refuse such a tool in space."""
+    tools = interactions.space_tools
+    if tools is None or model.analysis != "solid":
+        return
+    pushes = tools.floating.pushes(stage)
+    if not pushes:
+        return
+    touched = tools.contact.touched(state)
+    for t, push in pushes.items():
+        if not (touched[t] @ np.array(push.direction) > 0.0).any():
+            raise _explain_not_stopped(model.space_tools[t].name, model.stages[stage].name)
+
+
+def _explain_not_stopped(name: str, where: str) -> NotHeldError:
+    return NotHeldError(
+        f"the tool {name!r} is pushed by a force in stage {where!r}, but nothing lies before it that would "
+        "stop it: it does not touch the workpiece there when the stage begins. Bring it there first by a "
+        "stage with a stroke, or put it on a spring"
+    )

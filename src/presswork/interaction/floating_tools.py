@@ -19,7 +19,14 @@ import numpy as np
 
 from presswork.interaction.contract import Constraints
 from presswork.interaction.friction import FrictionForces
-from presswork.interaction.placing import Border, LostWorkpieceError, Placed
+from presswork.interaction.placing import (
+    Border,
+    LostWorkpieceError,
+    Placed,
+    Springs,
+    force_at,
+    share_modelled,
+)
 from presswork.interaction.tool_arrays import ToolArrays
 from presswork.interaction.tool_contact import Contact
 from presswork.model import FloatArray, Model
@@ -27,9 +34,6 @@ from presswork.state import State
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
-
-MAX_CHANGES = 4
-"""Times that a spring-backed tool may leave or reach its stop in an increment."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +55,12 @@ class FloatingTools:
         self.is_needed = any(t.spring for t in model.plane_tools) or any(
             m.push is not None for s in model.stages for m in s.tool_motion.values()
         )
-        self._share = np.array([0.5 ** sum(t.mirrored_across) for t in model.plane_tools])  # modelled part of the whole
-        self._changes = np.zeros(len(model.plane_tools), dtype=np.int64)
+        self._share = share_modelled(model.plane_tools)
+        self._springs = Springs(model.plane_tools)
 
     def begin_increment(self) -> None:
         """Forget the changes of the increment before."""
-        self._changes[:] = 0
+        self._springs.begin_increment()
 
     def pushed(self, stage: int) -> dict[int, tuple[FloatArray, FloatArray]]:
         """Return direction, and rows of part of the stage and force [N], as modelled, of the tools that a force pushes
@@ -86,7 +90,7 @@ class FloatingTools:
             if t in pushed:
                 direction, rows = pushed[t]
                 start = -float(placed.force_start[t] @ direction)
-                demand, k = -_force_at(rows, start, fraction), 0.0
+                demand, k = -force_at(rows, start, fraction), 0.0
             elif tool.spring is not None:
                 direction = np.asarray(tool.spring.direction)
                 k = tool.spring.stiffness * float(self._share[t])
@@ -96,7 +100,7 @@ class FloatingTools:
             motion = self._contact.follow(trial, t, direction, supports)
             lacks = self._force_along(t, direction, motion, reaction, friction) - demand
             if t not in pushed:
-                changes += self._leave_or_reach_stop(trial, t, direction, lacks, near=near)
+                changes += self._springs.leave_or_reach_stop(placed, t, lacks, near=near)
                 if not placed.gives[t]:
                     continue
             tools.append(t)
@@ -118,23 +122,6 @@ class FloatingTools:
             own = friction.tools == tool
             force -= float((friction.tangent[own] @ direction) @ friction.force[own])
         return force
-
-    def _leave_or_reach_stop(self, trial: State, t: int, direction: FloatArray, lacks: float, *, near: bool) -> int:
-        """Let a spring give when it is pushed with more than its preload, and stop it where it began."""
-        placed = trial[ToolArrays]
-        travel = float(placed.travel[t] @ direction)
-        if not near or self._changes[t] >= MAX_CHANGES:
-            return 0
-        if placed.gives[t] and travel < 0.0:
-            placed.displacement[t] -= travel * direction
-            placed.travel[t] -= travel * direction
-            placed.gives[t] = 0
-        elif not placed.gives[t] and lacks > 0.0:
-            placed.gives[t] = 1
-        else:
-            return 0
-        self._changes[t] += 1
-        return 1
 
     def correct(
         self, floating: Floating, friction: FrictionForces | None, matrix: csr_matrix, correction: FloatArray,
@@ -165,11 +152,3 @@ class FloatingTools:
             raise LostWorkpieceError(f"the tool {lost!r} is pushed by a force, but touches nothing that would hold it")
         travel = border.find_travel(floating.missing, correction)
         return border.carry(correction, travel), travel
-
-
-def _force_at(rows: FloatArray, start: float, fraction: float) -> float:
-    """Return the force at a part of a stage [N]; rows: of parts and forces (n, 2), start: force as it begins."""
-    part, force = rows[0]
-    if fraction >= part:
-        return float(np.interp(fraction, *rows.T))
-    return float((1.0 - fraction / part) * start + fraction / part * force)

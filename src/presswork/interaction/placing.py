@@ -23,7 +23,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
-from presswork.model import FloatArray
+from presswork.model import FloatArray, Tool
+
+MAX_CHANGES = 4
+"""Times that a spring-backed tool may leave or reach its stop in an increment."""
 
 
 class LostWorkpieceError(Exception):
@@ -72,6 +75,53 @@ class Border:
         for response, q in zip(self.responses, travel, strict=True):
             correction = correction + q * response
         return correction
+
+
+class Springs:
+    """Tools on springs, which leave and reach their stops."""
+
+    def __init__(self, tools: Sequence[Tool]) -> None:
+        self._tools = tools
+        self._changes = np.zeros(len(tools), dtype=np.int64)
+
+    def begin_increment(self) -> None:
+        """Forget the changes of the increment before."""
+        self._changes[:] = 0
+
+    def leave_or_reach_stop(self, placed: ToolArrays | SpaceToolArrays, t: int, lacks: float, *, near: bool) -> int:
+        """Let a spring give when it is pushed with more than its preload, and stop it where it began.
+
+        lacks: force on the tool beyond that of the spring [N]. Returns how many springs have changed.
+        """
+        spring = self._tools[t].spring
+        assert spring is not None
+        direction = np.asarray(spring.direction)
+        travel = float(placed.travel[t] @ direction)
+        if not near or self._changes[t] >= MAX_CHANGES:
+            return 0
+        if placed.gives[t] and travel < 0.0:
+            placed.displacement[t] -= travel * direction
+            placed.travel[t] -= travel * direction
+            placed.gives[t] = 0
+        elif not placed.gives[t] and lacks > 0.0:
+            placed.gives[t] = 1
+        else:
+            return 0
+        self._changes[t] += 1
+        return 1
+
+
+def share_modelled(tools: Sequence[Tool]) -> FloatArray:
+    """Return which part of each whole tool is modelled (n_tools,)."""
+    return np.array([0.5 ** sum(tool.mirrored_across) for tool in tools])
+
+
+def force_at(rows: FloatArray, start: float, fraction: float) -> float:
+    """Return the force at a part of a stage [N]; rows: of parts and forces (n, 2), start: force as it begins."""
+    part, force = rows[0]
+    if fraction >= part:
+        return float(np.interp(fraction, *rows.T))
+    return float((1.0 - fraction / part) * start + fraction / part * force)
 
 
 def move_tools(arrays: ToolArrays | SpaceToolArrays, placed: Placed, travel: FloatArray) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -18,7 +19,8 @@ from presswork.interaction.placing import move_tools
 from presswork.interaction.supports import Supports
 from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.interaction.tool_contact import Contact
-from presswork.model import FloatArray, IntArray, Model, Stage, ToolMotion
+from presswork.interaction.tool_course import ToolCourse
+from presswork.model import FloatArray, IntArray, Model, ToolMotion, find_direction
 from presswork.outcome import GaveUpError, Step
 from presswork.state import Arrays, State
 
@@ -36,6 +38,7 @@ class PlaneTools(Interaction):
         self.contact = Contact(model)
         self.friction = Friction(model, self.contact)
         self.floating = FloatingTools(model, self.contact)
+        self._course = ToolCourse(model.plane_tools, model.stages, 2)
         self._held_by_supports: Constraints | None = None
 
     @property
@@ -71,42 +74,15 @@ class PlaneTools(Interaction):
         """Return the candidates for contact."""
         return [self.contact.nodes]
 
-    def base(self, stage: int) -> FloatArray:
-        """Prescribed displacement [mm] and angle [rad] of the tools at the start of a stage (n_tools, 3)."""
-        base = np.zeros((len(self._model.plane_tools), 3))
-        for earlier in self._model.stages[:stage]:
-            base += self._motion(earlier)
-        return base
-
-    def _motion(self, stage: Stage) -> FloatArray:
-        motions = [stage.tool_motion.get(t.name, ToolMotion()) for t in self._model.plane_tools]
-        return np.array([(*m.move[:2], m.turn) for m in motions]).reshape(-1, 3)
-
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
         """Move the tools by their strokes; those that float go on as before."""
-        placed = trial[ToolArrays]
-        pose = self.base(step.stage) + step.fraction * self._motion(self._model.stages[step.stage])
-        floats = (placed.gives > 0) | np.isin(np.arange(len(pose)), list(self.floating.pushed(step.stage)))
-        placed.travel += ratio * state_n[ToolArrays].travel_increment * floats[:, None]
-        placed.displacement, placed.angle = pose[:, :2] + placed.restart + placed.travel, pose[:, 2]
+        self._course.place(state_n[ToolArrays], trial[ToolArrays], step.stage, step.fraction, ratio)
 
     def begin_stage(self, state: State, stage: int) -> bool:
         """Place the tools that a stage places anew; what they held is released over the first increment."""
         placed, held = state[ToolArrays], state[ContactArrays]
         lets_go = False
-        for t, tool in enumerate(self._model.plane_tools):
-            motion = self._model.stages[stage].tool_motion.get(tool.name, ToolMotion())
-            if motion.start is None:
-                continue
-            if motion.start in ("touch", "touch_again"):
-                target = placed.displacement[t] + self._way_to_touch(state, t, motion)
-            else:
-                target = np.subtract(motion.start, tool.position[:2])
-            if motion.start != "touch_again":
-                placed.placed[t] = target
-            jump = target - placed.displacement[t]
-            if not jump.any():
-                continue
+        for t, target in self._course.find_jumps(placed, stage, functools.partial(self._way_to_touch, state)):
             faces = slice(2 * t, 2 * t + 2)
             forces = self.contact.forces(state, self._supports.fixed(stage - 1))
             own = forces.tool == t
@@ -114,8 +90,7 @@ class PlaneTools(Interaction):
             state.nodes.external_force[nodes] += forces.force[own]
             held.status[faces], held.drag[np.isin(self.contact.nodes, nodes)] = 0, 0.0
             placed.force[t], placed.force_start[t] = 0.0, 0.0
-            placed.restart[t] += jump
-            placed.displacement[t] = target
+            self._course.jump(placed, t, target)
             self._check_clear(state, t)
             lets_go |= len(nodes) > 0
         return lets_go
@@ -136,8 +111,7 @@ class PlaneTools(Interaction):
             return np.zeros(2)
         placed = state[ToolArrays]
         tool = self._model.plane_tools[t]
-        way = np.asarray(motion.push.direction if motion.push else motion.move[:2], dtype=np.float64)
-        way = way / np.linalg.norm(way)
+        way = find_direction(motion, 2)
         nodes = self._model.mesh.points[self.contact.nodes] + state.nodes.displacement[self.contact.nodes]
         pose = ToolPose(start_centre(tool), placed.displacement[t], float(placed.angle[t]))
         gone = find_touch(to_tool_frame(nodes, pose), start_profile(tool), turn_vectors(way, -pose.angle))
@@ -223,9 +197,7 @@ class PlaneTools(Interaction):
 
     def stop(self, state: State, stage: int, fraction: float) -> None:
         """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
-        placed, left = state[ToolArrays], (1.0 - fraction) * self._motion(self._model.stages[stage])
-        placed.restart -= left[:, :2]
-        placed.displacement = self.base(stage + 1)[:, :2] + placed.restart + placed.travel
+        self._course.stop(state[ToolArrays], stage, fraction)
 
     def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
         """Keep the force on each tool from which a push of the next stage begins."""

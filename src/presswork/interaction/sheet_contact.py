@@ -9,6 +9,7 @@ tools, which exact constraints would not allow. It sinks in by t p / (c E) under
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -83,9 +84,9 @@ class SheetContact(SpaceContact):
         assert found.beads is not None
         self.beads.settle(trial, found.beads)
 
-    def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
-        """Return nodes (n,) and unit vectors (n, 3) along which beads and tools hold them; rough tools in all three."""
-        nodes, directions = super().held_directions(state)
+    def held_directions(self, state: State, ways: Mapping[int, FloatArray]) -> tuple[IndexArray, FloatArray]:
+        """Return nodes (n,) and vectors (n, 3) along which beads and tools hold them; rough tools in all three."""
+        nodes, directions = super().held_directions(state, ways)
         beneath, across = self.beads.held_directions()
         return np.concatenate([beneath, nodes]), np.concatenate([across, directions])
 
@@ -101,10 +102,8 @@ class SheetContact(SpaceContact):
         x = self._model.mesh.points + state.nodes.displacement[:, :3]
         half = 0.5 * self._thickness
         found = np.zeros(len(self._model.space_tools))
-        for t, tool in enumerate(self._model.space_tools):
-            gap, *_ = self._surfaces[t].nearest(
-                x - np.array(tool.position) - state[SpaceToolArrays].displacement[t], float(half.max())
-            )
+        for t in range(len(self._surfaces)):
+            gap, _ = self.placed(t, state[SpaceToolArrays]).nearest(x, float(half.max()))
             found[t] = max(0.0, -float((gap - half).min()))
         return found
 

@@ -57,9 +57,8 @@ class SolidContact(SpaceContact):
         self._length = np.where(self._inside, 1.0, np.sqrt(np.linalg.norm(normals, axis=1)))
         placed = state_n[SpaceToolArrays]
         self._multiplier = np.linalg.norm(placed.force - placed.friction, axis=2)
-        for t, (surface, tool) in enumerate(zip(self._surfaces, self._model.space_tools, strict=True)):
-            place = np.ascontiguousarray(places - np.array(tool.position) - placed.displacement[t])
-            _, out, _, _ = surface.nearest(place, float(self._length.max()))
+        for t in range(len(self._surfaces)):
+            _, out = self.placed(t, placed).nearest(places, float(self._length.max()))
             # the part of the node's surface that faces the tool: at an edge the other side has no contact
             self._area[t] = np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
         if self._needs_shear:

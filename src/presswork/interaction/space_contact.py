@@ -13,17 +13,19 @@ of N, of the direction of sliding, and of the normal by the curvature of the too
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from presswork import _core
+from presswork.geometry.pose import SpacePose, find_axis, find_space_pose, turn_about
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.contract import Forces
 from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.drawbeads import BeadForces
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.model import FloatArray, Friction, IndexArray, IntArray, Model, Stage, ToolMotion
+from presswork.model import FloatArray, Friction, IndexArray, IntArray, Model
 from presswork.state import Arrays, State
 
 TANGENTIAL = 0.1
@@ -61,8 +63,27 @@ class TouchingNodes:
     """Shear flow stress times area, which laws with a friction factor ask for (n_points,) [N]."""
 
 
+@dataclass(frozen=True)
+class PlacedSurface:
+    """A tool's surface where it stands; answers as _core.ToolSurface does, in space."""
+
+    surface: _core.ToolSurface
+    pose: SpacePose
+
+    def nearest(self, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+        """Return the gap of points (n, 3) closer than reach [mm], infinite of others, and the normal there (n, 3)."""
+        gap, normal, _, _ = self.surface.nearest(np.ascontiguousarray(self.pose.to_frame(points)), reach)
+        return gap, self.pose.turn(normal)
+
+    def slopes(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the derivatives of gap (n, 3) and normal (n, 3, 3) to points [1/mm]."""
+        rise, bend = self.surface.slopes(np.ascontiguousarray(self.pose.to_frame(points)))
+        turned = self.pose.turned
+        return self.pose.turn(rise), bend if turned is None else turned @ bend @ turned.T
+
+
 def touch_tool(
-    surface: _core.ToolSurface,
+    surface: PlacedSurface,
     law: Friction,
     touching: TouchingNodes,
     x: FloatArray,
@@ -71,14 +92,14 @@ def touch_tool(
 ) -> NodesOnTool:
     """Return the forces of a tool on nodes.
 
-    x: their places in the tool's frame (n_points, 3) [mm]. way: of the nodes along with the increment, less that of the
-    tool (n_points, 3) [mm]. friction_n: their friction when the increment began (n_points, 3) [N].
+    x: their places (n_points, 3) [mm]. way: of the nodes along with the increment, less that of the tool
+    (n_points, 3) [mm]. friction_n: their friction when the increment began, turned with the tool (n_points, 3) [N].
     """
     rounding = touching.rounding
-    gap, normal, _, _ = surface.nearest(x, float((touching.reach + rounding).max()))
+    gap, normal = surface.nearest(x, float((touching.reach + rounding).max()))
     nodes = np.flatnonzero(gap - touching.reach < rounding)
     g, n, delta = (gap - touching.reach)[nodes], normal[nodes], rounding[nodes]
-    rise, bend = surface.slopes(np.ascontiguousarray(x[nodes]))
+    rise, bend = surface.slopes(x[nodes])
     # 1. normal force, a parabola within the rounding
     k = touching.spring[nodes]
     deep = g < -delta
@@ -159,14 +180,35 @@ class SpaceContact:
         """Return the arrays of tools that have not moved and touch nothing."""
         return (SpaceToolArrays.at_rest(len(self._model.space_tools), len(self._model.mesh.points)),)
 
-    def move(self, stage: int, fraction: float) -> FloatArray:
-        """Return how far strokes have moved the tools at a fraction of a stage (n_tools, 3) [mm]."""
-        stages = self._model.stages
-        return sum((self._move(s) for s in stages[:stage]), fraction * self._move(stages[stage]))
+    def placed(self, t: int, arrays: SpaceToolArrays) -> PlacedSurface:
+        """Return the surface of a tool where it stands."""
+        pose = find_space_pose(self._model.space_tools[t], arrays.displacement[t], float(arrays.angle[t]))
+        return PlacedSurface(self._surfaces[t], pose)
 
-    def _move(self, stage: Stage) -> FloatArray:
-        moves = [stage.tool_motion.get(t.name, ToolMotion()).move for t in self._model.space_tools]
-        return np.array(moves, dtype=float).reshape(-1, 3)
+    def ways(self, state_n: State, trial: State, displacement: FloatArray) -> Iterator[FloatArray]:
+        """Yield the way of the nodes along each tool in an increment (n_points, 3) [mm].
+
+        displacement: of the nodes at a guess (n_points, freedoms); the tools stand where the trial state has them.
+        """
+        now, before = trial[SpaceToolArrays], state_n[SpaceToolArrays]
+        moved = displacement[:, :3] - state_n.nodes.displacement[:, :3]
+        for t in range(len(self._model.space_tools)):
+            if now.angle[t] == before.angle[t]:
+                yield moved - (now.displacement[t] - before.displacement[t])
+                continue
+            x_n = self._model.mesh.points + state_n.nodes.displacement[:, :3]
+            carried = self.placed(t, now).pose.carry(self.placed(t, before).pose.to_frame(x_n))
+            yield x_n + moved - carried
+
+    def turned_friction(self, state_n: State, trial: State) -> FloatArray:
+        """Return the friction with which an increment begins, turned with the tools (n_tools, n_points, 3) [N]."""
+        now, before = trial[SpaceToolArrays], state_n[SpaceToolArrays]
+        friction = before.friction
+        for t in np.flatnonzero(now.angle != before.angle):
+            turn = turn_about((now.angle[t] - before.angle[t]) * find_axis(self._model.space_tools[t]))
+            friction = friction.copy() if friction is before.friction else friction
+            friction[t] = friction[t] @ turn.T
+        return friction
 
     def begin_increment(self, state_n: State) -> None:
         """Take what belongs to the nodes as it is when the increment begins."""
@@ -177,17 +219,15 @@ class SpaceContact:
 
     def touch_all(self, state_n: State, trial: State, displacement: FloatArray) -> SpaceForces:
         """Return the forces of the tools at a guess; they stand where the trial state has them."""
-        placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
+        placed = trial[SpaceToolArrays]
         n, freedoms = displacement.shape
         tools = self._model.space_tools
         x = self._model.mesh.points + displacement[:, :3]
-        moved = displacement[:, :3] - state_n.nodes.displacement[:, :3]
+        friction_n = self.turned_friction(state_n, trial)
         by_tool, friction = np.zeros((len(tools), n, 3)), np.zeros((len(tools), n, 3))
         nodes, blocks, owners, energy = [], [], [], 0.0
-        for t, tool in enumerate(tools):
-            place = x - np.array(tool.position) - placed.displacement[t]
-            way = moved - (placed.displacement[t] - placed_n.displacement[t])
-            found = touch_tool(self._surfaces[t], tool.friction, self.touching(t), place, way, placed_n.friction[t])
+        for t, (tool, way) in enumerate(zip(tools, self.ways(state_n, trial, displacement), strict=True)):
+            found = touch_tool(self.placed(t, placed), tool.friction, self.touching(t), x, way, friction_n[t])
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
             block = np.zeros((len(found.nodes), freedoms, freedoms))
             block[:, :3, :3] = found.stiffness
@@ -223,37 +263,66 @@ class SpaceContact:
         kept = trial[SpaceToolArrays]
         kept.force, kept.friction, kept.energy = found.by_tool, found.friction, found.energy
 
-    def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
-        """Return nodes (n,) and unit vectors (n, 3) along which tools hold them; rough tools in all three."""
+    def touched(self, state: State) -> FloatArray:
+        """Return the forces of the tools on the nodes where they stand in a state (n_tools, n_points, 3) [N]."""
         self.begin_increment(state)
-        found = self.evaluate(state, state, state.nodes.displacement)
+        return self.evaluate(state, state, state.nodes.displacement).by_tool
+
+    def held_directions(self, state: State, ways: Mapping[int, FloatArray]) -> tuple[IndexArray, FloatArray]:
+        """Return nodes (n,) and vectors (n, 3) along which tools hold them; rough tools in all three.
+
+        ways: directions (3,) of tools that forces push, by their numbers, along which these hold nothing.
+        """
         nodes, directions = [np.zeros(0, dtype=np.intp)], [np.zeros((0, 3))]
-        for tool, force in zip(self._model.space_tools, found.by_tool, strict=True):
+        for t, (tool, force) in enumerate(zip(self._model.space_tools, self.touched(state), strict=True)):
             touched = np.flatnonzero(np.linalg.norm(force, axis=1) > 0.0)
-            if is_frictionless(tool.friction):
-                nodes.append(touched)
-                directions.append(force[touched] / np.linalg.norm(force[touched], axis=1)[:, None])
-            else:
-                nodes.append(np.repeat(touched, 3))
-                directions.append(np.tile(np.eye(3), (len(touched), 1)))
+            along = force[touched] / np.linalg.norm(force[touched], axis=1)[:, None]
+            if not is_frictionless(tool.friction):
+                touched, along = np.repeat(touched, 3), np.tile(np.eye(3), (len(touched), 1))
+            if t in ways:
+                along = along - (along @ ways[t])[:, None] * ways[t]
+            nodes.append(touched)
+            directions.append(along)
         return np.concatenate(nodes), np.concatenate(directions)
 
     def work(self, state_n: State, trial: State) -> tuple[float, float]:
         """Return the work of the tools in an increment, by their own motion, and what friction takes [N mm]."""
         placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
+        lost = -float(
+            (0.5 * (self.turned_friction(state_n, trial) + placed.friction) * self._slips(state_n, trial)).sum()
+        )
         moved = placed.displacement - placed_n.displacement
+        turns = placed.angle - placed_n.angle
         forces = (placed_n.force + placed.force).sum(axis=1)
-        way = trial.nodes.increment[None, :, :3] - moved[:, None]
-        lost = -0.5 * float(((placed_n.friction + placed.friction) * way).sum())
-        return 0.5 * float((forces * moved).sum()), lost
+        torques = turns * 0.5 * (self.torques(state_n) + self.torques(trial)) if turns.any() else np.zeros(0)
+        return 0.5 * float((forces * moved).sum()) - float(torques.sum()), lost
+
+    def _slips(self, state_n: State, trial: State) -> FloatArray:
+        """Return the way of the nodes along each tool in a converged increment (n_tools, n_points, 3) [mm]."""
+        now, before = trial[SpaceToolArrays], state_n[SpaceToolArrays]
+        if (now.angle != before.angle).any():
+            return np.array(list(self.ways(state_n, trial, trial.nodes.displacement)))
+        return trial.nodes.increment[None, :, :3] - (now.displacement - before.displacement)[:, None]
+
+    def lost_at(self, state_n: State, trial: State) -> FloatArray:
+        """Return the work that friction has taken at the nodes in an increment (n_tools, n_points) [N mm]."""
+        mean = 0.5 * (self.turned_friction(state_n, trial) + trial[SpaceToolArrays].friction)
+        return np.asarray(-(mean * self._slips(state_n, trial)).sum(axis=2))
+
+    def torques(self, state: State) -> FloatArray:
+        """Return the torque of the workpiece on each tool about its axis (n_tools,) [N mm], as modelled."""
+        placed, x = state[SpaceToolArrays], self._model.mesh.points + state.nodes.displacement[:, :3]
+        found = np.zeros(len(self._model.space_tools))
+        for t, tool in enumerate(self._model.space_tools):
+            pose = find_space_pose(tool, placed.displacement[t], float(placed.angle[t]))
+            centre = pose.carry(np.array((*tool.centre, 0.0)[:3])[None])
+            found[t] = -float(np.cross(x - centre, placed.force[t]).sum(axis=0) @ find_axis(tool))
+        return found
 
     def find_gaps(self, state: State, places: FloatArray) -> FloatArray:
         """Return how far places (n, 3) [mm] lie off each tool (n_tools, n) [mm]; infinity outside of it."""
-        gaps = []
-        for surface, tool, moved in zip(
-            self._surfaces, self._model.space_tools, state[SpaceToolArrays].displacement, strict=True
-        ):
-            gaps.append(surface.nearest(np.ascontiguousarray(places - np.array(tool.position) - moved), 0.0)[0])
+        placed = state[SpaceToolArrays]
+        gaps = [self.placed(t, placed).nearest(places, 0.0)[0] for t in range(len(self._surfaces))]
         return np.array(gaps).reshape(-1, len(places))
 
     def tool_forces(self, state: State) -> FloatArray:

@@ -3,21 +3,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Callable, Mapping
 from typing import Any
+
+import numpy as np
 
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
+from presswork.geometry.touch_in_space import find_touch_in_space
 from presswork.interaction.contract import Factors, Guess, Interaction, Point, turn, turn_back
+from presswork.interaction.floating_space_tools import FloatingInSpace, FloatingSpaceTools
 from presswork.interaction.placing import move_tools
-from presswork.interaction.pushed_space_tools import Pushed, PushedSpaceTools
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.space_contact import SpaceForces
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.model import FloatArray, Model
-from presswork.outcome import Step
+from presswork.interaction.tool_course import ToolCourse
+from presswork.model import FloatArray, IndexArray, Model, ToolMotion, find_direction
+from presswork.outcome import GaveUpError, Step
 from presswork.state import Arrays, State
+
+TOO_DEEP = 1e-3
+"""Of the workpiece's size: how deep a stage may put a tool into it."""
 
 
 class SpaceTools(Interaction):
@@ -26,51 +34,97 @@ class SpaceTools(Interaction):
     def __init__(self, model: Model, cells: Mechanics | ShellMechanics) -> None:
         self._model = model
         self.contact = SolidContact(model, cells) if isinstance(cells, Mechanics) else SheetContact(model)
-        self.pushed = PushedSpaceTools(model)
+        self.floating = FloatingSpaceTools(model)
+        self._course = ToolCourse(model.space_tools, model.stages, 3)
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of tools and beads that have not moved and touch nothing."""
         return self.contact.at_rest()
 
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
-        """Move the tools by their strokes; those that forces push go on as before."""
-        placed = trial[SpaceToolArrays]
-        pushed = self.pushed.numbers(step.stage)
-        placed.travel[pushed] += ratio * state_n[SpaceToolArrays].travel_increment[pushed]
-        placed.displacement = self.contact.move(step.stage, step.fraction) + placed.travel
+        """Move the tools by their strokes; those that float go on as before."""
+        self._course.place(state_n[SpaceToolArrays], trial[SpaceToolArrays], step.stage, step.fraction, ratio)
+
+    def begin_stage(self, state: State, stage: int) -> bool:
+        """Place the tools that a stage places anew; what they held is released over the first increment."""
+        placed, lets_go = state[SpaceToolArrays], False
+        for t, target in self._course.find_jumps(placed, stage, functools.partial(self._way_to_touch, state)):
+            lets_go |= bool(placed.force[t].any())
+            state.nodes.external_force[:, :3] += placed.force[t]
+            placed.force[t], placed.friction[t], placed.force_start[t] = 0.0, 0.0, 0.0
+            self._course.jump(placed, t, target)
+            self._check_clear(state, t)
+        return lets_go
+
+    def _way_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
+        """Return how far a tool goes along its way until it touches the workpiece (3,) [mm]."""
+        placed, tool = state[SpaceToolArrays], self._model.space_tools[t]
+        if placed.force[t].any():
+            return np.zeros(3)
+        way = find_direction(motion)
+        gone = find_touch_in_space(self.contact.placed(t, placed).nearest, self._outside(state), way)
+        if gone is None:
+            raise GaveUpError(
+                f'the tool {tool.name!r} has position = "touch", but along its way it passes the workpiece: give '
+                "position = [x, y, z]"
+            )
+        return gone * way
+
+    def _outside(self, state: State) -> FloatArray:
+        """Return where the nodes on the boundary are (n, 3) [mm]."""
+        outside = np.unique(self._model.mesh.boundary_faces)
+        return np.asarray(self._model.mesh.points[outside] + state.nodes.displacement[outside, :3])
+
+    def _check_clear(self, state: State, t: int) -> None:
+        """Refuse a tool that a stage has put into the workpiece."""
+        nodes = self._outside(state)
+        depth = -float(self.contact.placed(t, state[SpaceToolArrays]).nearest(nodes, 0.0)[0].min())
+        if depth > TOO_DEEP * float(np.ptp(nodes, axis=0).max()):
+            raise GaveUpError(
+                f"{self._model.space_tools[t].name!r} is put {depth:.4g} mm into the workpiece when its stage begins; "
+                'give a position beside it, or position = "touch"'
+            )
+
+    def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
+        """Return nodes (n,) and vectors (n, 3) along which tools hold them in the first stage."""
+        ways = {t: np.array(push.direction) for t, push in self.floating.pushes(0).items()}
+        return self.contact.held_directions(state, ways if self._model.analysis == "solid" else {})
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Take what belongs to the nodes as it is when the increment begins."""
+        self.floating.begin_increment()
         self.contact.begin_increment(state_n)
 
     def give_up_guess(self, state_n: State, trial: State) -> None:
-        """Put the pushed tools back to where the increment began."""
+        """Put the floating tools back to where the increment began."""
         placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
         placed.displacement -= placed.travel - placed_n.travel
-        placed.travel = placed_n.travel.copy()
+        placed.travel, placed.gives = placed_n.travel.copy(), placed_n.gives.copy()
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> SpaceForces:
         """Return the forces of tools and beads on the nodes."""
         step = guess.step
         return self.contact.evaluate(state_n, trial, guess.displacement, step.stage, step.fraction)
 
-    def border(self, trial: State, point: Point, own: Any, resistance: Any, *, near: bool) -> tuple[Pushed | None, int]:
-        """Return the pushed tools at a guess."""
-        if not self.pushed.is_needed:
+    def border(
+        self, trial: State, point: Point, own: Any, resistance: Any, *, near: bool
+    ) -> tuple[FloatingInSpace | None, int]:
+        """Return the tools that float at a guess, and how many springs have left or reached their stops."""
+        if not self.floating.is_needed:
             return None, 0
         step = point.guess.step
-        return self.pushed.evaluate(trial, own, step.stage, step.fraction), 0
+        return self.floating.evaluate(trial, own, step.stage, step.fraction, near=near)
 
     def correct(
-        self, border: Pushed, own: Any, resistance: Any, solution: FloatArray, factors: Factors
+        self, border: FloatingInSpace, own: Any, resistance: Any, solution: FloatArray, factors: Factors
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the correction with the travel of the pushed tools in it, and that travel [mm]."""
+        """Return the correction with the travel of the floating tools in it, and that travel [mm]."""
         held = factors.constraints
-        found, travel = self.pushed.correct(border, own, turn_back(held, solution), factors.respond)
+        found, travel = self.floating.correct(border, own, turn_back(held, solution), factors.respond)
         return turn(held, found), travel
 
-    def move(self, trial: State, border: Pushed, travel: FloatArray) -> None:
-        """Move the pushed tools by their travel [mm]."""
+    def move(self, trial: State, border: FloatingInSpace, travel: FloatArray) -> None:
+        """Move the floating tools by their travel [mm]."""
         move_tools(trial[SpaceToolArrays], border, travel)
 
     def augment(self, trial: State, own: Any) -> bool:
@@ -88,9 +142,11 @@ class SpaceTools(Interaction):
 
     def stop(self, state: State, stage: int, fraction: float) -> None:
         """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
-        placed = state[SpaceToolArrays]
-        placed.travel -= self.contact.move(stage, 1.0) - self.contact.move(stage, fraction)
-        placed.displacement = self.contact.move(stage, 1.0) + placed.travel
+        self._course.stop(state[SpaceToolArrays], stage, fraction)
+
+    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
+        """Keep the force on each tool from which a push of the next stage begins."""
+        state[SpaceToolArrays].force_start = self.contact.tool_forces(state)
 
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return the work of tools and beads by their own motion, and what friction takes [N mm]."""

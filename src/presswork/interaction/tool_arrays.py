@@ -97,14 +97,35 @@ class SpaceToolArrays(Arrays):
 
     owner = "space_tools"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
-        ("displacement", "travel", "travel_increment", "energy"), RUN
+        (
+            "displacement",
+            "angle",
+            "restart",
+            "placed",
+            "travel",
+            "travel_increment",
+            "gives",
+            "force_start",
+            "energy",
+        ),
+        RUN,
     )
     displacement: FloatArray
     """Since the start (n_space_tools, 3) [mm]."""
+    angle: FloatArray
+    """Turned about its axis (n_space_tools,) [rad]."""
+    restart: FloatArray
+    """Part of displacement by which stages have placed tools anew, or have ended early (n_space_tools, 3) [mm]."""
+    placed: FloatArray
+    """Displacement at which a stage last placed each tool, from which its stroke counts (n_space_tools, 3) [mm]."""
     travel: FloatArray
-    """The part of it that forces have made, in the same form."""
+    """Part of displacement that forces and springs have made (n_space_tools, 3) [mm]."""
     travel_increment: FloatArray
-    """Of the last increment."""
+    """Of the last increment (n_space_tools, 3) [mm]."""
+    gives: StatusArray
+    """1 for a tool on a spring that is off its stop (n_space_tools,)."""
+    force_start: FloatArray
+    """Force of the workpiece on each tool, as modelled, when the stage began (n_space_tools, 3) [N]."""
     force: FloatArray
     """Of each tool on the nodes (n_space_tools, n_points, 3) [N]."""
     friction: FloatArray
@@ -117,8 +138,13 @@ class SpaceToolArrays(Arrays):
         """Return those of tools that have not moved and touch nothing."""
         return cls(
             displacement=np.zeros((n_tools, 3)),
+            angle=np.zeros(n_tools),
+            restart=np.zeros((n_tools, 3)),
+            placed=np.zeros((n_tools, 3)),
             travel=np.zeros((n_tools, 3)),
             travel_increment=np.zeros((n_tools, 3)),
+            gives=np.zeros(n_tools, dtype=np.int8),
+            force_start=np.zeros((n_tools, 3)),
             force=np.zeros((n_tools, n_points, 3)),
             friction=np.zeros((n_tools, n_points, 3)),
             energy=0.0,

@@ -86,6 +86,7 @@ from presswork.model.stage import (
     Stage,
     Support,
     ToolMotion,
+    find_direction,
 )
 from presswork.model.tool import (
     ContactLaw,
@@ -211,6 +212,7 @@ __all__ = [
     "YieldFunction",
     "change_mesh",
     "choose_slave",
+    "find_direction",
     "list_names",
     "mean_edge",
 ]

@@ -115,8 +115,7 @@ class Push:
     """Unit vector along which it pushes and the tool is free to move."""
     force: FloatArray
     """Rows of part of the stage (0 to 1, increasing) and force on the whole tool [N] (n, 2), linear between them and
-    constant beyond. Before the first row: in the plane it changes linearly from the tool's force when the stage began,
-    in space it is that of the first row."""
+    constant beyond. Before the first row it changes linearly from the tool's force when the stage began."""
     stop: str = ""
     """In space: name of a tool that no force places, on which this one stands at last; empty: none."""
     clearance: float = math.inf
@@ -130,13 +129,19 @@ class ToolMotion:
     move: tuple[float, ...] = (0.0, 0.0, 0.0)
     """Displacement [mm]; in the plane x and y."""
     turn: float = 0.0
-    """In the plane: angle [rad], counter-clockwise, about the tool's centre."""
+    """Of solids: angle [rad], counter-clockwise, about the tool's centre, in space about its axis."""
     push: Push | None = None
     """Force that places the tool, instead of a move."""
-    start: tuple[float, float] | Literal["touch", "touch_again"] | None = None
-    """In the plane: position of the origin of its frame when the stage begins [mm], from which its stroke counts;
+    start: tuple[float, ...] | Literal["touch", "touch_again"] | None = None
+    """Of solids: position of the origin of its frame when the stage begins [mm], from which its stroke counts;
     touch: where the tool first touches the workpiece along its motion; touch_again: the same, but its stroke goes on;
     None: where the stage before has left it."""
+
+
+def find_direction(motion: ToolMotion, dimension: int = 3) -> FloatArray:
+    """Return the unit vector along which a motion moves or pushes its tool (d,)."""
+    way = np.asarray(motion.push.direction if motion.push else motion.move[:dimension], dtype=np.float64)
+    return np.asarray(way / np.linalg.norm(way))
 
 
 @dataclass(frozen=True)

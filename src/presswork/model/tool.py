@@ -78,7 +78,7 @@ class Spring:
     """[N/mm] of the whole tool."""
     preload: float
     """[N] on the whole tool."""
-    direction: tuple[float, float]
+    direction: tuple[float, ...]
     """Unit vector along which the workpiece pushes the tool back."""
 
 
@@ -96,10 +96,15 @@ class Tool:
     """Stampings: what the tool is for."""
     way: tuple[float, float, float] | None = None
     """Unit vector along which its stroke and its force count; None: that of its first motion or push."""
-    centre: tuple[float, float] = (0.0, 0.0)
-    """In the plane, in its own frame: the point about which it turns and its torque is taken [mm]."""
+    centre: tuple[float, ...] = (0.0, 0.0)
+    """In its own frame: the point about which it turns and its torque is taken [mm]; in space a point of its axis."""
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Of a solid in space, in its own frame: unit vector about which it turns."""
+    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Of a solid in space: by which it is turned about the origin of its frame at the start, a vector along the axis
+    of this rotation with the angle as its length [rad]."""
     spring: Spring | None = None
-    """In the plane: the spring on which it rests; its stages move the spring's foot."""
+    """Of solids: the spring on which it rests; its stages move the spring's foot."""
     mirrored_across: tuple[bool, ...] = (False, False)
     """Plane strain, solids in space: whether the whole tool is twice what is modelled, mirrored by a symmetry plane
     normal to x | y | z."""

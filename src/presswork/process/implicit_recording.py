@@ -28,8 +28,9 @@ from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
+from presswork.interaction.tool_course import find_turning
 from presswork.mesh.edges import edge_areas
-from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model, ToolMotion
+from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model
 from presswork.process.die_fill import DieFill
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
 from presswork.process.increments import IncrementRecording, find_position
@@ -60,9 +61,7 @@ class ImplicitRecording(IncrementRecording):
             raise ValueError("arc length follows its path on one mesh: take load control")
         procedure = (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads)
         super().__init__(model, procedure, ask_for_mesh)
-        self.turning = [
-            t.name for t in model.tools if any(s.tool_motion.get(t.name, ToolMotion()).turn for s in model.stages)
-        ]
+        self.turning = find_turning(model.tools, model.stages)
         self.penetration = Penetration()
         taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
         self.reactions = Reactions(model, self.procedure.mechanics.freedoms, taken)

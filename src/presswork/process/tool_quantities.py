@@ -28,8 +28,8 @@ class ToolQuantities:
     angle: float
     """Turned since the start [rad]."""
     torque: float
-    """Of the workpiece on the tool about its centre, against its turning in this stage, so positive when it must be
-    driven; clockwise where it does not turn [N mm]."""
+    """Of the workpiece on the whole tool about its centre, in space about its axis, against its turning in this stage,
+    so positive when it must be driven; clockwise where it does not turn [N mm]."""
 
 
 def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQuantities]:
@@ -52,23 +52,32 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
         torque = -float(torques[t]) * (-1.0 if motion.turn < 0 else 1.0)
         in_space = np.append(vector, 0.0)
         quantities[tool.name] = ToolQuantities(stroke, force, in_space, float(state[ToolArrays].angle[t]), torque)
-    return quantities | _measure_space_tools(procedure)
+    return quantities | _measure_space_tools(procedure, stage)
 
 
-def _measure_space_tools(procedure: ImplicitProcedure) -> dict[str, ToolQuantities]:
+def _measure_space_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQuantities]:
     """Return the quantities of the tools in space; those of a shell as modelled."""
     tools, state = procedure.interactions.space_tools, procedure.state
     if tools is None:
         return {}
     quantities = {}
     forces = tools.contact.tool_forces(state)
-    displacement = state[SpaceToolArrays].displacement
-    for tool, moved, modelled in zip(procedure.model.space_tools, displacement, forces, strict=True):
-        force = force_on_whole(tool, modelled)
+    torques = tools.contact.torques(state)
+    placed = state[SpaceToolArrays]
+    for t, tool in enumerate(procedure.model.space_tools):
+        force = force_on_whole(tool, forces[t])
         way = find_way(procedure.model, tool)
-        along = float(np.linalg.norm(force)) if way is None else -float(force @ way)
-        stroke = 0.0 if way is None else float(moved @ way)
-        quantities[tool.name] = ToolQuantities(stroke, along, force, 0.0, 0.0)
+        if tool.spring is not None:
+            direction = np.asarray(tool.spring.direction)
+            stroke, along = float(placed.travel[t] @ direction), float(force @ direction)
+        elif way is not None:
+            stroke, along = float((placed.displacement[t] - placed.placed[t]) @ way), -float(force @ way)
+        else:
+            stroke, along = 0.0, float(np.linalg.norm(force))
+        motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
+        whole = 2.0 ** sum(tool.mirrored_across)
+        torque = -float(torques[t]) * whole * (-1.0 if motion.turn < 0 else 1.0)
+        quantities[tool.name] = ToolQuantities(stroke, along, force, float(placed.angle[t]), torque)
     return quantities
 
 

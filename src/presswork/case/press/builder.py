@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
@@ -36,6 +38,16 @@ class Halves:
     """The whole workpiece over what is modelled."""
     across: float = 1.0
     """Way of the ram over that of the tools: 2 where a symmetry plane lies across it."""
+
+
+def find_halves(stage: model.Stage, mirrors: Sequence[model.FloatArray]) -> Halves:
+    """Return what the symmetry planes say of the press that drives a stage; mirrors: their positions by axis [mm]."""
+    d = len(mirrors)
+    moves = np.array([motion.move[:d] for motion in stage.tool_motion.values()]).reshape(-1, d)
+    cut = [len(np.unique(of_axis)) == 1 for of_axis in mirrors]  # between two planes nothing is cut in half
+    along = [bool(moves[:, axis].any()) and not np.delete(moves, axis, axis=1).any() for axis in range(d)]
+    across = any(is_cut and is_along for is_cut, is_along in zip(cut, along, strict=True))
+    return Halves(float(2 ** sum(cut)), 2.0 if across else 1.0)
 
 
 def check_timing(timing: Timing, presses: Mapping[str, Press]) -> Iterator[Problem]:

@@ -19,7 +19,7 @@ from presswork.case.errors import CaseError, Problem
 from presswork.case.heat.forming import build_heat, start_hot, warn_of_temperatures
 from presswork.case.marked_points import build_points
 from presswork.case.material.umat import UmatMaterial, build_umat
-from presswork.case.press.builder import Halves, build_drive, list_blows
+from presswork.case.press.builder import build_drive, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts
@@ -248,9 +248,10 @@ def _build_stages(
     stages: list[model.Stage] = []
     problems: list[Problem] = []
     blows: dict[str, int] = {}
+    mirrors = (planes[0][:0], planes[1]) if case.analysis == "axisymmetric" else planes
     for number, given in enumerate(case.stages):
         stage = _build_stage(given, area_of, explicit=case.procedure == "explicit")
-        drive = build_drive(given.find_timing(number), case.presses, _find_halves(case, stage, planes))
+        drive = build_drive(given.find_timing(number), case.presses, find_halves(stage, mirrors))
         if isinstance(drive, Problem):
             problems.append(drive)
         elif drive is not None:
@@ -261,17 +262,6 @@ def _build_stages(
             blows[given.press.name] = struck + given.press.blows
         stages += listed
     return tuple(stages), problems
-
-
-def _find_halves(case: schema.Case, stage: model.Stage, planes: tuple[model.FloatArray, model.FloatArray]) -> Halves:
-    """Return what the symmetry planes say of the press that drives a stage."""
-    moves = np.array([motion.move[:2] for motion in stage.tool_motion.values()]).reshape(-1, 2)
-    cut = [len(np.unique(of_axis)) == 1 for of_axis in planes]  # between two planes nothing is cut in half
-    if case.analysis == "axisymmetric":
-        cut[0] = False
-    along = [bool(moves[:, axis].any()) and not moves[:, 1 - axis].any() for axis in (0, 1)]
-    across = any(is_cut and is_along for is_cut, is_along in zip(cut, along, strict=True))
-    return Halves(float(2 ** sum(cut)), 2.0 if across else 1.0)
 
 
 def _build_stage(stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool) -> model.Stage:

@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
 from presswork.case.errors import Problem
-from presswork.geometry.pose import start_profile
-from presswork.model import FloatArray, Mesh, Stage, Support, Tool, ToolMotion
+from presswork.geometry.pose import find_space_pose, start_profile
+from presswork.geometry.tool_surface import make_surface
+from presswork.model import FloatArray, Mesh, Profile, Stage, Support, Tool, ToolMotion
 
 BoolArray = NDArray[np.bool_]
 
@@ -36,12 +37,13 @@ def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> l
     That is certain only where nothing else moves or loads the workpiece. Where something does, a tool that never comes
     nearer than it starts is a warning in the log.
     """
-    nodes = mesh.points[np.unique(mesh.boundary_edges)]
+    sides = mesh.boundary_edges if mesh.points.shape[1] == 2 else mesh.boundary_faces
+    nodes = mesh.points[np.unique(sides)]
     tolerance = TOLERANCE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
     moving = [tool for tool in tools if any(_moves(stage.tool_motion.get(tool.name)) for stage in stages)]
     approach = {tool.name: _approach(tool, stages, nodes) for tool in moving}
     leaving = [tool for tool in moving if _leaves(*approach[tool.name], tolerance)]
-    loaded = any(stage.prescribed or stage.forces or stage.pressures for stage in stages)
+    loaded = any(s.prescribed or s.forces or s.pressures or s.face_forces or s.face_pressures for s in stages)
     loaded = loaded or any(tool.spring is not None for tool in tools)
     nearest = {name: min(gaps) for name, gaps in approach.items()}
     if moving and not loaded and all(tool in leaving or nearest[tool.name] > tolerance for tool in moving):
@@ -152,20 +154,31 @@ def _approach(tool: Tool, stages: Sequence[Stage], nodes: FloatArray) -> tuple[f
     Of a tool that turns, that a force pushes or that a stage places anew, the way is not known: 0.
     """
     motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
-    place = np.zeros(2)
-    first = _distance(tool, nodes, place)
+    place = np.zeros(nodes.shape[1])
+    distance = _measure_in_plane(tool) if isinstance(tool.shape, Profile) else _measure_in_space(tool)
+    first = distance(nodes)
     if any(m.turn != 0.0 or m.push is not None or m.start is not None for m in motions):
         return first, 0.0
     later = np.inf
     for motion in motions:
-        move = np.array(motion.move[:2])
+        move = np.array(motion.move[: len(place)])
         for fraction in np.linspace(0.0, 1.0, _SAMPLES + 1)[1:] if move.any() else ():
-            later = min(later, _distance(tool, nodes, place + fraction * move))
+            later = min(later, distance(nodes - (place + fraction * move)))
         place = place + move
     return first, later
 
 
-def _distance(tool: Tool, nodes: FloatArray, place: FloatArray) -> float:
-    """Return the least gap of the nodes to a tool moved to `place` [mm]; infinite if it faces none of them."""
-    gap, _, second_gap, *_ = _core.touch_profile(start_profile(tool), nodes - place)
-    return float(min(gap.min(), second_gap.min()))
+def _measure_in_plane(tool: Tool) -> Callable[[FloatArray], float]:
+    """Return what gives the least gap of nodes to a tool where it starts [mm]; infinite if it faces none of them."""
+
+    def measure(nodes: FloatArray) -> float:
+        gap, _, second_gap, *_ = _core.touch_profile(start_profile(tool), nodes)
+        return float(min(gap.min(), second_gap.min()))
+
+    return measure
+
+
+def _measure_in_space(tool: Tool) -> Callable[[FloatArray], float]:
+    """Return the same of a tool in space."""
+    surface, pose = make_surface(tool.surface), find_space_pose(tool, np.zeros(3))
+    return lambda places: float(surface.nearest(np.ascontiguousarray(pose.to_frame(places)))[0].min())

@@ -45,7 +45,7 @@ from presswork.case.settings import Output, Solver
 from presswork.case.solid.contact import Contact
 from presswork.case.solid.explicit import ExplicitSolver
 from presswork.case.solid.remesh import Remesh
-from presswork.case.solid.tool import Axis, Tool, require_direction, unit_vector
+from presswork.case.solid.tool import Axis, Tool, check_motion, require_direction, unit_vector
 from presswork.case.solid.workpiece import Workpiece
 from presswork.case.units import (
     Angle,
@@ -162,25 +162,7 @@ class ToolMotion(Part):
 
     @model_validator(mode="after")
     def _check_one_way_of_moving(self) -> Self:
-        remedy = "give stroke or force, with direction; or move = [x, y]; or turn"
-        along = [name for name in ("stroke", "force") if getattr(self, name) is not None]
-        if self.move is not None and (along or self.direction is not None):
-            raise fault(f"move stands beside {(along or ['direction'])[0]}", remedy, key="move")
-        if len(along) == 2:
-            raise fault("force stands beside stroke", "a tool either travels or pushes in a stage", key="force")
-        if along and self.direction is None:
-            raise fault("missing key", remedy, key="direction")
-        if self.position == "touch" and not along and not (self.move and any(self.move)):
-            raise fault(
-                "the tool has no way to come from", "give stroke, move or force, or position = [x, y]", key="position"
-            )
-        is_placed = isinstance(self.position, tuple)
-        if not along and (self.direction is not None or (self.move is None and not self.turn and not is_placed)):
-            raise fault("missing key", remedy, key="stroke")
-        if self.position is not None and self.turn:
-            raise fault(
-                "a tool that turns stays where it is", "leave out position, or turn it in another stage", key="position"
-            )
+        check_motion(self)
         if self.direction is not None:
             require_direction(self.direction)
         return self

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -37,6 +37,28 @@ def unit_vector(direction: tuple[float, float]) -> tuple[float, float]:
     """Return a direction at length 1."""
     length = math.hypot(*direction)
     return direction[0] / length + 0.0, direction[1] / length + 0.0
+
+
+def check_motion(motion: Any, place: str = "[x, y]") -> None:
+    """Refuse keys of a tool's motion, in the plane or in space, that do not fit; place: as remedies write it."""
+    remedy = f"give stroke or force, with direction; or move = {place}; or turn"
+    along = [name for name in ("stroke", "force") if getattr(motion, name) is not None]
+    if motion.move is not None and (along or motion.direction is not None):
+        raise fault(f"move stands beside {(along or ['direction'])[0]}", remedy, key="move")
+    if len(along) == 2:
+        raise fault("force stands beside stroke", "a tool either travels or pushes in a stage", key="force")
+    if along and motion.direction is None:
+        raise fault("missing key", remedy, key="direction")
+    if motion.position == "touch" and not along and not (motion.move and any(motion.move)):
+        remedy = f"give stroke, move or force, or position = {place}"
+        raise fault("the tool has no way to come from", remedy, key="position")
+    is_placed = isinstance(motion.position, tuple)
+    if not along and (motion.direction is not None or (motion.move is None and not motion.turn and not is_placed)):
+        raise fault("missing key", remedy, key="stroke")
+    if motion.position is not None and motion.turn:
+        raise fault(
+            "a tool that turns stays where it is", "leave out position, or turn it in another stage", key="position"
+        )
 
 
 class ProfilePoint(ShortForm):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +15,16 @@ from presswork.case.heat.forming import start_hot
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.press.builder import build_drive, check_timing, find_halves, list_blows
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_materials
 from presswork.case.solid.law_checks import check_integrator
+from presswork.case.solid.reach import check_reach
 from presswork.case.solid.references import check_set_names
 from presswork.case.space.heat import build_space_heat, check_space_heat
 from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
-from presswork.case.space.tool_builder import build_tool
+from presswork.case.space.tool_builder import build_tool, check_motions, find_way
 from presswork.mesh.faces import face_areas
 
 logger = logging.getLogger(__name__)
@@ -45,20 +48,24 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     materials = tuple(start_hot(material, case.heat) for material in materials)
     mirrors, wrong = _find_symmetry_planes(case, mesh)
     folder = case.source.parent if case.source is not None else Path()
-    built = [build_tool(name, tool, mesh, mirrors, folder) for name, tool in case.tools.items()]
-    _stop_at([*problems, *wrong, *(tool for tool in built if isinstance(tool, Problem))], case)
+    built = [build_tool(name, tool, mesh, mirrors, folder, find_way(case, name)) for name, tool in case.tools.items()]
+    stages, of_presses = _build_stages(case, mesh, mirrors)
+    problems += [*wrong, *of_presses, *(tool for tool in built if isinstance(tool, Problem))]
+    tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
+    problems = problems or check_motions(case, tools) or check_reach(tools, stages, mesh)
+    _stop_at(problems, case)
     return model.Model(
         title=case.title,
         analysis="solid",
         depth=1.0,
         mesh=mesh,
         materials=materials,
-        tools=tuple(tool for tool in built if isinstance(tool, model.Tool)),
+        tools=tools,
         supports=tuple(
             model.Support(entry.set, tuple(axis in entry.fix for axis in AXES), name)
             for name, entry in case.boundary.items()
         ),
-        stages=tuple(_build_stage(stage, mesh) for stage in case.stages),
+        stages=stages,
         solver=build_solver(
             case.solver, with_coulomb=any(tool.contact.startswith("coulomb") for tool in case.tools.values())
         ),
@@ -90,7 +97,9 @@ def _check_names(case: SpaceCase) -> list[Problem]:
             fault = "two stages have this name"
             problems.append(Problem(f"stages.{index}.name", fault, "give each its own", stage.name))
         is_loaded = bool(stage.force or stage.face_force or stage.pressure)
-        moves = any(any(motion.build().move) for motion in stage.tools.values())
+        moves = any(motion.turn or motion.force or motion.position for motion in stage.tools.values())
+        moves = moves or any(any(motion.build().move) for motion in stage.tools.values())
+        problems += check_timing(stage.find_timing(index), case.presses)
         displaced = any(entry.value != 0.0 for entry in stage.displacement)
         if case.heat is None and not (is_loaded or held or moves or displaced):
             remedy = (
@@ -182,6 +191,27 @@ def _find_symmetry_planes(case: SpaceCase, mesh: model.Mesh) -> tuple[tuple[mode
             remedy = "fix one component, on the whole of an outermost flat side normal to it, or leave symmetry out"
             problems.append(Problem(f"boundary.{name}.symmetry", fault, remedy, True))
     return tuple(np.unique(of_axis) for of_axis in planes), problems
+
+
+def _build_stages(
+    case: SpaceCase, mesh: model.Mesh, mirrors: tuple[model.FloatArray, ...]
+) -> tuple[tuple[model.Stage, ...], list[Problem]]:
+    """Return the Model's stages, several of one that strikes several blows, and the problems of presses."""
+    stages: list[model.Stage] = []
+    problems: list[Problem] = []
+    blows: dict[str, int] = {}
+    for number, given in enumerate(case.stages):
+        stage = _build_stage(given, mesh)
+        drive = build_drive(given.find_timing(number), case.presses, find_halves(stage, mirrors))
+        if isinstance(drive, Problem):
+            problems.append(drive)
+        elif drive is not None:
+            stage = replace(stage, drive=drive, duration=drive.duration)
+        struck = blows.get(given.press.name, 0) if given.press else 0
+        stages += list_blows(stage, given.press, struck + 1)
+        if given.press is not None:
+            blows[given.press.name] = struck + given.press.blows
+    return tuple(stages), problems
 
 
 def _build_stage(stage: SpaceStage, mesh: model.Mesh) -> model.Stage:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -14,6 +15,8 @@ from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
+from presswork.case.press.builder import Timing
+from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
 from presswork.case.settings import Output, Solver
 from presswork.case.solid.schema import MaterialTable
 from presswork.case.space.mesh import SpaceMesh
@@ -91,6 +94,13 @@ class SpaceStage(Part):
 
     name: Name = Field(description="name of the stage")
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
+    velocity: Speeds | None = Field(
+        default=None,
+        description="instead of duration: speed of the tool that moves farthest [mm/s], or rows [way gone, speed]",
+    )
+    press: StagePress | None = Field(
+        default=None, description="instead of duration: the press that moves the tools, one of [presses]"
+    )
     tools: dict[str, SpaceToolMotion] = Field(
         default={}, description="motion of each moving tool; the others stand still"
     )
@@ -98,6 +108,16 @@ class SpaceStage(Part):
     force: tuple[SpaceForce, ...] = Field(default=(), description="forces")
     face_force: tuple[FaceForce, ...] = Field(default=(), description="forces on faces, spread by area")
     pressure: tuple[FacePressure, ...] = Field(default=(), description="pressures")
+
+    @model_validator(mode="after")
+    def _check_velocity(self) -> Self:
+        check_speeds(self.velocity, "velocity")
+        return self
+
+    def find_timing(self, number: int) -> Timing:
+        """Return what this stage, with its number from 0, says of its time."""
+        way = max((math.hypot(*motion.build().move) for motion in self.tools.values()), default=0.0)
+        return Timing(f"stages.{number}", self.velocity, self.press, "duration" in self.model_fields_set, way)
 
 
 class SpaceSolver(Solver):
@@ -117,6 +137,7 @@ class SpaceCase(CaseFile):
     workpiece: SpaceWorkpiece = Field(description="the body that is formed")
     materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
     tools: dict[Name, SpaceTool] = Field(default={}, description="rigid tools by name")
+    presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
     heat: SolidHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
     stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")

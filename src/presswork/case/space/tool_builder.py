@@ -5,20 +5,39 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from presswork.case.errors import Problem
-from presswork.case.space.tools import PlaneTool, ProfileTool, SpaceTool
-from presswork.case.tools.builder import is_backwards
+from presswork.case.space.tools import PlaneTool, ProfileTool, SpaceTool, unit_vector3
+from presswork.case.tools.builder import find_centre, is_backwards
 from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.case.units import LENGTH, unit_factor
+from presswork.geometry.pose import SpacePose, find_axis, find_space_pose
 from presswork.geometry.segments import TURN, X0, X1, reverse_segments, sample_arc
 from presswork.geometry.tool_surface import make_surface
+from presswork.geometry.touch_in_space import find_touch_in_space
 from presswork.mesh import MeshError
 from presswork.mesh.tool_file import read_tool
-from presswork.model import FloatArray, Friction, Mesh, Plane, Surface, SweptProfile, Tool, Triangulation
+from presswork.model import (
+    FloatArray,
+    Friction,
+    Mesh,
+    Plane,
+    Spring,
+    Surface,
+    SweptProfile,
+    Tool,
+    Triangulation,
+    find_direction,
+)
+
+if TYPE_CHECKING:
+    from presswork.case.space.schema import SpaceCase
 
 logger = logging.getLogger(__name__)
 
@@ -30,38 +49,138 @@ BEYOND = 5.0
 """Times the size of the workpiece: half the length of a straight tool."""
 
 
-def build_tool(name: str, tool: SpaceTool, mesh: Mesh, mirrors: tuple[FloatArray, ...], folder: Path) -> Tool | Problem:
+def build_tool(
+    name: str, tool: SpaceTool, mesh: Mesh, mirrors: tuple[FloatArray, ...], folder: Path, way: FloatArray
+) -> Tool | Problem:
     """Build a tool, or say why it cannot be.
 
     mirrors: positions of the symmetry planes normal to x, y and z [mm]. folder: what the path of a file is relative to.
+    way: direction of the tool's first motion (3,), zero where it has none.
     """
     nodes = mesh.points[np.unique(mesh.boundary_faces)]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     shape = _make_shape(name, tool, nodes, size, folder)
     if isinstance(shape, Problem):
         return shape
-    gap, normal, _, _ = make_surface(shape).nearest(np.ascontiguousarray(nodes - np.array(tool.position)), size)
+    drawn = _place(name, tool, shape)
+    surface = make_surface(shape)
+
+    def nearest(points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+        gap, normal, *_ = surface.nearest(np.ascontiguousarray(start.to_frame(points)), reach)
+        return gap, start.turn(normal)
+
+    start = find_space_pose(drawn, np.zeros(3))
+    if tool.position == "touch":
+        corners = np.zeros((1, 3)) if isinstance(shape, Plane) else start.carry(_corners(shape))
+        afar = size + float(np.linalg.norm(corners, axis=1).max() + np.linalg.norm(nodes, axis=1).max())
+        gone = find_touch_in_space(nearest, nodes + afar * way, way) if way.any() else None
+        if gone is None:
+            return _explain_no_touch(name, way)
+        x, y, z = (float(part) for part in (gone - afar) * way)
+        drawn = replace(drawn, position=(x, y, z))
+        start = find_space_pose(drawn, np.zeros(3))
+    problem = _check_clear(name, nodes, size, *nearest(nodes, size))
+    if problem is not None:
+        return problem
+    cut = _find_mirrors(drawn, start, mirrors, size)
+    for axis in range(3):
+        if tool.shape == "round" and cut[axis]:
+            plane, along = f"{'xyz'[axis]} = {mirrors[axis][0]:g}", start.turn(np.eye(3)[2:])[0, axis]
+            beside = abs(drawn.position[axis] - mirrors[axis][0]) > TOLERANCE * size or abs(along) > 1e-9
+            if beside:
+                return Problem(
+                    f"tools.{name}.position",
+                    f"the symmetry plane {plane} cuts this round tool beside its axis, so it has no mirror image of "
+                    "itself",
+                    f"put its axis on {plane}, or model the whole workpiece",
+                    list(drawn.position),
+                )
+    return replace(drawn, mirrored_across=cut)
+
+
+def _place(name: str, tool: SpaceTool, shape: Surface) -> Tool:
+    """Return a tool that stands as its keys say, without what the workpiece tells."""
+    centre = tool.centre
+    if centre is None and isinstance(tool, ProfileTool) and tool.shape == "straight":
+        own = find_centre(draw_outline(tool.profile, False).segments)
+        centre = (own[0], 0.0, own[1]) if own else None
+    spring = None
+    if tool.spring is not None:
+        spring = Spring(tool.spring.stiffness, tool.spring.preload, unit_vector3(tool.spring.direction))
+    return Tool(
+        name,
+        shape,
+        (0.0, 0.0, 0.0) if tool.position == "touch" else tool.position,
+        Friction(tool.contact, tool.m, tool.mu),
+        centre=centre or (0.0, 0.0, 0.0),
+        axis=tool.turning_axis or (0.0, 0.0, 1.0),
+        rotation=tool.rotation.build() if tool.rotation is not None else (0.0, 0.0, 0.0),
+        spring=spring,
+    )
+
+
+def _explain_no_touch(name: str, way: FloatArray) -> Problem:
+    """Say why a tool cannot be put where it touches the workpiece."""
+    key = f"tools.{name}.position"
+    if not way.any():
+        remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y, z]"
+        return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
+    x, y, z = way
+    fault = f"along its first motion, ({x:g}, {y:g}, {z:g}), the tool passes the workpiece or never comes to it"
+    return Problem(key, fault, "draw it on the side that it comes from, or give position = [x, y, z]", "touch")
+
+
+def _check_clear(name: str, nodes: FloatArray, size: float, gap: FloatArray, normal: FloatArray) -> Problem | None:
+    """Return a problem where boundary nodes lie in a tool at the start."""
     deepest = int(np.argmin(gap))
-    if gap[deepest] < -TOLERANCE * size:
-        place = ", ".join(f"{x:.6g}" for x in nodes[deepest])
-        away = ", ".join(f"{x + 0.0:.6g}" for x in gap[deepest] * normal[deepest])
-        return Problem(
-            f"tools.{name}",
-            f"the tool starts inside the workpiece: {int((gap < -TOLERANCE * size).sum())} boundary nodes lie in it, "
-            f"the deepest {-gap[deepest]:.6g} mm at ({place})",
-            f"move the tool by ({away}) mm, or turn its surface over if its metal is on the other side",
-        )
-    cut = _find_mirrors(tool, shape, mirrors, size)
-    for axis in (0, 1):
-        if tool.shape == "round" and cut[axis] and abs(tool.position[axis] - mirrors[axis][0]) > TOLERANCE * size:
-            plane = f"{'xy'[axis]} = {mirrors[axis][0]:g}"
-            return Problem(
-                f"tools.{name}.position",
-                f"the symmetry plane {plane} cuts this round tool beside its axis, so it has no mirror image of itself",
-                f"put its axis on {plane}, or model the whole workpiece",
-                list(tool.position),
-            )
-    return Tool(name, shape, tool.position, Friction(tool.contact, tool.m, tool.mu), mirrored_across=cut)
+    if gap[deepest] >= -TOLERANCE * size:
+        return None
+    place = ", ".join(f"{x:.6g}" for x in nodes[deepest])
+    away = ", ".join(f"{x + 0.0:.6g}" for x in gap[deepest] * normal[deepest])
+    return Problem(
+        f"tools.{name}",
+        f"the tool starts inside the workpiece: {int((gap < -TOLERANCE * size).sum())} boundary nodes lie in it, "
+        f"the deepest {-gap[deepest]:.6g} mm at ({place})",
+        f"move the tool by ({away}) mm, or turn its surface over if its metal is on the other side",
+    )
+
+
+def find_way(case: SpaceCase, name: str) -> FloatArray:
+    """Return the direction of a tool's first motion (3,), of length 1; zero where it has none."""
+    for stage in case.stages:
+        motion = stage.tools[name].build() if name in stage.tools else None
+        if motion is not None and (motion.push is not None or any(motion.move)):
+            return find_direction(motion)
+    return np.zeros(3)
+
+
+def check_motions(case: SpaceCase, tools: Sequence[Tool]) -> list[Problem]:
+    """Return the problems of motions that do not fit the tools."""
+    problems = []
+    for index, stage in enumerate(case.stages):
+        for tool in tools:
+            motion, key = stage.tools.get(tool.name), f"stages.{index}.tools.{tool.name}"
+            if motion is None:
+                continue
+            if motion.turn and case.tools[tool.name].turning_axis is None:
+                remedy = f"set tools.{tool.name}.axis = [x, y, z], and centre where it misses the origin"
+                problems.append(Problem(f"{key}.turn", "the tool turns, but about which axis?", remedy, motion.turn))
+            axis, mirrors = np.abs(find_axis(tool)), np.array(tool.mirrored_across)
+            if motion.turn and (axis[mirrors] < 1.0 - 1e-9).any():
+                fault = (
+                    "the tool and its mirror image cannot turn about an axis that their symmetry plane does not cross"
+                )
+                remedy = "model the whole workpiece, or turn about the normal of the symmetry plane"
+                problems.append(Problem(f"{key}.turn", fault, remedy, motion.turn))
+            push = motion.build().push
+            if push is not None and np.array(push.direction)[mirrors].any():
+                fault = "the tool and its mirror image cannot be pushed across their symmetry plane"
+                remedy = "push along the symmetry plane, or model the whole workpiece"
+                problems.append(Problem(f"{key}.direction", fault, remedy, list(push.direction)))
+            if push is not None and tool.spring is not None:
+                fault = "the tool rests on a spring, and a force pushes it"
+                problems.append(Problem(f"{key}.force", fault, f"leave it or tools.{tool.name}.spring out"))
+    return problems
 
 
 def _make_shape(name: str, tool: SpaceTool, nodes: FloatArray, size: float, folder: Path) -> Surface | Problem:
@@ -89,7 +208,7 @@ def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float) -> Surfa
     except ProfileError as error:
         value = list(tool.profile[error.point].to)
         return Problem(f"tools.{name}.profile.{error.point}", error.fault, error.remedy, value)
-    seen = nodes - np.array(tool.position)
+    seen = find_space_pose(_place(name, tool, Plane((0.0, 0.0, 1.0))), np.zeros(3)).to_frame(nodes)
     across = np.hypot(seen[:, 0], seen[:, 1]) if tool.shape == "round" else seen[:, 0]
     backwards = is_backwards(name, tool.free_side, np.column_stack([across, seen[:, 2]]), segments)
     if isinstance(backwards, Problem):
@@ -123,32 +242,29 @@ def _draw_out(segments: FloatArray, tolerance: float, half_length: float) -> Tri
     return Triangulation(points, triangles.astype(np.int32), False)
 
 
-def _find_mirrors(
-    tool: SpaceTool, shape: Surface, mirrors: tuple[FloatArray, ...], size: float
-) -> tuple[bool, bool, bool]:
+def _find_mirrors(tool: Tool, pose: SpacePose, mirrors: tuple[FloatArray, ...], size: float) -> tuple[bool, bool, bool]:
     """Say whether a symmetry plane normal to x, y and z cuts a tool, which is then twice what is modelled.
 
     Between two planes a slice is modelled, and nothing is cut in half.
     """
-    cut = []
+    cut, shape = [], tool.surface
     for axis, planes in enumerate(mirrors):
         if len(planes) != 1:
             cut.append(False)
             continue
         if isinstance(shape, Plane):  # one across the plane leaves it whole
-            cut.append(abs(shape.normal[axis]) < 1.0 - 1e-9)
+            cut.append(abs(pose.turn(np.array([shape.normal]))[0, axis]) < 1.0 - 1e-9)
             continue
-        low, high = _extent(shape, axis)
-        low, high = low + tool.position[axis], high + tool.position[axis]
+        reach = pose.carry(_corners(shape))[:, axis]
+        low, high = float(reach.min()), float(reach.max())
         cut.append(low < planes[0] + 1e-6 * size and high > planes[0] - 1e-6 * size)
     return cut[0], cut[1], cut[2]
 
 
-def _extent(shape: SweptProfile | Triangulation, axis: int) -> tuple[float, float]:
-    """Return how far a shape reaches along an axis [mm]."""
+def _corners(shape: SweptProfile | Triangulation) -> FloatArray:
+    """Return points whose extent is that of a shape (n, 3) [mm]."""
     if isinstance(shape, Triangulation):
-        return float(shape.points[:, axis].min()), float(shape.points[:, axis].max())
-    if axis < 2:
-        return -shape.half_widths[axis], shape.half_widths[axis]
+        return shape.points
     heights = shape.segments[:, [1, 3]]
-    return float(heights.min()), float(heights.max())
+    x, y = shape.half_widths
+    return np.array([(i * x, j * y, z) for i in (-1, 1) for j in (-1, 1) for z in (heights.min(), heights.max())])

@@ -6,13 +6,56 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.part import Part
 from presswork.case.solid.contact import require_friction
-from presswork.case.solid.tool import ProfilePoint
-from presswork.case.units import Direction3, Length, Number, Point3, fault
+from presswork.case.solid.tool import ProfilePoint, check_motion
+from presswork.case.units import Angle, Direction3, Force, Length, Number, Place3, Point3, Stiffness, fault
+
+
+def unit_vector3(direction: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return a direction at length 1."""
+    x, y, z = (part / math.hypot(*direction) + 0.0 for part in direction)
+    return x, y, z
+
+
+def require_direction3(direction: tuple[float, float, float], key: str) -> None:
+    """Refuse a direction of no length."""
+    if not any(direction):
+        raise fault("expected a direction that is not zero", "for instance [0, 0, -1] for downwards", key=key)
+
+
+class Rotation(Part):
+    """By which a tool is turned at the start, about the origin of its own frame."""
+
+    axis: Direction3 = Field(description="direction [x, y, z] about which it is turned, of any length")
+    angle: Angle = Field(description="angle, counter-clockwise as seen from the tip of the axis [degrees]")
+
+    @model_validator(mode="after")
+    def _check_axis(self) -> Self:
+        require_direction3(self.axis, "axis")
+        return self
+
+    def build(self) -> tuple[float, float, float]:
+        """Return it as a vector along the axis, its length the angle [rad]."""
+        x, y, z = (math.radians(self.angle) * part for part in unit_vector3(self.axis))
+        return x, y, z
+
+
+class SpaceSpring(Part):
+    """A spring behind a tool, which stands at its stop until it is pushed with more than the preload."""
+
+    stiffness: Stiffness = Field(gt=0, description="of the whole tool [N/mm]")
+    preload: Force = Field(default=0.0, ge=0, description="push from which the tool moves back [N]")
+    direction: Direction3 = Field(description="direction [x, y, z] in which the tool is pushed back, of any length")
+
+    @model_validator(mode="after")
+    def _check_direction(self) -> Self:
+        require_direction3(self.direction, "direction")
+        return self
 
 
 class _SpaceTool(Part):
@@ -23,14 +66,35 @@ class _SpaceTool(Part):
     )
     m: Number = Field(default=0.0, ge=0.0, le=1.0, description="friction factor of shear and coulomb_capped, 0 to 1")
     mu: Number = Field(default=0.0, ge=0.0, description="coefficient of friction of coulomb and coulomb_capped")
-    position: Point3 = Field(
-        default=(0.0, 0.0, 0.0), description="where the origin of the tool, as drawn, starts [x, y, z] [mm]"
+    position: Place3 = Field(
+        default=(0.0, 0.0, 0.0),
+        description="where the origin of the tool, as drawn, starts [x, y, z] [mm]; touch: the tool comes "
+        "from afar, past [0, 0, 0] along its first motion, until it touches the workpiece",
     )
+    rotation: Rotation | None = Field(default=None, description="turns the tool, as drawn, about its origin")
+    axis: Direction3 | None = Field(
+        default=None,
+        description="direction [x, y, z], as drawn, about which the tool turns in stages; without it: z of a round "
+        "tool, y of a straight one",
+    )
+    centre: Point3 | None = Field(
+        default=None,
+        description="a point [x, y, z] of that axis, as drawn [mm], about which its torque is taken; without it: the "
+        "origin, of a straight tool the centre that all its arcs share",
+    )
+    spring: SpaceSpring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:
         require_friction(self, self.contact)
+        if self.axis is not None:
+            require_direction3(self.axis, "axis")
         return self
+
+    @property
+    def turning_axis(self) -> tuple[float, float, float] | None:
+        """The direction about which it turns, of length 1; None: its shape tells of none."""
+        return None if self.axis is None else unit_vector3(self.axis)
 
 
 class PlaneTool(_SpaceTool):
@@ -41,8 +105,7 @@ class PlaneTool(_SpaceTool):
 
     @model_validator(mode="after")
     def _check_normal(self) -> Self:
-        if not any(self.normal):
-            raise fault("expected a direction that is not zero", "for instance [0, 0, -1] for an upper tool", "normal")
+        require_direction3(self.normal, "normal")
         return self
 
 
@@ -68,6 +131,12 @@ class ProfileTool(_SpaceTool):
             raise fault("a radius is negative", "draw the profile at r >= 0, from the axis outwards", key="profile")
         return self
 
+    @property
+    def turning_axis(self) -> tuple[float, float, float] | None:
+        """The direction about which it turns, of length 1."""
+        natural = (0.0, 0.0, 1.0) if self.shape == "round" else (0.0, 1.0, 0.0)
+        return natural if self.axis is None else unit_vector3(self.axis)
+
 
 class ToolFile(_SpaceTool):
     """A tool's surface from an STL file, its normals out of the metal."""
@@ -81,32 +150,45 @@ SpaceTool = Annotated[PlaneTool | ProfileTool | ToolFile, Field(discriminator="s
 
 
 class SpaceToolMotion(Part):
-    """What a tool does over a stage: `move`, or `stroke` with `direction`."""
+    """What a tool does over a stage: `move`, or `stroke` or `force` with `direction`; and `turn`."""
 
     stroke: Length | None = Field(default=None, ge=0, description="distance travelled over the stage [mm]")
-    direction: Direction3 | None = Field(default=None, description="direction [x, y, z] of the stroke, of any length")
-    move: Point3 | None = Field(default=None, description="instead: displacement [x, y, z] over the stage [mm]")
+    force: Force | None = Field(
+        default=None,
+        gt=0,
+        description="instead of a stroke: what the whole tool pushes with at the stage's end [N], reached linearly",
+    )
+    direction: Direction3 | None = Field(
+        default=None, description="direction [x, y, z] of the stroke or force, of any length"
+    )
+    move: Point3 | None = Field(default=None, description="displacement [x, y, z] over the stage [mm]")
+    turn: Angle = Field(
+        default=0.0,
+        description="angle turned over the stage about the tool's axis, counter-clockwise seen from its tip [degree]",
+    )
+    position: Place3 | None = Field(
+        default=None,
+        description="where the origin of the tool, as drawn, stands when the stage begins [x, y, z] [mm]; touch: where "
+        "the tool touches the workpiece on its way; without it: where the stage before has left the tool",
+    )
 
     @model_validator(mode="after")
     def _check_one_way_of_moving(self) -> Self:
-        remedy = "give stroke with direction = [x, y, z], or move = [x, y, z]"
-        if self.move is not None:
-            for key in ("stroke", "direction"):
-                if getattr(self, key) is not None:
-                    raise fault(f"{key} stands beside move", remedy, key=key)
-            return self
-        for key in ("stroke", "direction"):
-            if getattr(self, key) is None:
-                raise fault("missing key", remedy, key=key)
-        if self.direction is not None and not any(self.direction):
-            raise fault("expected a direction that is not zero", "for instance [0, 0, -1]", key="direction")
+        check_motion(self, "[x, y, z]")
+        if self.direction is not None:
+            require_direction3(self.direction, "direction")
         return self
 
     def build(self) -> model.ToolMotion:
         """Return the Model's motion."""
-        if self.move is not None:
-            return model.ToolMotion(move=self.move)
-        assert self.direction is not None
-        assert self.stroke is not None
-        x, y, z = (self.stroke * part / math.hypot(*self.direction) + 0.0 for part in self.direction)
-        return model.ToolMotion(move=(x, y, z))
+        turn = math.radians(self.turn)
+        if self.force is not None:
+            assert self.direction is not None
+            push = model.Push(unit_vector3(self.direction), np.array([[1.0, self.force]]))
+            return model.ToolMotion(turn=turn, push=push, start=self.position)
+        move = self.move or (0.0, 0.0, 0.0)
+        if self.stroke is not None:
+            assert self.direction is not None
+            x, y, z = (self.stroke * part / math.hypot(*self.direction) + 0.0 for part in self.direction)
+            move = (x, y, z)
+        return model.ToolMotion(move=move, turn=turn, start=self.position)

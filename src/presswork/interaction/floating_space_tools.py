@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tools in space whose place follows from a force: pushed with a given one, as a blank holder, or resting on a spring.
+
+Contact depends on where a node is in the tool's frame alone. With K_i = -d f_i/d x_i of each node that the tool
+touches, f_i the tool's force on the node, w the direction of its travel q, F the force that pushes it, and preload and
+stiffness k those of a spring that is off its stop at q = 0,
+
+    sum w K_i w dq - sum w K_i dx_i = F - sum w f_i,
+    (k + sum w K_i w) dq - sum w K_i dx_i = -sum w f_i - preload - k q.
+
+placing.py solves for q. A pushed tool goes no further than to its stop, another tool. While it stands there and the
+sheet bears less than F, the other bears the rest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.interaction.placing import (
+    Border,
+    LostWorkpieceError,
+    Placed,
+    Springs,
+    force_at,
+    share_modelled,
+)
+from presswork.interaction.space_contact import SpaceForces
+from presswork.interaction.tool_arrays import SpaceToolArrays
+from presswork.model import BoolArray, FloatArray, Model, Push
+from presswork.state import State
+
+STANDING = 1e-9
+"""Way to its stop at which a tool stands on it [mm]."""
+
+
+@dataclass(frozen=True)
+class FloatingInSpace(Placed):
+    """The tools that float at a guess; one that stands on its stop lacks nothing."""
+
+    stiffness: FloatArray
+    """Of their springs (n,) [N/mm]."""
+    room: FloatArray
+    """Way that is left to its stop (n,) [mm]."""
+    stands: BoolArray
+    """Whether its stop holds it (n,)."""
+
+
+class FloatingSpaceTools:
+    """The floating tools of one run; where they are lies in the State."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        tools = model.space_tools
+        pushes = any(m.push for s in model.stages for m in s.tool_motion.values())
+        self.is_needed = bool(tools) and (pushes or any(tool.spring for tool in tools))
+        self._share = share_modelled(tools)
+        self._springs = Springs(tools)
+
+    def begin_increment(self) -> None:
+        """Forget the changes of the increment before."""
+        self._springs.begin_increment()
+
+    def pushes(self, stage: int) -> dict[int, Push]:
+        """Return what pushes tools in a stage, by their numbers."""
+        motions = self._model.stages[stage].tool_motion
+        found = {t: motions[tool.name].push for t, tool in enumerate(self._model.space_tools) if tool.name in motions}
+        return {t: push for t, push in found.items() if push is not None}
+
+    def evaluate(
+        self, trial: State, contact: SpaceForces, stage: int, fraction: float, *, near: bool
+    ) -> tuple[FloatingInSpace, int]:
+        """Return what the tools lack at a fraction of a stage, and how many springs have left or reached stops."""
+        placed, pushes = trial[SpaceToolArrays], self.pushes(stage)
+        tools: list[int] = []
+        directions, missing, stiffness, room, changes = [], [], [], [], 0
+        for t, tool in enumerate(self._model.space_tools):
+            share, push = float(self._share[t]), pushes.get(t)
+            if push is not None:
+                direction, k = np.asarray(push.direction), 0.0
+                start = -float(placed.force_start[t] @ direction)
+                demand = -force_at(push.force * (1.0, share), start, fraction)
+            elif tool.spring is not None:
+                direction, k = np.asarray(tool.spring.direction), tool.spring.stiffness * share
+                demand = tool.spring.preload * share + k * float(placed.travel[t] @ direction)
+            else:
+                continue
+            lacks = -float(contact.by_tool[t].sum(axis=0) @ direction) - demand
+            if push is None:
+                changes += self._springs.leave_or_reach_stop(placed, t, lacks, near=near)
+                if not placed.gives[t]:
+                    continue
+            tools.append(t)
+            directions.append(direction)
+            missing.append(lacks)
+            stiffness.append(k)
+            room.append(math.inf if push is None else self._room(trial, t, push))
+        left, lacking = np.array(room), np.array(missing)
+        stands = (left < -STANDING) | ((left <= STANDING) & (lacking > 0))
+        shape = np.array(directions).reshape(-1, 3)
+        lacking = np.where(stands, 0.0, lacking)
+        return FloatingInSpace(tools, shape, lacking, np.array(stiffness), left, stands), changes
+
+    def _room(self, trial: State, tool: int, push: Push) -> float:
+        if not push.stop:
+            return math.inf
+        placed = trial[SpaceToolArrays]
+        other = [t.name for t in self._model.space_tools].index(push.stop)
+        way = placed.displacement[tool] - placed.displacement[other]
+        return push.clearance - float(way @ np.array(push.direction))
+
+    def correct(
+        self,
+        floating: FloatingInSpace,
+        contact: SpaceForces,
+        correction: FloatArray,
+        respond: Callable[[FloatArray], FloatArray],
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the correction with the tools' travel in it, and that travel (n,) [mm].
+
+        correction: with the tools held fast (n_points, 6), in the global frame. respond: solves for forces (n_points,
+        freedoms). Raises LostWorkpieceError for a tool that touches nothing and has neither spring nor stop to fall on.
+        """
+        rows, responses = [], []
+        own_slope, missing = floating.stiffness.copy(), floating.missing.copy()
+        for i, (t, w) in enumerate(zip(floating.tools, floating.directions, strict=True)):
+            own = contact.tool == t
+            nodes, k = contact.pairs[own, 0], contact.blocks[own, :3, :3]
+            column, row = np.zeros_like(correction), np.zeros_like(correction)
+            column[nodes, :3] = k @ w
+            falls = not column.any() and floating.stiffness[i] == 0.0
+            if falls and math.isinf(floating.room[i]):
+                name = self._model.space_tools[t].name
+                raise LostWorkpieceError(f"the tool {name!r} is pushed by a force, but touches nothing that holds it")
+            if falls or floating.stands[i]:
+                own_slope[i], missing[i] = 1.0, floating.room[i]
+            else:
+                row[nodes, :3] = -(w @ k)
+                own_slope[i] += float((column[:, :3] @ w).sum())
+            responses.append(respond(column))
+            rows.append(row)
+        border = Border(rows, own_slope, responses)
+        travel = np.minimum(border.find_travel(missing, correction), floating.room)
+        return border.carry(correction, travel), travel
