@@ -2,16 +2,11 @@
 #include "arrays.hpp"
 #include "element/heat_block.hpp"
 #include "element/heat_storage.hpp"
+#include "heat_tables.hpp"
 
 namespace presswork::bindings {
 
 namespace {
-
-const HeatCellType& cell_named(const std::string& name) {
-  const auto* type = find_heat_cell(name);
-  if (!type) throw std::invalid_argument("no heat conduction in cells of kind " + name);
-  return *type;
-}
 
 HeatBlock view_block(const HeatCellType& type, Ints connectivity, Doubles points, bool axisymmetric, double depth) {
   require(connectivity.ndim() == 2 && connectivity.shape(1) == std::size_t(type.nodes),
@@ -23,17 +18,6 @@ HeatBlock view_block(const HeatCellType& type, Ints connectivity, Doubles points
   return {static_cast<int>(connectivity.shape(0)), connectivity.data(), points.data(), {axisymmetric, depth, 0.0}};
 }
 
-// Rows of a TemperatureTable from temperatures and values (n, 2).
-std::vector<double> add_slopes(const Doubles& table) {
-  std::vector<double> rows;
-  const double* row = table.data();
-  for (std::size_t i = 0; i < table.shape(0); ++i, row += 2) {
-    const bool last = i + 1 == table.shape(0);
-    rows.insert(rows.end(), {row[0], row[1], last ? 0.0 : (row[3] - row[1]) / (row[2] - row[0])});
-  }
-  return rows;
-}
-
 }  // namespace
 
 void bind_heat(nb::module_& m) {
@@ -41,12 +25,10 @@ void bind_heat(nb::module_& m) {
       "conduct_heat",
       [](const std::string& cell, Ints connectivity, Doubles points, Doubles temperature, Doubles conductivity,
          bool axisymmetric, double depth, MutableDoubles flow, std::optional<MutableDoubles> conduction) {
-        const auto& type = cell_named(cell);
+        const auto& type = heat_cell_named(cell);
         const auto block = view_block(type, connectivity, points, axisymmetric, depth);
         const std::size_t packs = (block.n_cells + pack_width - 1) / pack_width, n = type.nodes;
         require(temperature.size() == points.shape(0), "temperature must have shape (n_points,)");
-        require(conductivity.ndim() == 2 && conductivity.shape(0) > 0 && conductivity.shape(1) == 2,
-                "conductivity must have shape (n, 2)");
         require(flow.size() == packs * n * pack_width, "flow must have shape (n_packs, nodes, pack_width)");
         require(!conduction || conduction->size() == packs * n * n * pack_width,
                 "conduction must have shape (n_packs, nodes, nodes, pack_width)");
@@ -81,7 +63,7 @@ void bind_heat(nb::module_& m) {
   m.def(
       "shapes_at_points",
       [](const std::string& cell, int n_points) {
-        const auto& type = cell_named(cell);
+        const auto& type = heat_cell_named(cell);
         require(n_points > 0 && n_points <= 9, "no such rule");
         double* N;
         auto result = new_array({static_cast<std::size_t>(n_points), static_cast<std::size_t>(type.nodes)}, &N);
@@ -92,7 +74,7 @@ void bind_heat(nb::module_& m) {
   m.def(
       "lump_volumes",
       [](const std::string& cell, Ints connectivity, Doubles points, bool axisymmetric, double depth) {
-        const auto& type = cell_named(cell);
+        const auto& type = heat_cell_named(cell);
         const auto block = view_block(type, connectivity, points, axisymmetric, depth);
         double* volume;
         auto result = new_array({connectivity.shape(0), connectivity.shape(1)}, &volume);

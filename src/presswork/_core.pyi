@@ -1,6 +1,6 @@
 """Compiled kernels: elements, materials, contact and assembly."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 import enum
 from typing import Annotated, overload
 
@@ -2194,6 +2194,104 @@ def lump_volumes(
     depth: float,
 ) -> NDArray[numpy.float64]:
     """Volume that each node of each cell stands for (n_cells, nodes) [mm3]."""
+
+class HeatFilm:
+    """What heats and cools the surface of bodies, lumped at its nodes."""
+
+    @staticmethod
+    def at_nodes(nodes: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> HeatFilm:
+        """
+        Nodes (n,) that exchange heat with temperatures (n,) [degrees C] by factors (n,) [N mm/(s K)].
+        """
+
+    @staticmethod
+    def convection(area: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], coefficient: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], ambient: float) -> HeatFilm:
+        """
+        Newton's law of cooling: areas of the nodes (n_points,) [mm2], rows of temperature and coefficient (n, 2).
+        """
+
+    @staticmethod
+    def radiation(factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], ambient: float) -> HeatFilm:
+        """
+        To large surroundings: area, emissivity and Stefan and Boltzmann's constant (n_points,) [N mm/(s K4)].
+        """
+
+    @staticmethod
+    def flux(power: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> HeatFilm:
+        """Heat that does not depend on temperature (n_points,) [N mm/s]."""
+
+    @staticmethod
+    def between(pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> HeatFilm:
+        """Pairs of nodes (n, 2) and their conductances (n,) [N mm/(s K)]."""
+
+    def evaluate(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Heat given to the nodes [N mm/s] and minus its derivative by their own temperatures [N mm/(s K)].
+        """
+
+class HeatStepResult:
+    """A time step of the heat equation."""
+
+    @property
+    def outcome(self) -> str:
+        """converged, unbounded, singular, no balance, or turned cell."""
+
+    @property
+    def temperature(self) -> NDArray[numpy.float64]:
+        """(n_points,) [degrees C]."""
+
+    @property
+    def power(self) -> NDArray[numpy.float64]:
+        """
+        Heat that flowed in by each film and, last, by prescribed temperatures, into the nodes counted first and into the others (n_films + 1, 2) [N mm/s].
+        """
+
+    @property
+    def residual(self) -> list[float]:
+        """Of every iteration, over the sum of all flows."""
+
+    @property
+    def correction(self) -> list[float]:
+        """Largest of every iteration [K]."""
+
+    @property
+    def assembly_seconds(self) -> float: ...
+
+    @property
+    def solve_seconds(self) -> float: ...
+
+    @property
+    def block(self) -> int:
+        """Of the cell that is turned inside out."""
+
+    @property
+    def cell(self) -> int:
+        """That is turned inside out."""
+
+class HeatBody:
+    """Cells of one kind and material that conduct and store heat."""
+
+    def __init__(self, cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], conductivity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], pieces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], latent: tuple[float, float, float], mass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        conductivity (n, 2); pieces and latent as in find_heat_content; mass at the nodes (n_points,) [t].
+        """
+
+class HeatEquation:
+    """Time steps of the heat equation by backward Euler."""
+
+    def __init__(self, bodies: Sequence[HeatBody], *, axisymmetric: bool, depth: float) -> None: ...
+
+    def find_content(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Heat stored at the nodes (n_points,) [N mm] and its derivative [N mm/K].
+        """
+
+    def solve(self, assembler: ScalarAssembler, *, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], temperature_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float, films: Sequence[HeatFilm], mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], prescribed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], source: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None, counted: int, guess: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], iterative: bool, direct: Callable[[bool, Annotated[NDArray[numpy.float64], dict(writable=False)], Annotated[NDArray[numpy.float64], dict(writable=False)]], Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None]) -> HeatStepResult:
+        """
+        Temperatures at the end of a step from a guess at them.
+
+        direct: called with whether the matrix is new, its values and the right-hand side where iterations do not find a correction; None for a singular matrix.
+        """
 
 class DamageCriterion(enum.Enum):
     """Criterion of ductile fracture."""

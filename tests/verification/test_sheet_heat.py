@@ -39,16 +39,15 @@ class Face:
     """A film of all nodes on a face."""
 
     def __init__(self, film: Film, level: int) -> None:
-        self.kind, self.level, self._film = film.kind, level, film
+        self.kind, self.level, self._film = film.kind, level, film.at(0.0)
 
     def evaluate(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
-        flow = self._film.evaluate(temperature, 0.0)
-        return flow.power, flow.slope
+        return self._film.evaluate(temperature)
 
 
 def dies(sheet: SheetConduction, conductance: float = 2.0) -> list[Face]:
     nodes = np.arange(sheet.n_points, dtype=np.int32)
-    film = ToolFilm(75.0, nodes, sheet.area, np.full(sheet.n_points, conductance))
+    film = ToolFilm(nodes, sheet.area * conductance, 75.0)
     return [Face(film, level) for level in (0, -1)]
 
 

@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from presswork import _core
-from presswork.model import ELEMENTS, FloatArray, IntArray, MaskArray, Model, Thermal
+from presswork.model import ELEMENTS, FloatArray, IntArray, Model, Thermal
 
 
 def sum_at_nodes(nodes: IntArray, values: FloatArray, n_points: int) -> FloatArray:
@@ -24,14 +22,16 @@ class Enthalpy:
         widths = np.diff(rows)
         content = np.concatenate([[0.0], np.cumsum(0.5 * widths * (values[1:] + values[:-1]))])
         slope = np.concatenate([[0.0], np.diff(values) / widths, [0.0]])
-        self._pieces = np.column_stack(
+        self.pieces: FloatArray = np.column_stack(
             [*(np.insert(v, 0, v[0]) for v in (rows, values)), slope, np.insert(content, 0, 0)]
         )
-        self._latent = thermal.latent_heat, *thermal.transformation
+        """Rows of temperature, specific heat, its slope and heat content (n, 4), as cpp/element/heat_storage.hpp has."""
+        self.latent: tuple[float, float, float] = (thermal.latent_heat, *thermal.transformation)
+        """Latent heat [mm2/s2], and from where to where it is taken up [degrees C]."""
 
     def find(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the heat content [mm2/s2], zero at the first row of the table, and its derivative [mm2/(s2 K)]."""
-        content, specific = _core.find_heat_content(self._pieces, *self._latent, temperature)
+        content, specific = _core.find_heat_content(self.pieces, *self.latent, temperature)
         return np.asarray(content), np.asarray(specific)
 
 
@@ -88,27 +88,22 @@ class Conduction:
                 raise ValueError(f"the material {model.materials[block.material].name} has no thermal properties")
             self._thermal.append(thermal)
         self._enthalpy = [Enthalpy(thermal) for thermal in self._thermal]
-        self._own = [slice(int(nodes.min()), int(nodes.max()) + 1) for nodes in self._connectivity]
-        self._table = [np.ascontiguousarray(thermal.conductivity) for thermal in self._thermal]
-        self.symmetric = all(len(table) == 1 for table in self._table)
+        self.symmetric = all(len(thermal.conductivity) == 1 for thermal in self._thermal)
         """Whether the derivative of the heat flow is symmetric: conductivities are constant."""
         self.couple(couplings)
         self.mass = self._lump(mesh.points)
         """Mass of each block at the nodes, (n_points,) each [t]."""
-        self._flow, self._conduction = [], []
-        for connectivity in self._connectivity:
-            cells, nodes = connectivity.shape
-            packs = -(-cells // _core.pack_width)
-            self._flow.append(np.zeros((packs, nodes, _core.pack_width)))
-            self._conduction.append(np.zeros((packs, nodes, nodes, _core.pack_width)))
-        self._turned: MaskArray = np.zeros(self.n_points, dtype=np.uint8)
-        self._frames = np.ones((self.n_points, 1, 1))
+        tables = zip(self._cells, self._connectivity, self._thermal, self._enthalpy, self.mass, strict=True)
+        bodies = [
+            _core.HeatBody(cell, nodes, np.ascontiguousarray(thermal.conductivity), heat.pieces, heat.latent, mass)
+            for cell, nodes, thermal, heat, mass in tables
+        ]
+        self.equation = _core.HeatEquation(bodies, axisymmetric=self._axisymmetric, depth=self._depth)
+        """The compiled equation."""
 
     def couple(self, couplings: IntArray) -> None:
         """Let the matrix hold these pairs of nodes (n, 2) beside those of the cells."""
         self.assembler = _core.ScalarAssembler(self.n_points, self._connectivity, self.symmetric, couplings)
-        rows = np.repeat(np.arange(self.n_points), np.diff(self.assembler.indptr))
-        self._diagonal = np.flatnonzero(self.assembler.indices == rows)
 
     def _lump(self, points: FloatArray) -> list[FloatArray]:
         masses = []
@@ -119,45 +114,8 @@ class Conduction:
 
     def content(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the heat stored at the nodes (n_points,) [N mm] and its derivative [N mm/K]; its zero is arbitrary."""
-        total, slope = np.zeros(self.n_points), np.zeros(self.n_points)
-        for mass, own, enthalpy in zip(self.mass, self._own, self._enthalpy, strict=True):
-            content, specific = enthalpy.find(temperature[own])
-            total[own] += mass[own] * content
-            slope[own] += mass[own] * specific
-        return total, slope
-
-    def conduct(self, points: FloatArray, temperature: FloatArray, *, with_matrix: bool = True) -> FloatArray:
-        """Return the heat that leaves the nodes by conduction (n_points,) [N mm/s]; its derivative is kept.
-
-        points: where the nodes are (n_points, d) [mm].
-        """
-        for i, cell in enumerate(self._cells):
-            failed = _core.conduct_heat(
-                cell,
-                self._connectivity[i],
-                points,
-                temperature,
-                self._table[i],
-                axisymmetric=self._axisymmetric,
-                depth=self._depth,
-                flow=self._flow[i],
-                conduction=self._conduction[i] if with_matrix else None,
-            )
-            if failed >= 0:
-                raise ValueError(f"cell {failed + 1} of block {i + 1} is turned inside out")
-        return np.asarray(self.assembler.assemble_vector(self._flow)).ravel()
-
-    def assemble(self, diagonal: FloatArray, coupled: Sequence[tuple[IntArray, FloatArray]]) -> FloatArray:
-        """Return the values (nnz) of the matrix: conduction as last evaluated, `diagonal` and further entries.
-
-        diagonal (n_points,); coupled: pairs (n, 2) of nodes and entries (n,) for them [N mm/(s K)].
-        """
-        data = np.zeros(len(self.assembler.indices))
-        self.assembler.assemble_matrix(self._conduction, self._turned, self._frames, data)
-        data[self._diagonal] += diagonal
-        for pairs, entries in coupled:
-            self.assembler.add_blocks(pairs, entries.reshape(-1, 1, 1), self._turned, self._frames, data)
-        return data
+        content, slope = self.equation.find_content(temperature)
+        return np.asarray(content), np.asarray(slope)
 
     def mean(self, temperature: FloatArray, nodes: slice = slice(None)) -> float:
         """Return the mean temperature of nodes, weighted by mass; temperature: of all or of the first so many nodes."""

@@ -1,40 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One time step of the heat equation by backward Euler and Newton's method (docs/theory/heat.md).
-
-    (H(T) - H(T_n)) / dt + K(T) T = power of the films + sources
-
-H is the heat content of the lumped masses, so that what a step stores is what flows in, to the tolerance of the
-iteration, however the specific heat depends on temperature.
-"""
+"""One time step of the heat equation (cpp/assembly/heat_equation.hpp, docs/theory/heat.md)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 
-from presswork import _core
 from presswork.body.heat import Conduction
 from presswork.implicit.linear.choose import make_solver
 from presswork.implicit.linear.contract import LinearSolver, SolverError
-from presswork.interaction.heat_films import Film, HeatFlow
+from presswork.interaction.heat_films import Film
 from presswork.model import FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import Failed, IterationLog
 from presswork.timing import Timing
 
-MOST_ITERATIONS = 25
-RESIDUAL = 1e-11
-"""Largest out-of-balance over the sum of all heat flows."""
-WORN = 1e-2
-"""Part of what is out of balance that a correction leaves at most if its matrix is to serve again."""
-INEXACT, FINEST = 1e-7, 1e-12
-"""Largest and smallest residual of a correction found by iterations, over what is out of balance."""
-MOST_INNER = 80
-"""Such iterations beyond which factors are cheaper."""
-CORRECTION = 1e-10
-"""Largest correction [K] over the largest temperature: nothing smaller is worth an iteration."""
 PRESCRIBED = "prescribed"
 """Kind under which the heat is counted that prescribed temperatures let in."""
 
@@ -69,30 +50,17 @@ class HeatStep:
     temperature: FloatArray
     """(n_points,) [degrees C]."""
     power: Mapping[str, FloatArray]
-    """Heat that flowed in by kind of film, by prescribed temperatures and by sources, into the nodes that are counted
-    and into the others (2,) [N mm/s]."""
+    """Heat that flowed in by kind of film and by prescribed temperatures, into the nodes that are counted and into the
+    others (2,) [N mm/s]."""
     log: IterationLog
 
 
-@dataclass(frozen=True)
-class _Balance:
-    """Heat flows at one guess."""
-
-    residual: FloatArray
-    capacity: FloatArray
-    given: Sequence[HeatFlow]
-    largest: float
-    """Sum of all flows [N mm/s]."""
-
-
-@dataclass
-class _Matrix:
-    """Newton's matrix."""
-
-    data: FloatArray
-    """(nnz,)."""
-    is_factorised: bool = False
-    """Whether the solver has the factors of it."""
+_REASONS = {
+    "unbounded": ("temperatures grow without bound", 0.25),
+    "singular": ("the heat equation has no solution", 0.25),
+    "no balance": ("no balance of heat after 25 iterations", 0.5),
+}
+"""Why there is no solution, and by what to shorten the step."""
 
 
 class HeatEquation:
@@ -122,111 +90,48 @@ class HeatEquation:
         """The solver by factors, analysed for the present couplings."""
         if self._solver is None:
             assembler = self.conduction.assembler
-            started = perf_counter()
             self._solver = make_solver(
                 assembler.indptr, assembler.indices, symmetric=self.conduction.symmetric, threads=self._threads
             )
-            self._timing.add("solve", started)
         return self._solver
 
     def solve(self, problem: HeatProblem, guess: FloatArray) -> HeatStep | Failed:
         """Find the temperatures at the end of a step from a guess at them (n_points,), or say why not.
 
-        Newton's matrix of the first guess serves for all corrections as long as it brings each of them near.
+        Raises ValueError for a cell that is turned inside out.
         """
-        mask = problem.mask
-        temperature = np.where(mask != 0, problem.prescribed, guess)
-        content_n, _ = self.conduction.content(problem.temperature_n)
-        log = IterationLog()
-        finished, matrix = False, None
-        for _ in range(MOST_ITERATIONS):
-            found = self._evaluate(problem, content_n, temperature, with_matrix=matrix is None)
-            out = float(np.abs(found.residual[mask == 0]).sum())
-            if not np.isfinite(out):
-                return Failed(log, "temperatures grow without bound", 0.25)
-            if finished or out <= RESIDUAL * found.largest:
-                return HeatStep(temperature, _count(problem, found), log)
-            relative = out / found.largest
-            if matrix is not None and relative > WORN * log.residual[-1]:
-                found, matrix = self._evaluate(problem, content_n, temperature, with_matrix=True), None
-            if matrix is None:
-                matrix = self._assemble(problem, found)
-            change = self._correct(matrix, np.where(mask != 0, 0.0, -found.residual), 0.1 * RESIDUAL / relative)
-            if change is None:
-                return Failed(log, "the heat equation has no solution", 0.25)
-            temperature = temperature + change
-            log.residual.append(relative)
-            log.correction.append(float(np.abs(change).max()))
-            finished = log.correction[-1] <= CORRECTION * max(1.0, float(np.abs(temperature).max()))
-        return Failed(log, f"no balance of heat after {MOST_ITERATIONS} iterations", 0.5)
+        found = self.conduction.equation.solve(
+            self.conduction.assembler,
+            points=problem.points,
+            temperature_n=problem.temperature_n,
+            dt=problem.dt,
+            films=[film.at(problem.time) for film in problem.films],
+            mask=problem.mask,
+            prescribed=problem.prescribed,
+            source=problem.source,
+            counted=len(problem.mask) if problem.counted is None else problem.counted,
+            guess=guess,
+            iterative=self._iterative,
+            direct=self._solve_by_factors,
+        )
+        self._timing.add_seconds("assembly", found.assembly_seconds)
+        self._timing.add_seconds("solve", found.solve_seconds)
+        log = IterationLog(found.residual, found.correction)
+        if found.outcome == "turned cell":
+            raise ValueError(f"cell {found.cell + 1} of block {found.block + 1} is turned inside out")
+        if found.outcome != "converged":
+            return Failed(log, *_REASONS[found.outcome])
+        power: dict[str, FloatArray] = {}
+        kinds = [*(film.kind for film in problem.films), PRESCRIBED]
+        for kind, each in zip(kinds, found.power, strict=True):
+            power[kind] = power[kind] + each if kind in power else each
+        return HeatStep(np.asarray(found.temperature), power, log)
 
-    def _evaluate(
-        self, problem: HeatProblem, content_n: FloatArray, temperature: FloatArray, *, with_matrix: bool
-    ) -> _Balance:
-        """Return what is out of balance at a guess."""
-        started = perf_counter()
-        content, capacity = self.conduction.content(temperature)
-        stored = (content - content_n) / problem.dt
-        flow = self.conduction.conduct(problem.points, temperature, with_matrix=with_matrix)
-        given = [film.evaluate(temperature, problem.time) for film in problem.films]
-        residual = stored + flow
-        for each in given:
-            residual -= each.power
-        if problem.source is not None:
-            residual -= problem.source
-        largest = sum(float(np.abs(part).sum()) for part in (stored, flow, *(each.power for each in given)))
-        self._timing.add("assembly", started)
-        return _Balance(residual, capacity / problem.dt, given, largest)
-
-    def _assemble(self, problem: HeatProblem, found: _Balance) -> _Matrix:
-        """Return the derivative of what is out of balance, prescribed temperatures held."""
-        started = perf_counter()
-        diagonal = found.capacity + sum(each.slope for each in found.given)
-        coupled = [each.coupled for each in found.given if each.coupled is not None]
-        data = self.conduction.assemble(diagonal, coupled)
-        scale, none = float(np.abs(diagonal).max()) or 1.0, np.zeros(len(diagonal))
-        self.conduction.assembler.constrain(problem.mask, none, scale, data, none.copy())
-        self._timing.add("assembly", started)
-        return _Matrix(data)
-
-    def _correct(self, matrix: _Matrix, rhs: FloatArray, accuracy: float) -> FloatArray | None:
-        """Return Newton's correction, None if the matrix is singular. accuracy: residual over that before."""
-        if self._iterative:
-            started, assembler = perf_counter(), self.conduction.assembler
-            change = _core.solve_iteratively(
-                assembler.indptr,
-                assembler.indices,
-                matrix.data,
-                rhs,
-                symmetric=self.conduction.symmetric,
-                tolerance=min(max(accuracy, FINEST), INEXACT),
-                most_iterations=MOST_INNER,
-            )
-            self._timing.add("solve", started)
-            if change is not None:
-                return change
-        solver, started = self.solver, perf_counter()
+    def _solve_by_factors(self, fresh: bool, data: FloatArray, rhs: FloatArray) -> FloatArray | None:
+        """Return a correction by the direct solver, which keeps the factors of the last fresh matrix."""
         try:
-            if not matrix.is_factorised:
-                solver.factorise(matrix.data)
-                matrix.is_factorised = True
-            return solver.solve(rhs)
+            if fresh:
+                self.solver.factorise(data.copy())
+            return self.solver.solve(rhs)
         except SolverError:
             return None
-        finally:
-            self._timing.add("solve", started)
-
-
-def _count(problem: HeatProblem, found: _Balance) -> dict[str, FloatArray]:
-    """Return the heat that flows in, by kind (2,) [N mm/s]."""
-    n = len(problem.mask) if problem.counted is None else problem.counted
-
-    def apart(flow: FloatArray) -> FloatArray:
-        return np.array([flow[:n].sum(), flow[n:].sum()])
-
-    power = {PRESCRIBED: apart(np.where(problem.mask != 0, found.residual, 0.0))}
-    for film, each in zip(problem.films, found.given, strict=True):
-        power[film.kind] = power.get(film.kind, np.zeros(2)) + apart(each.power)
-    if problem.source is not None:
-        power["source"] = apart(problem.source)
-    return power

@@ -264,7 +264,7 @@ class HeatOfForming:
             part = dt - done if done + part > dt * (1 - 1e-9) else min(part, 0.5 * (dt - done) + 0.5 * part)
             columns, chilled = self._chill(touches, now.columns, rubbed, part)
             at_tools: list[Film] = [
-                ToolFilm(t.heat.temperature, t.nodes, t.area, t.conductance)
+                ToolFilm(t.nodes, t.area * t.conductance, t.heat.temperature)
                 for t in touches
                 if t.tool not in chilled and t.heat.die is None
             ]

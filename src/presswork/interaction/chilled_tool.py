@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.interaction.heat_films import HeatFlow, LastingFilm
+from presswork import _core
+from presswork.interaction.heat_films import ToolFilm
 from presswork.model import FloatArray, IntArray
 
 CELLS = 20
@@ -73,11 +74,11 @@ class ColumnFilm:
         self._answer, self._still = answer, still + rubbed[:, None] * answer
         resistance = 1.0 / np.maximum(conductance, 1e-12) + column.surface + answer[0]
         self.nodes, self._through = nodes, 1.0 / resistance
-        self._lasting = LastingFilm(nodes, area * self._through, self._still[:, 0])
+        self._film = ToolFilm(nodes, area * self._through, self._still[:, 0])
 
-    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
-        """Return the flow."""
-        return self._lasting.evaluate(temperature)
+    def at(self, time: float) -> _core.HeatFilm:
+        """Return the film."""
+        return self._film.at(time)
 
     def finish(self, temperature: FloatArray) -> FloatArray:
         """Return the columns at the end of the step (n, CELLS), from the temperatures of all nodes."""

@@ -1,24 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """Films of heat: what heats and cools the surface of bodies, lumped at its nodes.
 
-A film is asked at a guess of the temperatures and answers the heat that it gives to the nodes, with its derivative.
-Radiation and coefficients that depend on temperature are thus implicit, as is the other side of a contact.
+A film is compiled (cpp/assembly/heat_films.hpp): asked at a guess of the temperatures it answers the heat that it gives
+to the nodes, with its derivative. Radiation and coefficients that depend on temperature are thus implicit, as is the
+other side of a contact.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from presswork import _core
 from presswork.body.heat import sum_at_nodes
 from presswork.mesh.edges import edge_areas
 from presswork.mesh.faces import face_areas
 from presswork.mesh.facing import find_lying, sum_pairs
 from presswork.model import (
     STEFAN_BOLTZMANN,
-    ZERO_CELSIUS,
     Convection,
     FloatArray,
     HeatFlux,
@@ -30,26 +30,14 @@ from presswork.model import (
 )
 
 
-@dataclass(frozen=True)
-class HeatFlow:
-    """What a film gives to the nodes."""
-
-    power: FloatArray
-    """(n_points,) [N mm/s]."""
-    slope: FloatArray
-    """-d power / d temperature of the same node (n_points,) [N mm/(s K)]."""
-    coupled: tuple[IntArray, FloatArray] | None = None
-    """Pairs of different nodes (n, 2), and -d power of the first / d temperature of the second of each (n,)."""
-
-
 class Film(Protocol):
     """One film."""
 
     kind: str
     """Under which its heat is counted."""
 
-    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
-        """Return the flow at nodal temperatures (n_points,) [degrees C], so long after the stage began [s]."""
+    def at(self, time: float) -> _core.HeatFilm:
+        """Return the compiled film as it is so long after the stage began [s]."""
 
 
 def interpolate(table: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -88,9 +76,9 @@ class FluxFilm:
     def __init__(self, entry: HeatFlux, area: FloatArray) -> None:
         self._entry, self._area = entry, area
 
-    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
-        """Return the flow."""
-        return HeatFlow(self._area * read_at(self._entry.value, time), np.zeros(len(temperature)))
+    def at(self, time: float) -> _core.HeatFilm:
+        """Return the film."""
+        return _core.HeatFilm.flux(self._area * read_at(self._entry.value, time))
 
 
 class ConvectionFilm:
@@ -100,15 +88,10 @@ class ConvectionFilm:
 
     def __init__(self, entry: Convection, area: FloatArray) -> None:
         self._entry, self._area = entry, area
-        self._slope = area * entry.coefficient[0, 1]  # of a coefficient that does not depend on temperature
 
-    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
-        """Return the flow."""
-        if len(self._entry.coefficient) == 1:
-            return HeatFlow(self._slope * (read_at(self._entry.ambient, time) - temperature), self._slope)
-        coefficient, slope = interpolate(self._entry.coefficient, temperature)
-        excess = temperature - read_at(self._entry.ambient, time)
-        return HeatFlow(-self._area * coefficient * excess, self._area * (coefficient + slope * excess))
+    def at(self, time: float) -> _core.HeatFilm:
+        """Return the film."""
+        return _core.HeatFilm.convection(self._area, self._entry.coefficient, read_at(self._entry.ambient, time))
 
 
 class RadiationFilm:
@@ -119,44 +102,23 @@ class RadiationFilm:
     def __init__(self, entry: Radiation, area: FloatArray) -> None:
         self._entry, self._factor = entry, area * entry.emissivity * STEFAN_BOLTZMANN
 
-    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
-        """Return the flow."""
-        kelvin = temperature + ZERO_CELSIUS
-        ambient = read_at(self._entry.ambient, time) + ZERO_CELSIUS
-        cube = kelvin * kelvin * kelvin
-        return HeatFlow(-self._factor * (cube * kelvin - ambient**4), 4 * self._factor * cube)
-
-
-class LastingFilm:
-    """Nodes that each exchange heat with a temperature of its own, in proportion to the difference."""
-
-    def __init__(self, nodes: IntArray, factor: FloatArray, other: FloatArray | float) -> None:
-        """Take nodes (n,), each once, factors [N mm/(s K)] and the temperatures on the other side (n,) [degrees C]."""
-        self._nodes, self._factor, self._other = nodes, factor, other
-        self._slope: FloatArray = np.zeros(0)
-
-    def evaluate(self, temperature: FloatArray) -> HeatFlow:
-        """Return the flow."""
-        if len(self._slope) != len(temperature):
-            self._slope = np.zeros(len(temperature))
-            self._slope[self._nodes] = self._factor
-        power = np.zeros(len(temperature))
-        power[self._nodes] = self._factor * (self._other - temperature[self._nodes])
-        return HeatFlow(power, self._slope)
+    def at(self, time: float) -> _core.HeatFilm:
+        """Return the film."""
+        return _core.HeatFilm.radiation(self._factor, read_at(self._entry.ambient, time))
 
 
 class ToolFilm:
-    """Conductance between nodes and a tool of constant temperature."""
+    """Conductance between nodes and a tool: in proportion to the difference from a temperature at each."""
 
     kind = "tools"
 
-    def __init__(self, temperature: float, nodes: IntArray, area: FloatArray, conductance: FloatArray) -> None:
-        """Take the tool's temperature, nodes (n,), the areas that they stand for [mm2] and conductances there (n,)."""
-        self._lasting = LastingFilm(nodes, area * conductance, temperature)
+    def __init__(self, nodes: IntArray, factor: FloatArray, other: FloatArray | float) -> None:
+        """Take nodes (n,), each once, factors [N mm/(s K)] and the tool's temperatures there (n,) [degrees C]."""
+        self._film = _core.HeatFilm.at_nodes(nodes, factor, np.broadcast_to(other, len(nodes)))
 
-    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
-        """Return the flow."""
-        return self._lasting.evaluate(temperature)
+    def at(self, time: float) -> _core.HeatFilm:
+        """Return the film."""
+        return self._film
 
 
 def make_surroundings(surroundings: Surroundings, area: FloatArray) -> list[Film]:
@@ -180,17 +142,12 @@ class PairFilm:
 
     def __init__(self, kind: str, pairs: IntArray, factor: FloatArray) -> None:
         """Take pairs of nodes (n, 2), and conductance times shared area [N mm/(s K)] of each."""
-        self.kind, self.pairs, self._factor = kind, pairs, factor
-        self._first, self._second = np.ascontiguousarray(pairs.T)
-        self._coupled = np.concatenate([pairs, pairs[:, ::-1]]), np.tile(-factor, 2)
+        self.kind, self.pairs = kind, pairs
+        self._film = _core.HeatFilm.between(pairs, factor)
 
-    def evaluate(self, temperature: FloatArray, time: float) -> HeatFlow:
-        """Return the flow."""
-        n, first, second = len(temperature), self._first, self._second
-        flow = self._factor * (temperature[first] - temperature[second])
-        power = sum_at_nodes(second, flow, n) - sum_at_nodes(first, flow, n)
-        slope = sum_at_nodes(first, self._factor, n) + sum_at_nodes(second, self._factor, n)
-        return HeatFlow(power, slope, self._coupled)
+    def at(self, time: float) -> _core.HeatFilm:
+        """Return the film."""
+        return self._film
 
 
 def make_contacts(model: Model) -> list[PairFilm]:

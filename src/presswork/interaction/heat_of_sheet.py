@@ -101,12 +101,11 @@ class _OnFace:
     """A film of nodes on one face of the sheet."""
 
     def __init__(self, film: Film, level: int) -> None:
-        self._film, self.kind, self.level = film, film.kind, level
+        self._film, self.kind, self.level = film.at(0.0), film.kind, level
 
     def evaluate(self, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the heat into the nodes and minus its derivative."""
-        flow = self._film.evaluate(temperature, 0.0)
-        return flow.power, flow.slope
+        return self._film.evaluate(temperature)
 
 
 class HeatOfSheet:
@@ -320,6 +319,6 @@ class HeatOfSheet:
         for touch, warm in zip(touches, chilled, strict=True):
             tool = self._tools[touch.tool]
             assert tool is not None
-            film = warm or ToolFilm(tool.temperature, touch.nodes, touch.area, touch.conductance)
+            film = warm or ToolFilm(touch.nodes, touch.area * touch.conductance, tool.temperature)
             films.append((film, touch.level))
         return [_OnFace(film, level) for film, level in films]
